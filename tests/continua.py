@@ -13,3 +13,15 @@ def pressed(heights, solid, *, load=None, separation=None, spacing=(), edges="pe
     heights = np.ascontiguousarray(heights, dtype=float)
     bodies = Bodies(heights, Lattice(heights.shape, spacing, edges), solid, {}, False)
     return first_contact(bodies, control_from(load, separation), start=None, solver=None)
+
+
+def love(shape, sides):
+    """Displacement of pixels by unit pressures on others, times E*, as a matrix; A. E. H. Love (1929)."""
+    y, x = (side * ij.ravel() for side, ij in zip(sides, np.indices(shape), strict=True))
+    integral = 0.0
+    for v in (-0.5, 0.5):
+        for w in (-0.5, 0.5):
+            Y, X = y[:, None] - y + v * sides[0], x[:, None] - x + w * sides[1]
+            r = np.hypot(Y, X)
+            integral += 4 * v * w * (X * np.log(Y + r) + Y * np.log(X + r))
+    return integral / np.pi

@@ -6,6 +6,7 @@ import scipy.optimize
 from scipy.special import ellipe, ellipk
 
 import asperity as asp
+from tests.continua import love
 
 E = 3e9
 SOLID = asp.solids.half_space(modulus=E)
@@ -145,18 +146,6 @@ def test_a_ball_under_constant_load_follows_lee_and_radok(share):
         assert spread(aged, 0) + spread(aged, 1) == pytest.approx(square, rel=1e-3)
         middle = aged.pressure[35:37, 35:37].mean()
         assert middle == pytest.approx(2 / (np.pi * radius) * relaxed(a), rel=1e-3)
-
-
-def love(shape, sides):
-    """Displacement of pixels by unit pressures on others, times E*, as a matrix."""
-    y, x = (side * ij.ravel() for side, ij in zip(sides, np.indices(shape), strict=True))
-    integral = 0.0
-    for v in (-0.5, 0.5):
-        for w in (-0.5, 0.5):
-            Y, X = y[:, None] - y + v * sides[0], x[:, None] - x + w * sides[1]
-            r = np.hypot(Y, X)
-            integral += 4 * v * w * (X * np.log(Y + r) + Y * np.log(X + r))
-    return integral / np.pi
 
 
 def pressed_densely(heights, compliance, before, force, touching):

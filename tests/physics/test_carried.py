@@ -90,17 +90,6 @@ def test_stiffness_is_the_derivative_of_the_load_on_rough_contacts():
     assert aged.normal_stiffness == pytest.approx(slope, rel=5e-3)
 
 
-def test_aging_raises_what_a_contact_carries():
-    heights = asp.surfaces.spectral((64, 64), hurst=0.8, seed=2, rms_height=0.1)
-    solid = asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
-    first = asp.press(free(heights, 1.0), solid, load=5.0)
-    last = asp.age(first, [10.0]).final
-    assert last.resistance(1.0) < first.resistance(1.0)
-    early, late = (contact.partial_slip(1.0, MU, NU) for contact in (first, last))
-    assert late.stiffness > early.stiffness
-    assert late.displacement < early.displacement
-
-
 def test_units_are_read():
     surface = asp.surfaces.sphere((64, 64), radius="1 mm", pixel_size="1 um")
     contact = asp.press(surface, asp.solids.half_space(modulus="3 GPa"), load="1 mN")

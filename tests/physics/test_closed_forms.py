@@ -157,12 +157,6 @@ def test_energy_law_at_constant_load(R_viscous):
         assert measured == pytest.approx(-dissipation, rel=2e-3)
 
 
-def test_energy_falls_at_constant_separation():
-    contact = press(uncorrelated(32), spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1), separation=1.5)
-    energy = age(contact, np.geomspace(1e-3, 1e3, 25)).dataset["energy"].values
-    assert (np.diff(energy) < 0).all()
-
-
 def test_scaling_stiffness_load_and_mobility_together_changes_nothing():
     rough = uncorrelated(32)
     times = np.geomspace(1e-2, 1e4, 7)

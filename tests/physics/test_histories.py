@@ -164,37 +164,6 @@ def test_a_step_to_what_it_was_changes_nothing(change):
     assert np.abs(plain.u0 - stepped.u0).std() < 2e-3 * plain.u.std()
 
 
-def test_a_jump_of_the_separation_is_the_same_by_either_solver():
-    # At duration 0 the shape is given: corrections of u0 are exactly 0, and their ratio is none.
-    heights = uncorrelated(48)
-    old = asp.age(asp.press(heights, springs(), separation=1.5), [10.0]).final
-    quick, general = (asp.press(old, separation=1.3, solver=solver) for solver in (Multigrid(), ActiveSet()))
-    np.testing.assert_array_equal(quick.in_contact, general.in_contact)
-    np.testing.assert_allclose(quick.u, general.u, atol=1e-8)
-
-
-def test_pressing_back_at_once_is_elastic():
-    heights = uncorrelated(32)
-    old = asp.age(asp.press(heights, springs(), load=60.0), [10.0]).final
-    back = asp.press(asp.press(old, load=10.0), load=60.0)
-    np.testing.assert_array_equal(back.in_contact, old.in_contact)
-    np.testing.assert_allclose(back.u, old.u, atol=1e-8)
-
-
-def test_a_ramp_is_the_limit_of_many_steps():
-    heights = uncorrelated(16)
-    contact = asp.press(heights, springs(), load=5.0)
-    ramp = asp.age(contact, [2.0], protocol=[P.Ramp(2.0, load=30.0)], rtol=1e-4).final
-    misses = []
-    for n in (8, 16, 32):
-        loads = 5.0 + 25.0 * (np.arange(n) + 0.5) / n
-        legs = [leg for load in loads for leg in (P.Step(load=load), P.Hold(2.0 / n))]
-        stairs = asp.age(contact, [2.0], protocol=[*legs, P.Step(load=30.0)], rtol=1e-4).final
-        misses.append(np.abs(stairs.u0 - ramp.u0).max())
-    assert misses[2] < 0.3 * misses[0]  # at least like 1/n
-    assert misses[2] < 2e-3 * ramp.u.std()
-
-
 def events_off(control):
     """One asperity: the contact stays one site, so that nothing but the steps makes an error."""
     heights = np.full((16, 16), -100.0)
@@ -253,25 +222,6 @@ def test_work_is_energy_and_dissipation(R_viscous):
         )
     assert lost > 0
     assert worked == pytest.approx(total + lost, abs=2e-3 * (abs(worked) + lost))
-
-
-def test_the_general_path_agrees_with_that_of_springs():
-    heights = correlated(32)
-    contact = asp.press(heights, springs(R_viscous=0.05), load=0.05 * heights.size)
-    protocol = [
-        P.Ramp(1.0, load=0.1 * heights.size),
-        P.Hold(10.0, hold="separation"),
-        P.Step(load=0.03 * heights.size),
-        P.Hold(100.0),
-    ]
-    quick, general = (
-        asp.age(contact, [0.5, 2.0, 12.0], protocol=protocol, solver=solver, fields_at=[1.0, 111.0])
-        for solver in (Multigrid(), ActiveSet())
-    )
-    for name in ("u", "u0"):
-        difference = (quick.dataset[name] - general.dataset[name]).std(["x", "y"])
-        assert (difference < 2e-3 * quick.dataset["u"].std(["x", "y"])).all()
-    assert quick.dataset["area"].values == pytest.approx(general.dataset["area"].values, rel=0.01, abs=1)
 
 
 def test_mobility_is_a_factor_on_the_clock_of_a_leg():

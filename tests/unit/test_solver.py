@@ -1,11 +1,12 @@
-"""The contact solver on its own: dense reference, cycling, giving up."""
+"""The contact solver on its own: dense reference, cycling, giving up; and several one after the other."""
 
 import itertools
 
 import numpy as np
 import pytest
 
-from asperity.contact import ActiveSet
+import asperity as asp
+from asperity.contact import ActiveSet, Multigrid
 from asperity.contact.interface import RIGID
 from asperity.contact.pinning import effective_pinning
 from asperity.contact.problem import TOLERANCE, Guess
@@ -135,3 +136,16 @@ def test_pinning_has_finite_answers_at_the_ends():
     assert effective_pinning(lattice, lattice.lam, 1.0) > 1e3
     assert 0 < effective_pinning(lattice, lattice.lam, 1 / 400) < 0.1
     assert effective_pinning(lattice, np.zeros_like(lattice.lam), 0.5) > 0
+
+
+@pytest.mark.parametrize(("max_cycles", "solver"), [(40, "Cycles"), (0, "ActiveSet"), (2, "ActiveSet")])
+def test_the_solution_says_who_solved(max_cycles, solver):
+    rough = np.random.default_rng(0).normal(size=(32, 32))
+    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
+    system = contact.system()
+    problem = system.problem(system.mechanics.implicit_step(0.0), 0.0)
+    found = Multigrid(max_cycles=max_cycles).solve(problem, None, TOLERANCE)
+    alone = ActiveSet().solve(problem, None, TOLERANCE)
+    assert found.solver == solver
+    assert found.iterations >= max_cycles or solver == "Cycles"
+    np.testing.assert_array_equal(found.in_contact, alone.in_contact)

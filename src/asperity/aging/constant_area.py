@@ -51,20 +51,10 @@ TUNING = Tuning()
 
 @dataclass
 class ConstantArea:
-    """The load of the next step.
+    """The load of the next step, after the last one ended at a time, a load and an area, sites.
 
-    Attributes
-    ----------
-    wanted
-        The area to keep, sites.
-    time, load, area
-        Where the last step ended.
-    growth, since
-        G and s.
-    correction, repeated
-        What a repetition added to the change of ln F in this step, and whether there was one.
-    gain
-        Part of what the area is off that this step corrects.
+    ``growth`` and ``since`` are G and s; ``correction`` is what a repetition added to the change of ln F in
+    this step, and ``gain`` the part of what the area is off that it corrects.
     """
 
     wanted: float

@@ -40,18 +40,10 @@ def step_tolerance(rtol: float) -> float:
 
 @dataclass
 class Controller:
-    """Chooses the length of the next time step.
+    """Chooses the length of the next time step, which may err by the tolerance, in deformations.
 
-    Attributes
-    ----------
-    tolerance
-        Error that one time step may have, in deformations.
-    length
-        That of the next step.
-    tried, unsolved, since
-        Steps tried, and those not solved, since a time that is set anew whenever time has doubled.
-    wished
-        Length of the first of those not solved.
+    Steps ``tried`` and ``unsolved`` are counted ``since`` a time that is set anew whenever time has doubled;
+    ``wished`` is the length of the first of those not solved.
     """
 
     tolerance: float

@@ -19,7 +19,7 @@ from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
-from asperity.contact.mechanics import ImplicitStep, SpectralMechanics
+from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.stencils import extrapolated
@@ -29,19 +29,7 @@ from asperity.lattice import Field, Modes
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """The state of the creeping system at one time, relative to the system's datum.
-
-    Attributes
-    ----------
-    u
-        The surface, a field.
-    modes
-        Its Fourier modes.
-    stretch
-        w_b = u - u_b, Fourier modes, branches first.
-    position
-        That of the rigid body.
-    """
+    """A state relative to the datum: the surface and its modes, modes of w_b, and the body's position."""
 
     u: Field
     modes: Modes
@@ -52,14 +40,8 @@ class Point:
 class FieldSteps(TrBdf2):
     """A creeping state of any solid.
 
-    Attributes
-    ----------
-    point
-        The state.
-    earlier
-        The surfaces before it.
-    tried
-        The state and the ends of the stages that were tried.
+    ``earlier`` are the surfaces before the state ``point``; ``tried`` the state and the ends of the stages
+    that were tried.
     """
 
     kind, through = "fields", 2
@@ -74,8 +56,7 @@ class FieldSteps(TrBdf2):
         self.implicit: ImplicitStep | None = None
         # Whether contact problems are solved no better than a step needs: what that leaves off contact is
         # balanced where a state is published.
-        mechanics = system.mechanics
-        self.eager = isinstance(mechanics, SpectralMechanics) and mechanics.anchors_can_balance
+        self.eager = system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
@@ -98,10 +79,13 @@ class FieldSteps(TrBdf2):
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
-        point = self.point
-        earlier = np.reshape(self.earlier, (-1, *point.u.shape))
-        fixed = {"u": point.u, "stretch": point.stretch, "position": np.array(point.position)}
-        return {**fixed, "earlier": earlier}
+        point, earlier = self.point, np.reshape(self.earlier, (-1, *self.point.u.shape))
+        return {
+            "u": point.u,
+            "stretch": point.stretch,
+            "position": np.array(point.position),
+            "earlier": earlier,
+        }
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
@@ -113,20 +97,20 @@ class FieldSteps(TrBdf2):
         if not self.eager:
             return State(point.u, mechanics.lattice.backward(point.stretch), point.position)
         held, touching = self.system.at(self.time).held(point.position), point.u <= self.system.heights
-        change = mechanics.spectral.balancing(point.modes, point.stretch, touching, held)
+        change = mechanics.balancing(point.modes, point.stretch, touching, held)
         return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""
-        u, stretch = self.point.u, self.system.mechanics.spectral.rms(self.point.stretch)
+        u, stretch = self.point.u, self.system.mechanics.rms(self.point.stretch)
         return Extent(float(u.std()), stretch, largest(u, np))
 
     def speed(self) -> float:
         """See `Steps`."""
-        spectral, system = self.system.mechanics.spectral, self.system
-        rate = spectral.spectra.rate * self.point.stretch
-        rate[spectral.lattice.mean] += system.drift * system.sites
-        return spectral.rms(rate)
+        system, mechanics = self.system, self.system.mechanics
+        rate = mechanics.spectra.rate * self.point.stretch
+        rate[mechanics.lattice.mean] += system.drift * system.sites
+        return mechanics.rms(rate)
 
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`; `ActiveSet` solves to the error allowed, where that can be balanced."""
@@ -145,23 +129,23 @@ class FieldSteps(TrBdf2):
         guess = Guess(
             extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True
         )
+        allowed, settled = 0.0, True
         if self.eager and isinstance(self.solver, ActiveSet):
             allowed, settled = stage.allowed_error, stage.is_last
             solution = self.solver.solve(problem, guess, stage.tolerance, allowed, settled=settled)
         else:
-            allowed, settled = 0.0, True
             solution = self.solver.solve(problem, guess, stage.tolerance)
         if settled or not allowed:  # steps begin with modes that are exact
             modes = lattice.forward(solution.u)
         else:
             modes = lattice.forward_near(solution.u, latest.u, latest.modes)
-        stretch, position = self.implicit.spectral.stretch_modes(modes, before, held)
+        stretch, position = self.implicit.stretch_modes(modes, before, held)
         self.tried.append(Point(solution.u, modes, stretch, position))
         return solution.iterations
 
     def _combined(self, u: Modes | float, numbers: Sequence[float], durations: Sequence[float]) -> Modes:
         """Modes u and of each w_b tried a number of times and what u_b creeps at the rate there in a time."""
-        system, spectra = self.system, self.system.mechanics.spectral.spectra
+        system, spectra = self.system, self.system.mechanics.spectra
         modes = np.empty_like(self.point.stretch)
         modes[...] = u
         for number, duration, point in zip(numbers, durations, self.tried, strict=True):
@@ -172,7 +156,7 @@ class FieldSteps(TrBdf2):
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
         assert self.implicit is not None
-        step, system = self.implicit.spectral, self.system
+        step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness
         if system.control.load_controlled:  # the load decides the mean
@@ -183,7 +167,7 @@ class FieldSteps(TrBdf2):
         left = np.subtract(u, error, out=error)
         if system.control.load_controlled:
             left[system.mechanics.lattice.mean] = 0.0
-        return system.mechanics.spectral.rms(left)
+        return system.mechanics.rms(left)
 
     def advance(self) -> None:
         """See `TrBdf2`."""

@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
-from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
-from asperity.aging.tr_bdf2 import Steps
-from asperity.contact.controls import Control
+from asperity.aging.tr_bdf2 import Origin, Steps
 from asperity.contact.problem import Solution
 from asperity.contact.state import AnchorModes, Contact
 
@@ -73,19 +71,9 @@ class Frame:
 class Midway:
     """State from which a new march resumes, at a time between two frames, to identical results.
 
-    Attributes
-    ----------
-    time
-        The time, since the start of the march.
-    kind, resume_state
-        The kind of time steps, and their state: arrays of `Steps.resume_state`.
-    origin
-        What the rigid approach is measured from.
-    deformation, controller, counts
-        Scale of the error, how long the next step is, and steps, rejections and iterations since the last
-        frame.
-    area
-        How the area is kept constant, if it is.
+    That are the kind of time steps and their arrays, what the rigid approach is measured from, the scale of
+    the error, how long the next step is, what was counted since the last frame, and how the area is kept, if
+    it is.
     """
 
     time: float
@@ -115,41 +103,11 @@ class Counts:
     iterations: int = 0
 
 
-@dataclass
-class Origin:
-    """What the rigid approach is measured from.
-
-    Attributes
-    ----------
-    separation
-        Mean of u0 at the start.
-    impulse
-        Integral of the load over time since then, where the load is prescribed.
-    """
-
-    separation: float
-    impulse: float = 0.0
-
-    def passed(self, control: Control, since: float, time: float) -> None:
-        """Count a time step."""
-        if control.load_controlled:
-            self.impulse += control.at((since + time) / 2).value * (time - since)
-
-    def approach(self, now: Steps, separation: float) -> float:
-        """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
-        system = now.system
-        if system.load is None:
-            return -system.drift * now.time
-        if isinstance(now, LocalSteps):
-            return -now.position
-        return self.separation - separation + system.mechanics.mean_mobility * self.impulse / system.sites
-
-
 def published(start: Contact, now: Steps, origin: Origin, counts: Counts) -> Frame:
     """The present state of what a contact has become, in exact equilibrium."""
     system, (u, creep, position) = now.system.at(now.time), now.state()
     anchors = creep if isinstance(creep, AnchorModes) else u - system.balanced_stretch(u, creep)
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
     state = start.become(system, solution, anchors, position)
-    approach = origin.approach(now, state.separation)
+    approach = now.approach(origin, state.separation)
     return Frame(now.time, state, approach, **vars(counts), solved_by=now.kind)

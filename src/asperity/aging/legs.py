@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -28,20 +29,8 @@ from asperity.solids import Solid
 class LegMidway:
     """State from which a history resumes within a leg, to identical results.
 
-    Attributes
-    ----------
-    leg
-        Its number in the history, from 0.
-    control
-        What is prescribed in it.
-    approach
-        Rigid approach since the start of the history, at the beginning of the march.
-    midway
-        The march in it; times since its beginning.
-    shifts
-        How often the rough surface was shifted in this leg.
-    pace
-        How the march began, where the surface slides.
+    ``approach`` is that at the beginning of the march in the leg, whose times are since then; ``shifts`` says
+    how often the rough surface was shifted in this leg, and ``pace`` how the march began, where it slides.
     """
 
     leg: int
@@ -53,16 +42,10 @@ class LegMidway:
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
-    """Refuse slides without periodic edges, along an axis that is none, or by parts of sites that yield.
-
-    Raises
-    ------
-    InputError
-        Some leg slides so.
-    """
+    """Refuse slides without periodic edges, along an axis that is none, or by parts of sites that yield."""
     for leg in legs:
-        if (shifts := leg.shifts(lattice)) is not None and solid.yields:
-            check_whole(shifts.sites)
+        if (shifts := leg.shifts(lattice)) is not None:
+            check_whole(solid, shifts.sites)
 
 
 def _moved(place: Frame, shifts: Shifts, count: int) -> Frame:
@@ -84,22 +67,9 @@ def follow(
 ) -> Iterator[Frame]:
     """Yield a frame at time 0, at each of the times, at the end of each leg and at shifts.
 
-    At a step and at a shift there are two, before and after.
-
-    Parameters
-    ----------
-    contact
-        Where to start.
-    schedule
-        The history.
-    times
-        Strictly increasing times > 0, none after the end of the last leg.
-    rtol, solver, exact
-        As in `asperity.age`.
-    resume
-        Go on from here, with the frames after it; all other arguments as at first.
-    after_step
-        Called after each time step with the state from which to go on.
+    At a step and at a shift there are two, before and after. Times are > 0, strictly increasing, and none is
+    after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`, ``resume``
+    and ``after_step`` as in `creep`.
     """
     way = _Way(contact, times, rtol, solver, exact, after_step)
     if resume is None:
@@ -109,7 +79,8 @@ def follow(
         here = resume if resume is not None and number == resume.leg else None
         shifts = leg.shifts(contact.lattice)
         if resume is not None and number < resume.leg:
-            way.skip(shifts)
+            if shifts is not None:
+                way.now = _moved(way.now, shifts, shifts.count)
         elif shifts is not None:
             yield from way.slide(leg, shifts, number, span, here)
         elif leg.jumps:
@@ -121,33 +92,20 @@ def follow(
             yield from way.creep(leg, number, span, here)
 
 
+@dataclass(eq=False)
 class _Way:
-    """A contact on its way through a history; arguments as those of `follow`.
+    """A contact on its way through a history, ``now`` at a frame; arguments as those of `follow`."""
 
-    Attributes
-    ----------
-    now
-        Where it is.
-    """
+    contact: Contact
+    times: Field
+    rtol: float
+    solver: ContactSolver | None
+    exact: bool
+    after_step: Callable[[LegMidway], None] | None
 
-    def __init__(
-        self,
-        contact: Contact,
-        times: Field,
-        rtol: float,
-        solver: ContactSolver | None,
-        exact: bool,
-        after_step: Callable[[LegMidway], None] | None,
-    ) -> None:
-        self.heights, self.lattice, self.times = contact.heights, contact.lattice, times
-        self.rtol, self.solver, self.exact, self.after_step = rtol, solver, exact, after_step
-        at_rest = (Fraction(0),) * self.lattice.dimension
-        self.now = Frame(0.0, contact, 0.0, 0, 0, contact.iterations, shift=at_rest)
-
-    def skip(self, shifts: Shifts | None) -> None:
-        """Pass a leg that was followed before, with its shifts if it has any."""
-        if shifts is not None:
-            self.now = _moved(self.now, shifts, shifts.count)
+    def __post_init__(self) -> None:
+        start, at_rest = self.contact, (Fraction(0),) * self.contact.lattice.dimension
+        self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest)
 
     def resume(self) -> None:
         """Have a contact above the heights where they are; any will do to go on from a place."""
@@ -156,23 +114,16 @@ class _Way:
 
     def shifted(self, shift: tuple[Fraction, ...], by: tuple[Fraction, ...]) -> Contact:
         """The contact when the heights have come to a place, by a last shift."""
-        contact = self.now.contact
-        if contact.solid.yields:  # by whole sites, which is exact
-            return slid(contact, self.lattice.shifted(contact.heights, by), by, self.solver)
-        return slid(contact, self.lattice.shifted(self.heights, shift), by, self.solver)
+        contact, heights, way = self.now.contact, self.contact.heights, shift
+        if all(sites.denominator == 1 for sites in (*shift, *by)):  # exact, and heights may have yielded
+            heights, way = contact.heights, by
+        return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
 
     def at_once(self, contact: Contact, place: Frame) -> Frame:
         """What the contact becomes at once, at a place."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
-        self.now = replace(
-            place,
-            contact=contact,
-            approach=approach,
-            steps=0,
-            rejected=0,
-            iterations=contact.iterations,
-            solved_by="",
-        )
+        spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
+        self.now = replace(place, contact=contact, approach=approach, **spent)
         return self.now
 
     def slide(

@@ -37,20 +37,15 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     some_soft, all_soft = mechanics.soft_modes
     if some_soft and contact.area == 0:
         return contact  # without contact forces the soft modes do not move
+    expected = got = ""
     if some_soft and not all_soft:
-        raise InputError(
-            "solid",
-            expected="permanent stiffness above 0 at every wave vector but 0, or nowhere",
-            got="some without, along which the limit depends on the path",
-            advice="asperity.age with late times",
-        )
-    if some_soft and mechanics.lattice.body:
-        raise InputError(
-            "solid",
-            expected="permanent stiffness above 0 where edges are free",
-            got="none, so that the body sinks for ever",
-            advice="asperity.age with late times",
-        )
+        expected = "permanent stiffness above 0 at every wave vector but 0, or nowhere"
+        got = "some without, along which the limit depends on the path"
+    elif some_soft and mechanics.lattice.body:
+        expected = "permanent stiffness above 0 where edges are free"
+        got = "none, so that the body sinks for ever"
+    if expected:
+        raise InputError("solid", expected=expected, got=got, advice="asperity.age with late times")
     u, anchors, in_contact = contact.whole
     before, position = anchors - system.datum, contact.separation - system.datum
     step = mechanics.implicit_step(np.inf)
@@ -71,7 +66,7 @@ def _without_law(mechanics: Mechanics) -> Mechanics:
 
     Whatever creeps under every force creeps until all springs of the branch carry the same.
     """
-    solid, law = mechanics.spectral.solid, mechanics.law
+    solid, law = mechanics.solid, mechanics.law
     if law is not None and not law.velocity(np.array([np.finfo(float).tiny ** 0.25]))[0][0] > 0:
         raise InputError(
             "creep",

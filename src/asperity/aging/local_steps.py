@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, Extent, State, TrBdf2, rms
+from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, Extent, Origin, State, TrBdf2, rms
 from asperity.aging.tr_bdf2 import Stage as TimeStage
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
@@ -93,6 +93,10 @@ class LocalSteps(TrBdf2):
     def position(self) -> float:
         """How far the rigid body has moved since the beginning."""
         return self.known[0].position
+
+    def approach(self, origin: Origin, separation: float) -> float:
+        """See `Steps`."""
+        return super().approach(origin, separation) if self.system.load is None else -self.position
 
     def contacts_tried(self) -> int:
         """See `Steps`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,11 +14,11 @@ from numpy.typing import ArrayLike
 from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
 from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
-from asperity.aging.frames import Counts, Frame, Midway, Origin, Pace, published
+from asperity.aging.frames import Counts, Frame, Midway, Pace, published
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
-from asperity.aging.tr_bdf2 import Aim, Steps
+from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
@@ -53,7 +54,6 @@ class Tuning:
 TUNING = Tuning()
 
 KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, SpringSteps, FieldSteps, LocalSteps)}
-"""Kinds of time steps by name."""
 
 
 def creep(
@@ -114,19 +114,15 @@ def creep(
         system = contact.system(control)
     _check_pace(system, stops)
     if keep_area and contact.area < FEWEST_SITES and midway is None:
-        raise InputError(
-            "hold",
-            expected=f"at least {FEWEST_SITES} sites in contact to keep the area",
-            got=contact.area,
-            advice="a larger surface or more load",
-        )
+        expected = f"at least {FEWEST_SITES} sites in contact to keep the area"
+        raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
         march.begin(system, exact, keep_area, pace)
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
-    return _frames(march, stops, from_start=midway is None)
+    return march.frames(stops, from_start=midway is None)
 
 
 def _begun(system: System, solver: ContactSolver, start: Contact, exact: bool) -> Steps:
@@ -155,64 +151,24 @@ def check_rtol(rtol: float) -> float:
 
 def _check_pace(system: System, stops: Field) -> None:
     """Refuse numbers that overflow single precision."""
-    fastest = system.mechanics.fastest_creep
+    fastest, advice = system.mechanics.fastest_creep, "another unit of time"
     if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
-        raise InputError(
-            "times",
-            expected=f"0, or times from {1 / LONGEST:.0e}",
-            got=f"{stops[0]:g}",
-            advice="another unit of time",
-        )
+        expected = f"0, or times from {1 / LONGEST:.0e}"
+        raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
     if stops.size and fastest * stops[-1] > LONGEST:
-        raise InputError(
-            "times",
-            expected=f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept",
-            got=f"{stops[-1]:g}",
-            advice="asperity.relax for what comes in the end",
-        )
+        expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+        advice = "asperity.relax for what comes in the end"
+        raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
     if fastest > LONGEST:
-        raise InputError(
-            "solid",
-            expected=f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}",
-            got=f"{fastest:.2g}",
-            advice="another unit of time",
-        )
-
-
-def too_short(length: float, time: float, stop: float) -> ConvergenceError:
-    """Steps have become so short that a march does not get to a stop."""
-    return ConvergenceError(
-        f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
-        f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
-    )
-
-
-def _frames(march: _March, stops: Field, *, from_start: bool) -> Iterator[Frame]:
-    """Integrate and publish."""
-    start = march.start
-    if from_start:
-        yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
-    for stop in stops:
-        march.advance_to(float(stop))
-        yield published(start, march.now, march.origin, march.counts)
-        march.counts = Counts()
+        expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
+        raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
 
 
 class _March:
     """Adaptive steps from stop to stop.
 
-    Attributes
-    ----------
-    now
-        The state.
-    controller
-        Chooses the length of steps.
-    area
-        Chooses their load, where the area is kept.
-    deformation
-        The largest so far: what errors are relative to.
-    origin, counts
-        What the next frame needs beside the state.
+    Errors are relative to the largest ``deformation`` so far; ``area`` chooses the load, where the area is
+    kept.
     """
 
     now: Steps
@@ -231,6 +187,16 @@ class _March:
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
 
+    def frames(self, stops: Field, *, from_start: bool) -> Iterator[Frame]:
+        """Integrate and publish."""
+        start = self.start
+        if from_start:
+            yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
+        for stop in stops.tolist():
+            self.advance_to(stop)
+            yield published(start, self.now, self.origin, self.counts)
+            self.counts = Counts()
+
     def begin(self, system: System, exact: bool, keep_area: bool, pace: Pace | None) -> None:
         """At the start."""
         start = self.start
@@ -245,11 +211,10 @@ class _March:
 
     def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""
-        self.origin, self.counts = replace(midway.origin), replace(midway.counts)
-        self.controller = replace(midway.controller)
+        self.origin, self.counts = copy(midway.origin), copy(midway.counts)
+        self.controller, self.area = copy(midway.controller), copy(midway.area)
         self.deformation = midway.deformation
-        if midway.area is not None:
-            self.area = replace(midway.area)
+        if self.area is not None:
             system = replace(system, control=Load(self.area.load, since=self.area.time))
         self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
@@ -260,16 +225,8 @@ class _March:
         if self.now.system.yields:
             heights, indentation = self.start.heights, self.start.permanent_indentation
             arrays |= {"heights": heights, "indentation": indentation, "obstacle": self.now.system.heights}
-        return Midway(
-            self.now.time,
-            self.now.kind,
-            arrays,
-            replace(self.origin),
-            self.deformation,
-            replace(self.controller),
-            replace(self.counts),
-            self.area and replace(self.area),
-        )
+        march: Any = self.origin, self.deformation, self.controller, self.counts, self.area
+        return Midway(self.now.time, self.now.kind, arrays, *map(copy, march))
 
     def raise_deformation(self) -> None:
         """Set the scale of the error to the largest deformation so far."""
@@ -305,7 +262,11 @@ class _March:
             length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
             landing = length == stop - time
             if controller.is_stuck(time, length):
-                self.fall_back(failure or too_short(length, time, stop))
+                shrank = ConvergenceError(
+                    f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
+                    f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
+                )
+                self.fall_back(failure or shrank)
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))
@@ -327,11 +288,10 @@ class _March:
 
     def aim(self, landing: bool) -> Aim:
         """How accurate the next time step is to be, which leads to a frame or not."""
-        passing = self.unnoticed
+        tolerance, allowed = self.passing, self.unnoticed
         if landing:
-            published = TUNING.published * self.controller.tolerance * self.deformation
-            return Aim((self.passing, TOLERANCE), (passing, published))
-        return Aim((self.passing, self.passing), (passing, passing))
+            tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
+        return Aim((self.passing, tolerance), (self.unnoticed, allowed))
 
     def fall_back(self, failure: ConvergenceError) -> None:
         """Go on by whole fields where steps in corrections get nowhere; any others fail.

@@ -93,14 +93,8 @@ class EffectiveLoad:
 class SeparableSteps(Steps):
     """A creeping state of a separable solid above a surface that keeps its contacts; see the module.
 
-    Attributes
-    ----------
-    u, before
-        The surface now and at the end of the step before.
-    loads, load_before
-        L and all L_b; L at the end of the step before.
-    modes, anchors
-        Fourier modes of u and of u_b.
+    ``loads`` are L and all L_b, ``modes`` and ``anchors`` Fourier modes of u and of u_b; ``before`` and
+    ``load_before`` are u and L at the end of the step before.
     """
 
     kind = "exact"
@@ -114,7 +108,7 @@ class SeparableSteps(Steps):
         self.stiffness, shares, times = parts_of(system)
         self.effective = EffectiveLoad(shares, times)
         self.tried = self.u, self.loads
-        self.eager = isinstance(solver, ActiveSet) and system.mechanics.spectral.anchors_can_balance
+        self.eager = isinstance(solver, ActiveSet) and system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
@@ -142,15 +136,10 @@ class SeparableSteps(Steps):
         most = TUNING.flat * loads[0]
         if not -most <= own.min() <= own.max() <= loads[0] + most:
             return None
-        own = np.maximum(own, 0.0)
-        lattice = system.mechanics.lattice
-        arrays = {
-            "loads": np.array([0.0, math.nan, control.value + float(shares @ own), *own]),
-            "u": u - system.datum,
-            "before": u - system.datum,
-            "anchors": lattice.forward(anchors - system.datum),
-        }
-        return cls(system, solver, arrays)
+        own, u = np.maximum(own, 0.0), u - system.datum
+        loads = [0.0, math.nan, control.value + float(shares @ own), *own]
+        modes = system.mechanics.lattice.forward(anchors - system.datum)
+        return cls(system, solver, {"loads": np.array(loads), "u": u, "before": u, "anchors": modes})
 
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""
@@ -158,29 +147,27 @@ class SeparableSteps(Steps):
 
     def state(self) -> State[AnchorModes]:
         """See `Steps`."""
-        mechanics, load = self.system.mechanics, self.system.at(self.time).load
-        lattice, hanging = mechanics.lattice, mechanics.hanging
-        stretch = self._stretch()
+        mechanics, now, stretch = self.system.mechanics, self.system.at(self.time), self._stretch()
+        hanging = mechanics.hanging
+        load = now.load
         assert load is not None
-        own = float(hanging[1:].sum())
-        if own > 0:  # the stiffness at wave vector 0 is the solid's own
-            stretch[lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
-            drop = float(self.loads[0]) / mechanics.mean_stiffness
-        else:
-            drop = load / float(hanging[0]) if hanging[0] > 0 else 0.0
+        if hanging[1:].any():  # the stiffness at wave vector 0 is the solid's own
+            stretch[mechanics.lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
+            load = float(self.loads[0])
+        drop = load / mechanics.mean_stiffness if mechanics.mean_stiffness > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
-        held, touching = self.system.at(self.time).held(position), self.u <= self.system.heights
-        change = mechanics.spectral.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
+        held, touching = now.held(position), self.u <= self.system.heights
+        change = mechanics.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
         return State(self.u, AnchorModes((self.modes - change) - stretch), position)
 
     def extent(self) -> Extent:
         """How large the deformation is."""
         stretch = self._stretch()
-        return Extent(float(self.u.std()), self.system.mechanics.spectral.rms(stretch), largest(self.u, np))
+        return Extent(float(self.u.std()), self.system.mechanics.rms(stretch), largest(self.u, np))
 
     def speed(self) -> float:
         """Rate of the anchors, rms over the sites."""
-        mechanics = self.system.mechanics.spectral
+        mechanics = self.system.mechanics
         return mechanics.rms(mechanics.spectra.rate * self._stretch())
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
@@ -200,9 +187,8 @@ class SeparableSteps(Steps):
         problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
         if self.eager and isinstance(self.solver, ActiveSet):
             passing, allowed = aim.allowed_errors
-            solution = self.solver.solve(
-                problem, guess, aim.tolerances[1], allowed, settled=allowed < passing
-            )
+            settled = allowed < passing
+            solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=settled)
         else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
             solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
         error = 0.0
@@ -231,12 +217,8 @@ class SeparableSteps(Steps):
 
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""
-        return {
-            "loads": np.array([self.time, self.load_before, *self.loads]),
-            "u": self.u,
-            "before": self.before,
-            "anchors": self.anchors.copy(),
-        }
+        loads = np.array([self.time, self.load_before, *self.loads])
+        return {"loads": loads, "u": self.u, "before": self.before, "anchors": self.anchors.copy()}
 
     def _ahead(self, load: float) -> float:
         """How far a load is beyond the present one, over how far that is beyond the one before; at most 2."""
@@ -252,7 +234,7 @@ class SeparableSteps(Steps):
 
 def parts_of(system: System) -> tuple[Spectrum, Field, Field]:
     """K, 0 at wave vector 0, with the shares and the times of the branches of a separable solid."""
-    spectra = system.mechanics.spectral.spectra
+    spectra = system.mechanics.spectra
     stiffness = spectra.permanent + spectra.creeping.sum(axis=0)
     stiffness.flat[0] = 0.0
     branches = len(spectra.creeping)

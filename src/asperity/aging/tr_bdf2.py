@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
+from asperity.contact.controls import Control
 from asperity.contact.state import AnchorModes
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -44,7 +45,6 @@ DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
 ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
 
-
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -52,17 +52,9 @@ Arrays = Mapping[str, NDArray[Any]]
 class Attempt:
     """Outcome of a time step that is tried.
 
-    Attributes
-    ----------
-    error
-        Error of u0, rms over the sites; infinite where a stage was not solved.
-    iterations
-        Those spent.
-    failure
-        Why a stage was not solved.
-    mean_error, mean
-        Error of how far the mean of u0 creeps in the step, and how far it has crept at its end; 0 where
-        nothing but the error of u0 is to be judged.
+    ``error`` is that of u0, rms over the sites; infinite where a stage was not solved, as ``failure`` says.
+    ``mean_error`` is that of how far the mean of u0 creeps in the step, and ``mean`` how far it has crept at
+    its end; 0 where nothing but the error of u0 is to be judged.
     """
 
     error: float
@@ -73,35 +65,17 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """How accurate a time step is to be.
-
-    Attributes
-    ----------
-    tolerances
-        Those of both contact problems.
-    allowed_errors
-        Errors of u0 that a solver may leave in both stages instead.
-    """
+    """Tolerances of both contact problems of a step, and errors of u0 that a solver may leave instead."""
 
     tolerances: tuple[float, float]
     allowed_errors: tuple[float, float]
 
 
 class Stage(NamedTuple):
-    """One stage of a time step.
+    """One stage of a time step: when it ends, and the duration ``tau`` = d h of its implicit step.
 
-    Attributes
-    ----------
-    time
-        When it ends.
-    tau
-        Duration d h of its implicit step.
-    creeps
-        For how long v creeps at each rate that is known: d h at f0, or w h at f0 and f1.
-    weights
-        Those of states before it that guess its end, the latest first.
-    tolerance, allowed_error
-        See `Aim`.
+    v ``creeps`` for so long at each rate that is known: d h at f0, or w h at f0 and f1. The ``weights`` are
+    those of states before it that guess its end, the latest first. See `Aim` for the rest.
     """
 
     time: float
@@ -137,18 +111,29 @@ class State(NamedTuple, Generic[Creep]):
     position: float
 
 
-class Steps(ABC):
-    """A creeping state that takes time steps; fields relative to the system's datum.
+@dataclass
+class Origin:
+    """What the rigid approach is measured from.
 
-    Attributes
-    ----------
-    kind
-        What checkpoints and frames call it.
-    system, time
-        The system, and the time of the state.
+    That is the mean of u0 at the start, and the integral of the load over time since then, where the load is
+    prescribed.
     """
 
+    separation: float
+    impulse: float = 0.0
+
+    def passed(self, control: Control, since: float, time: float) -> None:
+        """Count a time step."""
+        if control.load_controlled:
+            self.impulse += control.at((since + time) / 2).value * (time - since)
+
+
+class Steps(ABC):
+    """A creeping state at a time, which takes time steps; fields relative to the system's datum."""
+
     kind: ClassVar[str]
+    """What checkpoints and frames call it."""
+
     system: System
     time: float
 
@@ -159,6 +144,14 @@ class Steps(ABC):
     @abstractmethod
     def state(self) -> State[Field | AnchorModes]:
         """What is to be published; not to be changed."""
+
+    def approach(self, origin: Origin, separation: float) -> float:
+        """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
+        system = self.system
+        if system.load is None:
+            return -system.drift * self.time
+        viscous = system.mechanics.mean_mobility * origin.impulse / system.sites
+        return origin.separation - separation + viscous
 
     @abstractmethod
     def extent(self) -> Extent:
@@ -184,17 +177,12 @@ class Steps(ABC):
 class TrBdf2(Steps):
     """Steps of TR-BDF2; who inherits solves their stages.
 
-    Attributes
-    ----------
-    through
-        Number of states through which the polynomial that guesses a stage passes, where there are as many.
-    times
-        Those of the state and of the states before it from which stages are guessed, the latest first.
-    origin
-        Time of the end of the first step, or 0: logarithms are of the sum of both, for times that are short.
+    ``times`` are those of the state and of states before it, the latest first. The end of the first step, or
+    0, is the ``origin``: logarithms are of the sum of both, for times that are short.
     """
 
     through: ClassVar[int]
+    """Number of states through which the polynomial that guesses a stage passes, where there are as many."""
 
     def __init__(self, system: System, arrays: Arrays) -> None:
         self.system = system

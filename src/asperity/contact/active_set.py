@@ -105,8 +105,7 @@ class ActiveSet:
     arrays: str = "numpy"
 
     def __post_init__(self) -> None:
-        reduction = checks.number("reduction", self.reduction, above=0, below=1)
-        object.__setattr__(self, "reduction", reduction)
+        object.__setattr__(self, "reduction", checks.number("reduction", self.reduction, above=0, below=1))
         for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
             object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
 
@@ -137,7 +136,7 @@ class ActiveSet:
             allowed_error = 0.0
         guess, rounds = guess or cold_start(modes, self), 0
         # Where an error is allowed few iterations are left: forces from nothing take no less time.
-        if self.arrays == "numpy" and allowed_error == 0:
+        if self.arrays == "numpy" and allowed_error == 0 and not modes.interface.yields:
             guess, rounds = solved_on_contacts(modes, guess, tolerance)
         run = _Run(self, modes, guess, tolerance, allowed_error)
         run.iterations = rounds
@@ -163,11 +162,8 @@ class _Run:
         tolerance: float,
         allowed_error: float,
     ) -> None:
-        self.method = method
-        self.problem = problem
-        self.tolerance = tolerance
-        self.allowed_error = allowed_error
-        self.allowed_imbalance = math.inf
+        self.method, self.problem, self.interface = method, problem, problem.interface
+        self.tolerance, self.allowed_error, self.allowed_imbalance = tolerance, allowed_error, math.inf
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
@@ -175,46 +171,47 @@ class _Run:
         self.working_stiffness = xp.zeros(0, dtype=xp.int8)
         waves = problem.stiffness.flat[min(1, problem.stiffness.size - 1) :]
         self.stiffest = float(waves.max())
-        touching = guess.u <= problem.heights if guess.in_contact is None else guess.in_contact
-        self.in_contact = xp.asarray(touching, copy=True)
-        self.interface, self.bound = problem.interface, problem.interface.high
-        self.yielding: Mask | None = None
-        if self.interface.yields:
-            none = np.zeros(problem.lattice.shape, dtype=bool)
-            self.yielding = xp.asarray(none if guess.yielding is None else guess.yielding, copy=True)
-            self.in_contact &= ~self.yielding
-            self.settle_accurately(self.yielding)
-        self.iterations = 0
-        self.set_changes = 0
+        named = guess.in_contact
+        touching = guess.u <= problem.heights if named is None else named
+        below = named is not None and self.interface.yields and touching & (guess.u < problem.heights)
+        self.yielding = xp.asarray(np.broadcast_to(below, touching.shape), copy=True)
+        self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
+        self.iterations = self.set_changes = 0
         self.record = problem.lattice.sites + 1
-        self.patience = method.patience
-        self.reduction = method.reduction
+        self.patience, self.reduction = method.patience, method.reduction
         self.single = problem.lattice.sites > TUNING.small
         self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:
         """Begin on the present set of contacts."""
         xp = self.xp
-        self.contacts = int(xp.count_nonzero(self.in_contact))
+        if self.problem.load_controlled and not xp.any(self.in_contact):
+            # The surface sinks as it is, until the sites that it then yields on carry the load, but for one.
+            load, gap = -float(self.problem.rhs.flat[0].real), u - self.heights
+            level = xp.sort(xp.reshape(gap, (-1,)))[min(int(load / self.interface.high), u.size - 1)]
+            u = u - level
+            self.yielding, self.in_contact = gap < level, gap == level
+        self.contacts, yielding = (int(xp.count_nonzero(of)) for of in (self.in_contact, self.yielding))
+        self.touching = self.contacts + yielding
+        self.borne = self.interface.high * yielding if yielding else 0.0
+        if yielding:  # accurate forces decide which sites yield, and they do so for good
+            self.allowed_error = 0.0
         if self.contacts == 0:
-            if self.problem.load_controlled and self.yielding is not None:
-                # The surface sinks as it is, until the sites that it then yields on carry the load.
-                whole = min(int(-float(self.problem.rhs.flat[0].real) / self.bound), u.size - 1)
-                gap = u - self.heights
-                level = xp.sort(xp.reshape(gap, (-1,)))[whole]
-                u = u - level
-                self.yielding, self.in_contact = gap < level, gap == level
-                self.contacts = int(xp.count_nonzero(self.in_contact))
-            elif self.problem.load_controlled:  # something must carry the load: the deepest site
-                deepest = np.unravel_index(int(xp.argmax(self.heights - u)), self.problem.lattice.shape)
-                self.in_contact[tuple(map(int, deepest))] = True
-                self.contacts = 1
-            else:
-                u = xp.asarray(_free_surface(self.problem, self.yielding))
+            u = xp.asarray(self.free_surface())
         self.u = xp.where(self.in_contact, self.heights, u)
         self.free_sites: FreeSites | LineSites | None = None
         self.left_over = math.inf
         self.evaluate_force()
+
+    def free_surface(self) -> Field:
+        """Surface without contact, u = b / S; exactly constant where b is nothing but wave vector 0."""
+        lattice, rhs = self.problem.lattice, self.problem.rhs
+        if self.borne:
+            rhs = rhs + lattice.forward(self.interface.high * to_numpy(self.yielding))
+        modes = rhs / self.problem.stiffness
+        if not modes.flat[1:].any():
+            return np.full(lattice.shape, modes.flat[0].real / lattice.sites)
+        return lattice.backward(modes)
 
     def evaluate_force(self) -> None:
         """Evaluate the force afresh, in double precision, and measure it off contact."""
@@ -224,15 +221,11 @@ class _Run:
         modes -= self.rhs
         self.force: Field = lattice.backward(modes, overwrite=True)
         self.fresh = True
-        if self.yielding is not None:
-            self.force -= self.bound * self.xp.astype(self.yielding, self.force.dtype)
+        if self.borne:
+            self.force -= self.interface.high * xp.astype(self.yielding, self.force.dtype)
         indentation = largest(self.u, xp)
         rounding = indentation * float(self.problem.stiffness.flat[0])
         self.force -= mean_by_rounding(self.force, self.in_contact, rounding, xp)
-        borne, self.touching = 0.0, self.contacts
-        if self.yielding is not None:
-            yielding = int(xp.count_nonzero(self.yielding))
-            borne, self.touching = self.bound * yielding, self.contacts + yielding
         off_contact = xp.where(self.in_contact, xp.asarray(0.0), self.force)
         self.worst = largest(off_contact, xp)
         if not math.isfinite(self.worst):
@@ -242,7 +235,7 @@ class _Run:
             )
         imbalance = float(xp.sum(off_contact))
         self.imbalance = abs(imbalance)
-        self.load = abs(float(xp.sum(self.force)) - imbalance) + borne
+        self.load = abs(float(xp.sum(self.force)) - imbalance) + self.borne
         if not self.problem.load_controlled:  # the load is what comes out
             self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
@@ -284,13 +277,7 @@ class _Run:
             imbalance = 0.5 * TUNING.sum_tolerance * self.tolerance * self.load / self.worst
         if self.single and goal < TUNING.digits:
             goal, imbalance = TUNING.digits, np.inf
-        accuracy = Accuracy(
-            goal=goal,
-            imbalance=imbalance,
-            most=left,
-            allowed_error=self.allowed_error,
-            allowed_imbalance=self.allowed_imbalance,
-        )
+        accuracy = Accuracy(goal, imbalance, left, self.allowed_error, self.allowed_imbalance)
         correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
@@ -301,27 +288,18 @@ class _Run:
 
     def linear_problem(self) -> FreeSites | LineSites:
         """The linear problem on the present set of contacts, in the present precision."""
-        xp = self.xp
+        xp, lattice = self.xp, self.problem.lattice
+        if self.free_sites is None and self.method.arrays == "numpy":
+            self.free_sites = line_sites(lattice, self.problem.springs, self.in_contact)
         if isinstance(self.free_sites, LineSites):
             return self.free_sites
-        if self.free_sites is None and xp is library("numpy"):
-            direct_sites = line_sites(self.problem.lattice, self.problem.springs, self.in_contact)
-            if direct_sites is not None:
-                self.free_sites = direct_sites
-                return direct_sites
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
-        if not isinstance(self.free_sites, FreeSites) or self.free_sites.stiffness.dtype != real:
+        if self.free_sites is None or self.free_sites.stiffness.dtype != real:
             if self.working_stiffness.dtype != real:
                 self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
-            self.free_sites = FreeSites(
-                self.problem.lattice,
-                self.problem.stiffness,
-                self.stiffest,
-                self.working_stiffness,
-                self.in_contact,
-                xp,
-            )
+            spectra = self.problem.stiffness, self.stiffest, self.working_stiffness
+            self.free_sites = FreeSites(lattice, *spectra, self.in_contact, xp)
         return self.free_sites
 
     def within_tolerance(self) -> bool:
@@ -336,25 +314,14 @@ class _Run:
         )
 
     def wrong_sites(self) -> Mask:
-        """Contacts in tension or above the bound, free sites that penetrate, yielding ones that do not."""
+        """See `Interface.wrong`."""
         tension = penetration = 0.0
         if self.is_careful():  # rounding decides their sign: exchanged, they might come back for ever
-            tension = self.rounding
-            penetration = self.rounding / self.stiffest
-        gap = self.u - self.heights
-        if self.yielding is None:
-            low = self.interface.low - tension
-            wrong: Mask = (self.in_contact & (self.force < low)) | (gap < -penetration)
-            return wrong
-        if self.is_careful():  # under the load of a whole number of yielding sites one bears what is left
-            tension += self.tolerance * self.load * (1 / self.touching + 2 * TUNING.sum_tolerance)
-        slack = tension, penetration
+            tension, penetration = self.rounding, self.rounding / self.stiffest
+            if self.borne:  # under the load of a whole number of yielding sites one bears what is left
+                tension += self.tolerance * self.load * (1 / self.touching + 2 * TUNING.sum_tolerance)
+        gap, slack = self.u - self.heights, (tension, penetration)
         return self.interface.wrong(self.force, gap, self.in_contact, self.yielding, slack)
-
-    def settle_accurately(self, yielding: Mask) -> None:
-        """Allow no error where sites yield: accurate forces decide which, and they do so for good."""
-        if bool(self.xp.any(yielding)):
-            self.allowed_error = 0.0
 
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
@@ -375,15 +342,14 @@ class _Run:
         xp = self.xp
         self.set_changes += 1
         if self.set_changes > self.method.max_revisions:
-            advice = "a slightly different load" if self.yielding is None else "a greater hardness"
+            advice = "a greater hardness" if self.interface.yields else "a slightly different load"
             raise ConvergenceError(
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 f"try {advice}"
             )
         count = int(xp.count_nonzero(wrong))
-        self.reduction = min(
-            self.method.reduction, TUNING.reduction_per_change * count / max(self.contacts, 1)
-        )
+        moved = count / max(self.contacts, 1)
+        self.reduction = min(self.method.reduction, TUNING.reduction_per_change * moved)
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:
@@ -391,45 +357,24 @@ class _Run:
             elif self.patience > 0:
                 self.patience -= 1
             else:
-                flat = xp.reshape(wrong, (-1,))
-                last = int(xp.max(xp.nonzero(flat)[0]))
-                flat = xp.arange(wrong.size) == last
-                wrong = xp.reshape(flat, wrong.shape)
-        if self.yielding is not None:
-            above = self.in_contact & (self.force > self.bound)
-            self.settle_accurately(wrong & above)
-            self.yielding = xp.where(wrong, above, self.yielding)
+                last = int(xp.max(xp.nonzero(xp.reshape(wrong, (-1,)))[0]))
+                wrong = xp.reshape(xp.arange(wrong.size) == last, wrong.shape)
+        above = self.in_contact & (self.force > self.interface.high)
+        self.yielding = xp.where(wrong, above, self.yielding)
         self.in_contact ^= wrong
         self.start(self.u)
 
     def converged(self) -> bool:
-        """Whether the force, evaluated afresh, is within tolerance and has the right sign.
-
-        Or whether u is as accurate as it is to be.
-        """
-        # The contacts have settled: if not yet within tolerance, go all the way.
-        self.reduction = TUNING.digits
+        """Whether the force, evaluated afresh, is within tolerance and right, or u accurate enough."""
+        self.reduction = TUNING.digits  # the contacts have settled: go all the way
         if self.left_over <= self.allowed_error:
             return True
-        if not self.within_tolerance():
-            return False
-        if self.fresh:
-            return True
+        if self.fresh or not self.within_tolerance():
+            return self.within_tolerance()
         self.evaluate_force()
         return self.within_tolerance() and not bool(self.xp.any(self.wrong_sites()))
 
     def solution(self) -> Solution:
         u = self.xp.maximum(self.u, self.heights) if self.allowed_error else self.u
-        touching = self.in_contact if self.yielding is None else self.in_contact | self.yielding
-        return Solution(to_numpy(u), to_numpy(touching), self.iterations, self.set_changes)
-
-
-def _free_surface(problem: SpectralProblem, yielding: Mask | None) -> Field:
-    """Surface without contact, u = b / S; exactly constant where b is nothing but wave vector 0."""
-    rhs = problem.rhs
-    if yielding is not None and (borne := to_numpy(yielding)).any():
-        rhs = rhs + problem.lattice.forward(problem.interface.high * borne)
-    modes = rhs / problem.stiffness
-    if not modes.flat[1:].any():
-        return np.full(problem.lattice.shape, modes.flat[0].real / problem.lattice.sites)
-    return problem.lattice.backward(modes)
+        touching = to_numpy(self.in_contact | self.yielding)
+        return Solution(to_numpy(u), touching, self.iterations, self.set_changes)

@@ -15,18 +15,11 @@ from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, MissingExtraError
+from asperity.lattice import Spectrum
 
 
 def library(name: str) -> Any:
-    """The array library of this name, in the dialect of the standard.
-
-    Raises
-    ------
-    MissingExtraError
-        It is not installed.
-    InputError
-        It is no array library of the standard, or lacks its transforms.
-    """
+    """The array library of this name, in the dialect of the standard; refused if it lacks its transforms."""
     if name == "numpy":
         return array_api_compat.numpy
     try:
@@ -73,3 +66,8 @@ def inner(a: NDArray[np.floating], b: NDArray[np.floating], xp: Any) -> float:
     if a.ndim == 1:
         return float(xp.sum(a * b, dtype=xp.float64))
     return float(xp.sum(xp.vecdot(a, b), dtype=xp.float64))
+
+
+def inverse(spectrum: Spectrum) -> Spectrum:
+    """1 / S, and 0 where S vanishes."""
+    return np.divide(1.0, spectrum, out=np.zeros_like(spectrum), where=spectrum > 0)

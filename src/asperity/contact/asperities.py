@@ -13,14 +13,8 @@ def level_of_overlap(heights: Field, overlap: float) -> float:
 
     Each asperity that reaches the level carries the site stiffness times its overlap: at d these forces
     add up to the load. (J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), DOI
-    10.1098/rspa.1966.0242.) The sum is convex and falls with d: Newton steps from below never overshoot.
-
-    Parameters
-    ----------
-    heights
-        Heights whose maximum is 0, any shape.
-    overlap
-        The sum, length; where it is not above 0, the level is 0.
+    10.1098/rspa.1966.0242.) The sum is convex and falls with d: Newton steps from below never overshoot. The
+    maximum of the heights is 0, and so is the level where the sum is not above 0.
     """
     rows = np.atleast_2d(heights)
     sums = np.empty((len(rows), 2))

@@ -32,11 +32,6 @@ def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:
     A solid that is a continuum takes a surface with units in metres, its own numbers being in pascals and
     seconds. Anything else has the units of the user, and spacing 1 unless a surface without units gives
     another. A solid that is defined on sites takes heights as they are.
-
-    Raises
-    ------
-    InputError
-        Heights are none, or the units of a surface are incomplete.
     """
     provenance = getattr(heights, "provenance", None)
     origin = dict(provenance) if isinstance(provenance, dict) else {}

@@ -8,10 +8,11 @@ leaves some five revisions of the set of contacts, whatever the load and the siz
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.contact.arrays import inverse
 from asperity.contact.asperities import level_of_overlap
 from asperity.contact.problem import ContactSolver, Guess, SpectralProblem
 from asperity.errors import ConvergenceError
@@ -46,21 +47,17 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
     lowered = interpolated(np.where(start.in_contact, coarser.force(start.u), 0.0))
     lowered /= problem.lattice.mean_over_modes(problem.stiffness)
     touching = u - problem.heights <= lowered
-    if not problem.interface.yields:
-        return Guess(u, touching)
-    yielding = touching & (interpolated((start.u < coarser.heights).astype(float)) > 0.5)
-    return Guess(u, touching, yielding=yielding)
+    return Guess(u, touching)
 
 
 def independent_asperities(problem: SpectralProblem) -> Guess:
     """Guess the contacts as if the asperities were independent."""
     lattice, stiffness, rhs = problem.lattice, problem.stiffness, float(problem.rhs.flat[0].real)
     if problem.load_controlled:
-        compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
-        level = level_of_overlap(problem.heights, -rhs * lattice.mean_over_modes(compliance))
+        level = level_of_overlap(problem.heights, -rhs * lattice.mean_over_modes(inverse(stiffness)))
     else:
         level = rhs / float(stiffness.flat[0]) / lattice.sites
-    return Guess(np.full(lattice.shape, level), problem.heights >= level)
+    return Guess(np.maximum(problem.heights, level), problem.heights >= level)
 
 
 def _coarsen(problem: SpectralProblem) -> SpectralProblem:
@@ -69,14 +66,8 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
     heights = problem.heights[(slice(None, None, 2),) * fine.dimension]
     coarse = Lattice(heights.shape, tuple(2 * length for length in fine.spacing), fine.edges)
     rhs = fine.long_waves(problem.rhs, coarse) * (coarse.sites / fine.sites)
-    return SpectralProblem(
-        coarse,
-        heights,
-        stiffness=fine.long_waves(problem.stiffness, coarse),
-        rhs=rhs,
-        load_controlled=problem.load_controlled,
-        interface=problem.interface,
-    )
+    stiffness = fine.long_waves(problem.stiffness, coarse)
+    return replace(problem, lattice=coarse, heights=heights, stiffness=stiffness, rhs=rhs, springs=None)
 
 
 def interpolated(field: Field) -> Field:

@@ -15,20 +15,15 @@ from asperity.contact.system import System
 from asperity.errors import InputError
 
 
-def usual_solver(system: System) -> ContactSolver:
-    """`Multigrid` where neighbors say all there is to say, else `ActiveSet`."""
-    return Multigrid() if Multigrid.suits(system.mechanics) else ActiveSet()
-
-
 def local_solver(system: System) -> ByLaw:
     """What solves implicit steps of a local law of creep."""
     mechanics = system.mechanics
-    law, springs = mechanics.law, mechanics.spectral.solid.springs
+    law, springs = mechanics.law, mechanics.solid.springs
     assert law is not None
     if springs is not None:
         return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.interface)
-    spectra = mechanics.spectral.spectra
-    whole, share = spectra.permanent + spectra.creeping[0], mechanics.spectral.creeping_share
+    spectra = mechanics.spectra
+    whole, share = spectra.permanent + spectra.creeping[0], mechanics.creeping_share
     if spectra.rate.any() or not np.allclose(
         spectra.creeping[0].flat[1:], share * whole.flat[1:], rtol=1e-9, atol=0.0
     ):
@@ -42,9 +37,9 @@ def local_solver(system: System) -> ByLaw:
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:
-    """The solver asked for, or `usual_solver`; `InputError` for what is no solver."""
+    """The solver asked for, or the usual one: `Multigrid` where neighbors say all there is to say."""
     if solver is None:
-        return usual_solver(system)
+        return Multigrid() if Multigrid.suits(system.mechanics) else ActiveSet()
     if isinstance(solver, type) or not callable(getattr(solver, "solve", None)):
         got = checks.kind_of(solver)
         raise InputError(

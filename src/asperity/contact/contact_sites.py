@@ -25,7 +25,7 @@ import scipy.sparse
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from asperity.contact.arrays import inner
+from asperity.contact.arrays import inner, inverse
 from asperity.contact.problem import Guess, SpectralProblem
 from asperity.lattice import Field, Lattice, Mask, Spectrum
 
@@ -57,11 +57,11 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
     """
     lattice, stiffness, heights = problem.lattice, problem.stiffness, problem.heights
     in_contact = np.array(guess.u <= heights if guess.in_contact is None else guess.in_contact)
-    plain = lattice.dimension == 2 and not lattice.reflecting and not problem.interface.yields
+    plain = lattice.dimension == 2 and not lattice.reflecting
     if not (plain and min(_reach(lattice)) > 0 and 0 < _crowding(in_contact, lattice) <= TUNING.most):
         return guess, 0
     stiffest, load = float(stiffness.max()), None
-    compliance = _inverse(stiffness)
+    compliance = inverse(stiffness)
     if problem.load_controlled:
         load = -float(problem.rhs.flat[0].real)
     free = lattice.backward(compliance * problem.rhs) if problem.rhs.flat[1:].any() or load is None else 0.0
@@ -101,11 +101,6 @@ def _crowding(in_contact: Mask, lattice: Lattice) -> float:
     return float(np.sum(counts.astype(float) ** 2)) / in_contact.size
 
 
-def _inverse(spectrum: Spectrum) -> Spectrum:
-    """1 / S, and 0 where S vanishes: that is the level's."""
-    return np.divide(1.0, spectrum, out=np.zeros_like(spectrum), where=spectrum > 0)
-
-
 class _Kernel:
     """The compliance in two parts, and the stiffness between close sites; in units of the stiffest."""
 
@@ -119,7 +114,7 @@ class _Kernel:
         near = [np.arange(-reach, reach + 1) for reach in self.reach]
         kernel, self.stiffness = (
             small.backward(spectrum.astype(complex))[np.ix_(*near)]
-            for spectrum in (_inverse(sampled), sampled)
+            for spectrum in (inverse(sampled), sampled)
         )
         distance = np.hypot(*np.meshgrid(*map(np.multiply, near, self.scale), indexing="ij")) / TUNING.near
         ring = (distance > 0.7) & (distance <= 1)
@@ -133,7 +128,7 @@ class _Kernel:
             )
         )
         long = lattice.long_waves(stiffness, self.coarse) / unit
-        long = _inverse(long) - self._long_waves(near)
+        long = inverse(long) - self._long_waves(near)
         for angle in self.coarse.angles:
             long /= np.sinc(angle / (2 * np.pi)) ** 8
         self.long: Vector = (long * (self.coarse.sites / lattice.sites)).astype(np.float32)

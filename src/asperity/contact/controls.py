@@ -35,11 +35,11 @@ class Control(ABC):
     def __post_init__(self) -> None:
         for name in ("rate", "since"):
             object.__setattr__(self, name, checks.number(name, getattr(self, name)))
-        object.__setattr__(self, "value", self.checked(self.value))
+        object.__setattr__(self, "value", self._checked(self.value))
 
     @staticmethod
     @abstractmethod
-    def checked(value: float) -> float:
+    def _checked(value: float) -> float:
         """Make a float of a value that can be prescribed."""
 
     def at(self, time: float) -> Self:
@@ -55,8 +55,7 @@ class Load(Control):
     load_controlled = True
 
     @staticmethod
-    def checked(value: float) -> float:
-        """Make a float of a load."""
+    def _checked(value: float) -> float:
         expected = f"a number, 0 or from {1 / LARGEST:g} to {LARGEST:g}"
         found = checks.number("load", value, least=0, expected=expected)
         return found and checks.number("load", value, least=1 / LARGEST, expected=expected)
@@ -70,8 +69,7 @@ class Separation(Control):
     load_controlled = False
 
     @staticmethod
-    def checked(value: float) -> float:
-        """Make a float of a separation."""
+    def _checked(value: float) -> float:
         return checks.number("separation", value)
 
 

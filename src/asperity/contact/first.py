@@ -23,13 +23,7 @@ class First:
     solvers: tuple[ContactSolver, ...]
 
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """Solve by the first solver that can; each goes on from where the one before got.
-
-        Raises
-        ------
-        ConvergenceError
-            The last solver did not reach the tolerance.
-        """
+        """Solve by the first solver that can; each goes on from where the one before got."""
         *others, last = self.solvers
         spent = 0
         for solver in others:

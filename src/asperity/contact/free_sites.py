@@ -121,22 +121,10 @@ class _Waves:
 
 
 class FreeSites:
-    """The free sites of one set of contacts, and the preconditioner there.
+    """The free sites of one set of contacts, at least one of these, and the preconditioner there.
 
-    Parameters
-    ----------
-    lattice
-        The periodic lattice.
-    spectrum
-        S, as a numpy array of double precision.
-    unit
-        Unit of stiffness that keeps single precision in range, such as the largest of S.
-    stiffness
-        S in that unit, of the array library and the precision in which to compute.
-    in_contact
-        The contacts, at least one, of the same array library.
-    xp
-        The array library.
+    ``spectrum`` is S, numpy's; ``stiffness`` is S in a ``unit`` that keeps single precision in range, such as
+    its largest, of the array library and in the precision in which to compute.
     """
 
     def __init__(
@@ -148,11 +136,8 @@ class FreeSites:
         in_contact: Mask,
         xp: Any,
     ) -> None:
-        self.lattice = lattice
-        self.stiffness = stiffness
-        self.unit = unit
-        self.in_contact = in_contact
-        self.xp = xp
+        self.lattice, self.stiffness, self.unit = lattice, stiffness, unit
+        self.in_contact, self.xp = in_contact, xp
         contacts = xp.astype(in_contact, stiffness.dtype)
         neighbors = xp.zeros_like(contacts)
         for axis in range(lattice.dimension):
@@ -182,26 +167,18 @@ class FreeSites:
         assert waves is not None
         self.waves = waves
 
-    def precondition(self, defect: Field) -> Field:
-        """Estimate the displacement that removes a defect, which this overwrites."""
-        return self.waves.respond(defect)
-
     def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
-        """Displace the free sites until the forces on them are as small as the accuracy wants.
-
-        ``force`` is the contact force at every site and ``worst`` the largest off contact.
-        """
+        """Displace the free sites until forces, of which ``worst`` is the largest there, are small enough."""
         allowed_error, allowed_imbalance = accuracy.allowed_error, accuracy.allowed_imbalance
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
         defect = xp.asarray(residual, copy=True)
         total = xp.zeros_like(residual)
-        direction, slope, iterations = None, 1.0, 0
-        extra = 0
+        direction, slope, iterations, extra = None, 1.0, 0, 0
         unit, left_over = worst / self.unit, math.inf
         while iterations < accuracy.most:
-            estimate = self.precondition(defect)
+            estimate = self.waves.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
             if direction is None:
@@ -295,12 +272,8 @@ def _odd_length(most: int) -> int:
 
 def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
     """Mean stiffness of waves along the axes, the shortest that a coarse lattice holds."""
-    values = []
-    for axis, count in enumerate(coarse.shape):
-        index = [0] * coarse.dimension
-        index[axis] = count - 1 if coarse.reflecting else count // 2
-        values.append(float(spectrum[tuple(index)]))
-    return float(np.mean(values))
+    last = [count - 1 if coarse.reflecting else count // 2 for count in coarse.shape]
+    return float(np.mean([spectrum[tuple(index)] for index in np.diag(last)]))
 
 
 @lru_cache(maxsize=8)

@@ -18,6 +18,7 @@ from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
+from asperity.solids import Solid
 
 _STRICT = 0.01
 """Part of the tolerance to which a contact is solved whose u0 is given."""
@@ -27,13 +28,13 @@ def first_contact(
     bodies: Bodies, control: Control, *, start: Contact | None, solver: ContactSolver | None
 ) -> Contact:
     """Press a solid that has never crept, its anchors flat, onto checked heights; see `asperity.press`."""
-    heights = bodies.heights
-    system = System.of(heights, bodies.lattice, bodies.solid, control)
+    system = System.of(bodies.heights, bodies.lattice, bodies.solid, control)
     guess = None
     if start is not None:
         checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
-        if start.heights.shape != heights.shape:
-            raise InputError("start", expected=f"a contact of shape {heights.shape}", got=start.heights.shape)
+        if start.heights.shape != bodies.heights.shape:
+            expected = f"a contact of shape {bodies.heights.shape}"
+            raise InputError("start", expected=expected, got=start.heights.shape)
         u, _, in_contact = start.whole
         guess = Guess(u - system.datum, in_contact)
     level = 0.0 if control.load_controlled else control.value - system.datum
@@ -43,7 +44,8 @@ def first_contact(
     step = system.mechanics.implicit_step(0.0)
     solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
     if system.load is not None:
-        level += system.displacement(solution.u, level, level)
+        flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
+        level += system.displacement(solution.u, flat, level)
     return contact_from(system, solution, level, level, bodies=bodies)
 
 
@@ -51,13 +53,6 @@ def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | Non
     """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
 
     The anchors keep their shapes. They move as a whole: to the given separation, or with the load.
-
-    Raises
-    ------
-    InputError
-        The solid cannot be used with this control.
-    ConvergenceError
-        The solver did not reach its tolerance.
     """
     system = contact.system(control)
     place = contact.separation if system.load is not None else control.value
@@ -77,9 +72,9 @@ def partial_slip(
     return PartialSlip.of(contact, lambda load: pressed_anew(contact, Load(load)), force, mu, ratio)
 
 
-def check_whole(by: Sequence[Fraction]) -> None:
-    """Refuse to slide what has yielded by parts of sites: its indentation has steps from site to site."""
-    if any(sites.denominator > 1 for sites in by):
+def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
+    """Refuse to slide what yields by parts of sites: its indentation has steps from site to site."""
+    if solid.yields and any(sites.denominator > 1 for sites in by):
         raise InputError(
             "slide",
             expected="whole sites, for a rough surface that yields is not smooth between them",
@@ -91,26 +86,8 @@ def check_whole(by: Sequence[Fraction]) -> None:
 def slid(
     contact: Contact, heights: Field, by: Sequence[Fraction], solver: ContactSolver | None = None
 ) -> Contact:
-    """Press an aged contact onto heights that have moved, at once: its crept shape stays where it is.
-
-    Parameters
-    ----------
-    contact
-        The contact before.
-    heights
-        The rough surface after it moved.
-    by
-        By how many sites along each axis it moved since that contact.
-    solver
-        As in `pressed_anew`.
-
-    Raises
-    ------
-    ConvergenceError
-        The solver did not reach its tolerance.
-    """
-    if contact.solid.yields:
-        check_whole(by)
+    """Press an aged contact onto heights that have moved by some sites, at once: its crept shape stays."""
+    check_whole(contact.solid, by)
     near, axes = [round(sites) for sites in by], tuple(range(heights.ndim))
     if contact.has_not_crept and np.array_equal(heights, np.roll(contact.heights, near, axis=axes)):
         return contact.moved(near)
@@ -131,8 +108,8 @@ def _anew(
 ) -> Contact:
     """Solve for the surface above the anchors of a contact, in another system or above other heights.
 
-    ``near`` is a surface that may be near it, with its contacts; ``place`` that of the rigid body, which
-    takes the anchors along.
+    ``near`` is a surface that may be near it, with its contacts; the rigid body takes the anchors to
+    ``place``.
     """
     if system.load == 0:
         expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
@@ -151,13 +128,7 @@ def above_anchors(
     near: tuple[Field, Mask],
     solver: ContactSolver | None = None,
 ) -> Contact:
-    """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system.
-
-    Raises
-    ------
-    ConvergenceError
-        The solver did not reach its tolerance.
-    """
+    """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system."""
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     u, in_contact = near
     guess = Guess(u - system.datum, in_contact, disposable=True)

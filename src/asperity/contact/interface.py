@@ -21,12 +21,7 @@ from asperity.solids import Solid
 class Interface:
     """Bounds of the contact force of a site.
 
-    Attributes
-    ----------
-    low
-        Least force of a site in contact, at most 0: nothing sticks where it is 0.
-    high
-        Largest force, under which the rough surface yields; infinite where it is rigid.
+    Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite.
     """
 
     low: float = 0.0
@@ -40,6 +35,10 @@ class Interface:
     def allowed(self, force: Field, in_contact: Mask) -> Field:
         """Forces as the interface has them: within the bounds in contact, and 0 elsewhere."""
         return np.asarray(np.clip(force, self.low, self.high) * in_contact)
+
+    def lowered(self, heights: Field, u: Field) -> Field:
+        """The rough surface as a surface that may be below it leaves it."""
+        return np.minimum(heights, u) if self.yields else heights
 
     def yielding(self, force: Field) -> int:
         """Number of sites whose force is the upper bound, to the digits of published contacts."""

@@ -17,18 +17,16 @@ of S, its right-hand side is minus the load F, and the body moves, with all anch
 A solid with H = C_b = 0 there, such as a half-space, carries the load as a rigid body: the means of u and of
 u_b are X.
 
-There are two: `SpectralMechanics` states these things in Fourier modes, for any solid. `SpringMechanics`
-states them in terms of neighbors, for the lattice of springs in two dimensions, where a stencil costs
-a small part of a transform. Fields of anchors and stretches have the branches as their first axis.
+`Mechanics` states these things in Fourier modes, for any solid. `SpringMechanics` states some of them in
+terms of neighbors, for the lattice of springs in two dimensions, where a stencil costs a small part of a
+transform. Fields of anchors and stretches have the branches as their first axis.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,9 +41,6 @@ from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 _LEAST_CREEPING_SHARE = 1e-2
 """Least share of creeping branches in the stiffness with which anchors take up forces."""
 
-_ALIKE = 512 * float(np.finfo(float).eps)
-"""How nearly the stiffnesses of branches are to be multiples of each other."""
-
 
 @dataclass(frozen=True)
 class Prescribed:
@@ -58,71 +53,31 @@ class Prescribed:
     position: float
 
 
-class ImplicitStep(ABC):
-    """An implicit step of creep of one duration ``tau``."""
+class Mechanics:
+    """Any solid on a lattice, in Fourier modes.
 
-    tau: float
-
-    @property
-    @abstractmethod
-    def spectral(self) -> SpectralStep:
-        """The same in Fourier modes."""
-
-    @abstractmethod
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
-        """The contact problem of the step.
-
-        Parameters
-        ----------
-        heights
-            The obstacle; its maximum is 0.
-        anchors
-            v_b, that is u_b before the step: fields, or the level at which all are flat.
-        held
-            What is prescribed at the end of the step.
-        """
-
-    @abstractmethod
-    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
-        """The same from the Fourier modes of the anchors."""
-
-    @abstractmethod
-    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
-        """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
-
-
-class Mechanics(ABC):
-    """A solid on a lattice.
-
-    Attributes
-    ----------
-    branches
-        How many branches the solid has.
-    hanging
-        H and then each C_b at wave vector 0: what hangs on the rigid body.
-    mean_mobility
-        Of a solid of one branch that hangs on it alone: M at wave vector 0.
-    law
-        A local law of creep of the only branch, if it has one.
-    stressed_area
-        Area over which the force of a site is its stress in that law: of a site on a continuum, else 1.
-    greatest_stiffness
-        Largest H + sum of C_b of a wave; what holds the mean may be stiffer.
-    fastest_creep
-        Largest M_b C_b, the rate at which the fastest mode creeps at a given u.
-    interface
-        Bounds of the force of a site.
+    A local law of creep of the only branch, if it has one, takes the force of a site over ``stressed_area``,
+    that of a site on a continuum, else 1. ``interface`` has the bounds of that force.
     """
 
-    lattice: Lattice
-    branches: int
-    hanging: NDArray[np.float64]
-    mean_mobility: float
     law: LocalCreep | None
-    stressed_area: float
-    greatest_stiffness: float
-    fastest_creep: float
     interface: Interface
+
+    def __init__(self, solid: Solid, lattice: Lattice) -> None:
+        self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
+        self.law, self.stressed_area = solid.creep, lattice.cell if solid.in_lengths else 1.0
+        self.interface = interface_of(solid, lattice)
+
+    @cached_property
+    def spectra(self) -> Spectra:
+        """H, C_b and M_b C_b on this lattice."""
+        return self.solid.on(self.lattice)
+
+    @cached_property
+    def hanging(self) -> NDArray[np.float64]:
+        """H and then each C_b at wave vector 0: what hangs on the rigid body."""
+        spectra, mean = self.spectra, self.lattice.mean
+        return np.concatenate(([spectra.permanent[mean]], spectra.creeping[mean]))
 
     @property
     def mean_stiffness(self) -> float:
@@ -137,114 +92,48 @@ class Mechanics(ABC):
         """
         return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0 and not self.lattice.body
 
-    @property
-    @abstractmethod
-    def spectral(self) -> SpectralMechanics:
-        """The same in Fourier modes."""
-
-    @property
-    @abstractmethod
-    def soft_modes(self) -> tuple[bool, bool]:
-        """Whether nothing permanent resists some wave vectors but 0, and whether nothing resists all."""
-
-    @abstractmethod
-    def implicit_step(self, tau: float) -> ImplicitStep:
-        """Prepare implicit steps of duration tau >= 0, which may be infinite."""
-
-    @abstractmethod
-    def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
-        """Contact force H u + sum of C_b w_b at every site; a load from afar where nothing hangs."""
-
-    @abstractmethod
-    def creeping_force(self, stretch: Field, load: float | None) -> Field:
-        """Force of the springs of the only branch; where nothing hangs, its share of a load from afar."""
-
-    @abstractmethod
-    def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
-        """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
-
-    @abstractmethod
-    def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
-
-        ``total`` is the sum of w, where it is known and the solid has one branch.
-        """
-
-
-@final
-class SpectralMechanics(Mechanics):
-    """Any solid, in Fourier modes."""
-
-    def __init__(self, solid: Solid, lattice: Lattice) -> None:
-        self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
-        self.law, self.stressed_area = solid.creep, lattice.cell if solid.in_lengths else 1.0
-        self.interface = interface_of(solid, lattice)
-
-    @property
-    def spectral(self) -> SpectralMechanics:
-        """The mechanics itself."""
-        return self
-
     @cached_property
-    def spectra(self) -> Spectra:
-        """H, C_b and M_b C_b on this lattice."""
-        return self.solid.on(self.lattice)
-
-    @cached_property
-    def hanging(self) -> NDArray[np.float64]:  # type: ignore[override]
-        """See `Mechanics`."""
-        spectra, mean = self.spectra, self.lattice.mean
-        return np.concatenate(([spectra.permanent[mean]], spectra.creeping[mean]))
-
-    @cached_property
-    def mean_mobility(self) -> float:  # type: ignore[override]
-        """See `Mechanics`."""
+    def mean_mobility(self) -> float:
+        """Of a solid of one branch that hangs on it alone: M at wave vector 0."""
         return float(self.spectra.mean_mobility[0]) if self.hangs_on_one_branch else 0.0
 
     @cached_property
-    def greatest_stiffness(self) -> float:  # type: ignore[override]
-        """See `Mechanics`."""
+    def greatest_stiffness(self) -> float:
+        """Largest H + sum of C_b of a wave; what holds the mean may be stiffer."""
         whole = self.spectra.permanent + self.spectra.creeping.sum(axis=0)
         return float(whole.flat[min(1, whole.size - 1) :].max())
 
     @cached_property
-    def fastest_creep(self) -> float:  # type: ignore[override]
-        """See `Mechanics`."""
+    def fastest_creep(self) -> float:
+        """Largest M_b C_b, the rate at which the fastest mode creeps at a given u."""
         return float(np.max(self.spectra.rate, initial=0.0))
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
-        """See `Mechanics`."""
+        """Whether nothing permanent resists some wave vectors but 0, and whether nothing resists all."""
         soft = self.implicit_step(np.inf).stiffness.flat[1:] == 0
         return bool(soft.any()), bool(soft.all())
 
-    def implicit_step(self, tau: float) -> SpectralStep:
-        """See `Mechanics`."""
-        return SpectralStep(self, tau)
+    def implicit_step(self, tau: float) -> ImplicitStep:
+        """Prepare implicit steps of duration tau >= 0, which may be infinite."""
+        return ImplicitStep(self, tau)
 
     def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
-        """See `Mechanics`; branches alike but for a factor are transformed as one."""
-        lattice, creeping = self.lattice, self.spectra.creeping
-        if self.shares is not None:
-            creeping = creeping.sum(axis=0, keepdims=True)
-            stretch = np.einsum("b,b...->...", self.shares, stretch)[np.newaxis]
-        return self._force(lattice.forward(u), creeping, map(lattice.forward, stretch), held)
+        """Contact force H u + sum of C_b w_b at every site; a load from afar where nothing hangs."""
+        return self.force_of_modes(self.lattice.forward(u), map(self.lattice.forward, stretch), held)
 
-    def force_of_modes(self, u: Modes, stretch: Modes, held: Prescribed) -> Field:
+    def force_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> Field:
         """The same from Fourier modes."""
-        return self._force(u, self.spectra.creeping, stretch, held)
-
-    def _force(self, u: Modes, creeping: Spectrum, stretch: Iterable[Modes], held: Prescribed) -> Field:
         force = self.spectra.permanent * u
         force.flat[0] -= self.hanging[0] * self.lattice.sites * held.position
-        for stiffness, w in zip(creeping, stretch, strict=True):
+        for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
             force += stiffness * w
         if held.load is not None and not 0 < self.mean_stiffness <= self.greatest_stiffness:
             force.flat[0] = held.load  # stretches of a mean held stiffly are lost in rounding
         return self.lattice.backward(force, overwrite=True)
 
     def energy(self, u: Field, stretch: Field, held: Prescribed) -> float:
-        """See `Mechanics`."""
+        """Elastic energy 1/2 sum_q [ H |u|^2 + sum of C_b |w_b|^2 ]."""
         return self.energy_of_modes(self.lattice.forward(u), map(self.lattice.forward, stretch), held)
 
     def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
@@ -255,22 +144,8 @@ class SpectralMechanics(Mechanics):
             density += weighted_power(stiffness[np.newaxis], w[np.newaxis])
         return self.lattice.mean_over_modes(density) / 2
 
-    @cached_property
-    def shares(self) -> Field | None:
-        """C_b over their sum, if those of several branches are the same at every wave vector."""
-        if self.branches < 2:
-            return None
-        creeping = self.spectra.creeping
-        total = creeping.sum(axis=0)
-        shares = creeping.reshape(self.branches, -1)[:, total.argmax()] / max(
-            total.max(), np.finfo(float).tiny
-        )
-        parts = zip(creeping, shares, strict=True)
-        alike = all(np.allclose(part, share * total, rtol=_ALIKE, atol=0.0) for part, share in parts)
-        return shares if alike else None
-
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
-        """See `Mechanics`."""
+        """Force of the springs of the only branch; where nothing hangs, its share of a load from afar."""
         creeping = self.spectra.creeping[0]
         modes = creeping * self.lattice.forward(stretch[0])
         if self.hanging[0] == 0 and load is not None:
@@ -286,34 +161,31 @@ class SpectralMechanics(Mechanics):
         return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
 
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Return the stretches as they are: forces are not local, and need no balance."""
+        """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
+
+        ``total`` is the sum of w, where it is known and the solid has one branch. Where forces are not local,
+        those are the same.
+        """
         del u, heights, total
         return stretch
 
     @cached_property
     def anchors_can_balance(self) -> bool:
         """Whether a small change of the anchors balances any small force, at every wave vector but 0."""
+        if self.law is not None or self.solid.springs is not None:
+            return False
         creeping = self.spectra.creeping.sum(axis=0)
         own = creeping >= _LEAST_CREEPING_SHARE * (creeping + self.spectra.permanent)
-        return self.law is None and self.solid.springs is None and bool(own.flat[1:].all())
+        return bool(own.flat[1:].all())
 
     def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
         """What added to all stretches puts a surface that almost is into exact equilibrium, Fourier modes.
 
         All anchors move alike, such that no force is left off contact and no tension in contact; all other
         forces are scaled, which keeps their sum.
-
-        Parameters
-        ----------
-        u, stretch
-            Fourier modes of the surface and of w_b.
-        in_contact
-            The contacts.
-        held
-            What is prescribed.
         """
         force = self.force_of_modes(u, stretch, held)
-        balanced = np.where(in_contact, np.maximum(force, 0.0), 0.0)
+        balanced = np.where(in_contact, np.maximum(force, self.interface.low), 0.0)
         load, kept = float(force.sum()), float(balanced.sum())
         if not (load > 0 and kept > 0):
             return np.zeros_like(u)
@@ -339,18 +211,12 @@ class SpectralMechanics(Mechanics):
         return np.asarray(np.divide(self.spectra.creeping, total, out=shares, where=total > 0))
 
 
-@final
 @dataclass(frozen=True, eq=False)
-class SpectralStep(ImplicitStep):
-    """An implicit step in Fourier modes: D_b, C_b D_b and S of the module's formulas."""
+class ImplicitStep:
+    """An implicit step of creep of duration ``tau``: D_b, C_b D_b and S of the module's formulas."""
 
-    mechanics: SpectralMechanics
+    mechanics: Mechanics
     tau: float
-
-    @property
-    def spectral(self) -> SpectralStep:
-        """The step itself."""
-        return self
 
     @cached_property
     def damping(self) -> Spectrum:
@@ -379,26 +245,27 @@ class SpectralStep(ImplicitStep):
             stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpectralProblem:
-        """See `ImplicitStep`."""
-        if isinstance(anchors, np.ndarray):
-            return self.problem_of_modes(heights, self._modes(anchors), held)
-        springs = self.damped_stiffness[self.mechanics.lattice.mean].sum()
-        return self._problem(heights, self.mechanics.lattice.flat_modes(float(springs) * anchors), held)
+    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
+        """The contact problem of a step from anchors v_b: fields, or the level at which all are flat.
 
-    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
-        """See `ImplicitStep`."""
-        return self._problem(heights, weighted_sum(self.damped_stiffness, anchors), held)
+        ``held`` is what is prescribed at its end; the maximum of the heights is 0.
+        """
+        return self.spectral_problem(heights, self.modes_of(anchors), held)
 
-    def _problem(self, heights: Field, rhs: Modes, held: Prescribed) -> SpectralProblem:
+    def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
+        """The same from the Fourier modes of the anchors."""
+        return self.spectral_problem(heights, anchors, held)
+
+    def spectral_problem(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
+        """The same in Fourier modes."""
+        rhs = weighted_sum(self.damped_stiffness, anchors)
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
             rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        springs = self.springs(float(stiffness.flat[0]))
-        of_sites = springs, mechanics.interface
+        of_sites = self.springs(float(stiffness.flat[0])), mechanics.interface
         return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
 
     def springs(self, mean: float) -> SpringLaw | None:
@@ -406,14 +273,18 @@ class SpectralStep(ImplicitStep):
         springs = self.mechanics.solid.springs
         if springs is None:
             return None
-        if np.isinf(self.tau) and springs.creep:
-            return SpringLaw(springs.k0, 0.0, 1.0, 0.0, mean)
-        rate = self.tau * springs.k1 if springs.creep else 0.0
-        return SpringLaw(springs.k0, springs.k1, 1.0 + rate * springs.R_viscous, rate * springs.R, mean)
+        relaxed, spread, drag = self.spread_and_drag(springs)
+        return SpringLaw(springs.k0, 0.0 if relaxed else springs.k1, 1.0 + drag, spread, mean)
+
+    def spread_and_drag(self, springs: SpringConstants) -> tuple[bool, float, float]:
+        """Whether the springs relax altogether; else tau k1 R and tau k1 R_viscous."""
+        relaxed = bool(np.isinf(self.tau)) and springs.creep
+        rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
+        return relaxed, rate * springs.R, rate * springs.R_viscous
 
     def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
-        """See `ImplicitStep`."""
-        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self._modes(anchors), held)
+        """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
+        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self.modes_of(anchors), held)
         return self.mechanics.lattice.backward(modes), position
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
@@ -436,37 +307,23 @@ class SpectralStep(ImplicitStep):
         modes[mean] = self.damping[mean] * (pull / hanging - before)
         return modes, held.position + (surface - pull / hanging) / sites
 
-    def _modes(self, anchors: Field | float) -> Modes:
+    def modes_of(self, anchors: Field | float) -> Modes:
+        """Fourier modes of anchors."""
         mechanics = self.mechanics
         if isinstance(anchors, np.ndarray):
             return mechanics.lattice.forward(anchors)
-        flat = mechanics.lattice.flat_modes(anchors)
-        return np.repeat(flat[np.newaxis], mechanics.branches, axis=0)
+        return np.repeat(mechanics.lattice.flat_modes(anchors)[np.newaxis], mechanics.branches, axis=0)
 
 
-@final
 class SpringMechanics(Mechanics):
-    """The lattice of springs in two dimensions, k1 > 0, in terms of neighbors.
+    """The lattice of springs in two dimensions, k1 > 0, whose surface never yields, in terms of neighbors."""
 
-    Attributes
-    ----------
-    springs
-        The spring constants.
-    """
-
-    branches = 1
-
-    def __init__(self, springs: SpringConstants, spectral: SpectralMechanics) -> None:
-        self.springs, self._spectral, self.lattice = springs, spectral, spectral.lattice
+    def __init__(self, solid: Solid, lattice: Lattice, springs: SpringConstants) -> None:
+        super().__init__(solid, lattice)
+        self.springs, self.interface = springs, RIGID
         self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
-        self.law, self.stressed_area, self.interface = spectral.law, spectral.stressed_area, RIGID
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
-
-    @property
-    def spectral(self) -> SpectralMechanics:
-        """The same in Fourier modes."""
-        return self._spectral
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
@@ -474,9 +331,9 @@ class SpringMechanics(Mechanics):
         soft = self.springs.k0 == 0 and self.springs.creep
         return soft, soft
 
-    def implicit_step(self, tau: float) -> NeighborStep:
+    def implicit_step(self, tau: float) -> SpringImplicitStep:
         """See `Mechanics`."""
-        return NeighborStep(self, tau)
+        return SpringImplicitStep(self, tau)
 
     def force(self, u: Field, stretch: Field, held: Prescribed) -> Field:
         """See `Mechanics`."""
@@ -509,37 +366,25 @@ class SpringMechanics(Mechanics):
         return np.asarray(w)[np.newaxis]
 
 
-@final
 @dataclass(frozen=True, eq=False)
-class NeighborStep(ImplicitStep):
-    """An implicit step of the lattice of springs."""
+class SpringImplicitStep(ImplicitStep):
+    """An implicit step of the lattice of springs, whose problem is stated in terms of neighbors."""
 
     mechanics: SpringMechanics
-    tau: float
-
-    @cached_property
-    def spectral(self) -> SpectralStep:
-        """The same in Fourier modes."""
-        return self.mechanics.spectral.implicit_step(self.tau)
 
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
-        springs = self.mechanics.springs
-        relaxed = bool(np.isinf(self.tau)) and springs.creep
-        rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
-        spread, drag = rate * springs.R, rate * springs.R_viscous
+        springs, mirrored = self.mechanics.springs, self.mechanics.lattice.reflecting
+        relaxed, spread, drag = self.spread_and_drag(springs)
         level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
-        mirrored = self.mechanics.lattice.reflecting
         step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
-        return SpringProblem(heights, step, lambda: self.spectral.problem(heights, anchors, held))
+        return SpringProblem(
+            heights, step, lambda: self.spectral_problem(heights, self.modes_of(anchors), held)
+        )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         return self.problem(heights, self.mechanics.lattice.backward(anchors), held)
-
-    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
-        """See `ImplicitStep`."""
-        return self.spectral.stretch(u, anchors, held)
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
@@ -547,7 +392,7 @@ def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:
 
     Where the interface yields, forces are found in Fourier modes: multigrid knows no bound.
     """
-    spectral, springs = SpectralMechanics(solid, lattice), solid.springs
+    springs = solid.springs
     if springs is None or lattice.dimension != 2 or springs.k1 == 0 or solid.yields:
-        return spectral
-    return SpringMechanics(springs, spectral)
+        return Mechanics(solid, lattice)
+    return SpringMechanics(solid, lattice, springs)

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -30,28 +30,8 @@ _NODES = 12
 """Shear forces at which Gauss's rule asks for the displacement, for the energy lost in a cycle."""
 
 
-class Pressed(Protocol):
-    """What of a contact counts here."""
-
-    @property
-    def in_contact(self) -> Mask:
-        """See `Contact`."""
-
-    @property
-    def pressure(self) -> Field:
-        """See `Contact`."""
-
-    @property
-    def load(self) -> float:
-        """See `Contact`."""
-
-    @property
-    def separation(self) -> float:
-        """See `Contact`."""
-
-    @property
-    def normal_stiffness(self) -> float:
-        """See `Contact`."""
+Pressed = Any
+"""An `asperity.Contact`, whose module imports this one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,19 +70,11 @@ class PartialSlip(views.Brief):
         friction: float,
         poisson: float | None,
     ) -> PartialSlip:
-        """From a contact, and what it becomes at once under a smaller load.
-
-        Raises
-        ------
-        InputError
-            The bodies slide.
-        """
-        limit = friction * whole.load
+        """From a contact, and what it becomes at once under a smaller load; refused if the bodies slide."""
+        limit, advice = friction * whole.load, "less shear, or more load"
         if shear >= limit:
             expected = f"less than friction times load, {limit:.6g}: from there on the bodies slide"
-            raise InputError(
-                "shear", expected=expected, got=f"{shear:.6g}", advice="less shear, or more load"
-            )
+            raise InputError("shear", expected=expected, got=f"{shear:.6g}", advice=advice)
 
         def stuck(force: float) -> Pressed:
             return pressed(whole.load - force / friction)
@@ -125,7 +97,7 @@ class PartialSlip(views.Brief):
     @cached_property
     def stiffness(self) -> float:
         """Tangential stiffness dQ / d(displacement) at this shear force, force / length."""
-        return shear_ratio(self.poisson) * self._stuck(self.shear).normal_stiffness
+        return shear_ratio(self.poisson) * float(self._stuck(self.shear).normal_stiffness)
 
     @cached_property
     def energy_lost(self) -> float:
@@ -140,4 +112,4 @@ class PartialSlip(views.Brief):
 
     def _given_way(self, shear: float) -> float:
         ratio = shear_ratio(self.poisson)
-        return self.friction / ratio * (self._stuck(shear).separation - self._whole.separation)
+        return self.friction / ratio * float(self._stuck(shear).separation - self._whole.separation)

@@ -40,33 +40,15 @@ class SpringLaw:
     spread: float
     mean: float
 
-    @property
-    def scale(self) -> float:
-        """Largest coefficient of the equation of z."""
-        return max(self.lag, self.spread)
-
 
 @dataclass(frozen=True, eq=False)
 class SpectralProblem:
     """A contact problem in Fourier modes.
 
-    Parameters
-    ----------
-    lattice
-        The periodic lattice.
-    heights
-        The obstacle xi, a field whose maximum is 0, which keeps rounding errors relative to the
-        indentation rather than to the datum of the heights.
-    stiffness
-        S, a spectrum; positive but, under load control, zero at wave vector 0.
-    rhs
-        The right-hand side b, as Fourier modes; under load control minus the normal load at wave vector 0.
-    load_controlled
-        Whether the sum of the forces is prescribed.
-    springs
-        S in terms of neighbors, on a lattice of springs; on a line linear problems are solved so.
-    interface
-        Bounds of the force of a site.
+    The maximum of the heights, the obstacle xi, is 0, which keeps rounding errors relative to the indentation
+    rather than to the datum of the heights. The stiffness S is positive but, where the sum of the forces is
+    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. ``springs`` are S
+    in terms of neighbors, on a lattice of springs: on a line linear problems are solved so.
     """
 
     lattice: Lattice
@@ -92,22 +74,10 @@ class SpringStep:
 
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
-    unknown constant joins the right-hand side, and the sum of k1 w is the load.
+    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None.
 
-    Parameters
-    ----------
-    k0, k1
-        Stiffness of the springs between neighbors and to the bulk; k1 > 0.
-    spread, drag
-        tau k1 R and tau k1 R_viscous, >= 0; `relaxed` stands for both infinite.
-    relaxed
-        Whether the duration tau is infinite.
-    anchors
-        v, a field or the level of a flat one, measured like the heights of the problem.
-    load
-        The normal load, or None under separation control.
-    mirrored
-        Whether the edges of the lattice are mirrors, not periodic.
+    ``spread`` and ``drag`` are tau k1 R and tau k1 R_viscous; ``relaxed`` stands for both infinite. The
+    anchors are a field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
     """
 
     k0: float
@@ -122,17 +92,7 @@ class SpringStep:
 
 @dataclass(frozen=True, eq=False)
 class SpringProblem:
-    """A contact problem on the lattice of springs: a step above an obstacle.
-
-    Parameters
-    ----------
-    heights
-        The obstacle, as in `SpectralProblem`.
-    step
-        The step.
-    spectral
-        Makes the same problem in Fourier modes.
-    """
+    """A contact problem on the lattice of springs: a step above an obstacle, also in Fourier modes."""
 
     heights: Field
     step: SpringStep
@@ -146,14 +106,13 @@ ContactProblem = SpectralProblem | SpringProblem
 class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
-    If no sites are named, those that the surface does not clear. A solver may write into the surface of
-    a guess that is disposable. Contacts that may be ``yielding`` are those where the surface is to be found.
+    If no sites are named, those that the surface does not clear; if they are, those that it is below yield
+    where that is allowed. A solver may write into the surface of a guess that is disposable.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
-    yielding: Mask | None = None
 
 
 @dataclass(frozen=True, eq=False)

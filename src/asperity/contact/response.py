@@ -42,8 +42,9 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
     if not in_contact.any():
         return 0.0
     flat = np.where(in_contact, 0.0, -np.inf)
-    step = system.mechanics.spectral.implicit_step(0.0)
-    problem = replace(step.problem(flat, 0.0, Prescribed(1.0, 0.0)), interface=Interface(low=-math.inf))
+    step = system.mechanics.implicit_step(0.0)
+    problem = step.problem(flat, 0.0, Prescribed(1.0, 0.0)).spectral()
+    problem = replace(problem, interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, TOLERANCE).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))
@@ -56,11 +57,6 @@ def resistance(solid: Solid, lattice: Lattice, stiffness: float, resistivity: tu
     1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the resistivities of the two half-spaces (J. R. Barber, Proc.
     R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) / (4 a), as R.
     Holm has it.
-
-    Raises
-    ------
-    InputError
-        The solid is no half-space, or the contact is that of a line.
     """
     check_half_space("resistance", solid, lattice)
     modulus = float(solid.parameters["modulus"])  # type: ignore[arg-type]

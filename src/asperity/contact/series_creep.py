@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.contact.arrays import inner, largest
+from asperity.contact.arrays import inner, inverse, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.stencils import bounded
@@ -64,16 +64,8 @@ TUNING = Tuning()
 class SeriesCreep(ByLaw):
     """Steps above one rough surface.
 
-    Parameters
-    ----------
-    stiffness
-        K; at wave vector 0 the stiffness of an apparatus, or 0.
-    law, area
-        The law of creep, and the area over which a force is its stress.
-    lattice, heights, interface
-        The sites, the rough surface, and the bounds of the force of a site.
-    share
-        g.
+    ``stiffness`` is K, at wave vector 0 that of an apparatus, or 0; a force over ``area`` is the stress of
+    the law, and ``share`` is g.
     """
 
     def __init__(
@@ -88,7 +80,7 @@ class SeriesCreep(ByLaw):
     ) -> None:
         self.law, self.area, self.lattice, self.heights = law, area, lattice, heights
         self.interface, self.share = interface, share
-        self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        self.compliance = inverse(stiffness)
         self.permanent = (1 - share) * stiffness
         self.softest = float(self.compliance.max()) / share
         self.site_compliance = lattice.mean_over_modes(self.compliance)
@@ -97,8 +89,7 @@ class SeriesCreep(ByLaw):
         self.weights = np.array([share, own * other])[:count]
         self.turn = np.array([[own, other], [other, -own]])[:count, :count]
         self.in_contact = np.array([1.0, other / own])[:count]
-        self.off_contact = np.zeros(count)
-        self.off_contact[1:] = 1 / self.weights[1:]
+        self.off_contact = np.array([0.0, *(1 / self.weights[1:])])
 
     def stretch(self, force: Field) -> Field:
         """See `ByLaw`."""

@@ -449,12 +449,7 @@ def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, flo
 def control_of(contact: Contact, hold: Hold | None) -> Control:
     """Load or separation of a contact, to be held; by default what it was pressed by.
 
-    Where the area is to be held, the load with which that begins.
-
-    Raises
-    ------
-    InputError
-        ``hold`` is something else, the contact is no contact, or its load is to be held and it has none.
+    Where the area is to be held, the load with which that begins. `InputError` where there is none to hold.
     """
     checks.instance("contact", contact, Contact, WHERE_FROM)
     if hold not in (None, "load", "separation", "area"):
@@ -483,29 +478,12 @@ def contact_from(
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
-    Parameters
-    ----------
-    system
-        The system solved.
-    solution
-        The solved contact problem.
-    anchors
-        u_b relative to the system's datum: fields, the level at which all are flat, or Fourier modes.
-    position
-        That of the rigid body, relative to the datum.
-    bodies
-        What the contact is of.
-    load_may_vanish
-        Whether the load may be so small that the heights cannot resolve it, as it dies out at a held
-        separation.
-
-    Raises
-    ------
-    ConvergenceError
-        In double precision the heights cannot resolve a load this small.
+    The anchors u_b are fields, the level at which all are flat, or Fourier modes; they and the position of
+    the rigid body are relative to the system's datum. `ConvergenceError` where double precision cannot
+    resolve the load, unless it may be so small, as it dies out at a held separation.
     """
     datum, mechanics, lattice = system.datum, system.mechanics, system.mechanics.lattice
-    lowered, indentation = _lowered(system, lattice.cut(solution.u), bodies)
+    lowered, indentation = _lowered(system, solution.u, bodies)
     heights = lattice.extended(lowered, -math.inf)
     surface, u = solution.u, solution.u + datum
     np.maximum(u, heights, out=u)
@@ -513,7 +491,7 @@ def contact_from(
     in_contact = u == heights
     vanishing = load_may_vanish and not system.load
     floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
-    yielding = solution.u < system.heights if system.yields else None
+    yielding = solution.u < system.heights
 
     def judged(state: _State) -> float:
         if system.load is None:
@@ -535,17 +513,19 @@ def contact_from(
         return left
 
     def on_sites() -> Field:
-        fields = _rounded(lattice.backward(modes), surface, u, datum, mechanics.branches)
+        assert isinstance(anchors, AnchorModes)
+        fields = _rounded(lattice.backward(anchors.modes), surface, u, datum, mechanics.branches)
         judged(_State.of(system, u - datum, fields - datum, position))
         return fields
 
     published: Field | Callable[[], Field]
+    relative: Field | AnchorModes
     if isinstance(anchors, AnchorModes):
-        modes, published = anchors.modes, on_sites
-        state = _State.of_modes(system, u - datum, modes, position)
+        published, relative = on_sites, anchors
     else:
         published = _rounded(anchors, surface, u, datum, mechanics.branches)
-        state = _State.of(system, u - datum, published - datum, position)
+        relative = published - datum
+    state = _State.of(system, u - datum, relative, position)
     left, force = judged(state), state.force
     force = mechanics.interface.allowed(force, in_contact)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
@@ -579,37 +559,30 @@ class _State:
     carried: float | None
 
     @classmethod
-    def of(cls, system: System, u: Field, anchors: Field, position: float) -> _State:
-        """Of fields."""
-        position, stretch = system.position(u, anchors, position), u - anchors
-        return cls(
-            position,
-            system.force(u, stretch, position),
-            lambda: system.energy(u, stretch, position),
-            system.carried(u, stretch, position),
+    def of(cls, system: System, u: Field, anchors: Field | AnchorModes, position: float) -> _State:
+        """Of fields, or of anchors in Fourier modes: those at wave vector 0 are sums over the sites."""
+        mechanics, mean = system.mechanics, system.mechanics.lattice.mean
+        if not isinstance(anchors, AnchorModes):
+            position, stretch = system.position(u, anchors, position), u - anchors
+            force, energy = system.force(u, stretch, position), system.energy
+            carried = system.carried(u, stretch, position)
+            return cls(position, force, lambda: energy(u, stretch, position), carried)
+        position = system.position(u, anchors.modes[mean].real / system.sites, position)
+        surface, held = mechanics.lattice.forward(u), system.held(position)
+        modes = surface - anchors.modes
+        force, carried = (
+            mechanics.force_of_modes(surface, modes, held),
+            system.carried(u, modes[mean].real, position),
         )
-
-    @classmethod
-    def of_modes(cls, system: System, u: Field, anchors: Modes, position: float) -> _State:
-        """Of anchors in Fourier modes; those at wave vector 0 are sums over the sites."""
-        mechanics, lattice = system.mechanics.spectral, system.mechanics.lattice
-        position = system.position(u, anchors[lattice.mean].real / system.sites, position)
-        modes, held = lattice.forward(u), system.held(position)
-        stretch = modes - anchors
-        return cls(
-            position,
-            mechanics.force_of_modes(modes, stretch, held),
-            lambda: mechanics.energy_of_modes(modes, stretch, held),
-            system.carried(u, stretch[lattice.mean].real, position),
-        )
+        return cls(position, force, lambda: mechanics.energy_of_modes(surface, modes, held), carried)
 
 
 def _lowered(system: System, u: Field, bodies: Bodies | Contact) -> tuple[Field, Field]:
     """Heights of the rough surface, lower where it has yielded under a surface, and by how much in all."""
-    before = np.broadcast_to(bodies.permanent_indentation, u.shape)
+    before = np.broadcast_to(bodies.permanent_indentation, bodies.heights.shape)
     if not system.yields:
         return bodies.heights, before
-    obstacle = np.minimum(system.mechanics.lattice.cut(system.heights), u)
+    obstacle = system.mechanics.lattice.cut(system.lowered(u).heights)
     lower = obstacle < bodies.heights - system.datum
     heights = np.where(lower, obstacle + system.datum, bodies.heights)
     return heights, before + (bodies.heights - heights)
@@ -625,11 +598,10 @@ def _smallest_force(system: System, u: Field) -> float:
 
 def _rounded(anchors: Field | float, surface: Field, u: Field, datum: float, branches: int) -> Field:
     """Move all anchors to the user's datum; see `_rounded_keeping_load`. Flat ones take no memory."""
-    if isinstance(anchors, np.ndarray):
-        moved = [_rounded_keeping_load(v, surface, u, datum) for v in anchors]
-        return moved[0][np.newaxis] if branches == 1 else np.array(moved).reshape(branches, *u.shape)
-    one = _rounded_keeping_load(anchors, surface, u, datum)
-    return np.broadcast_to(one, (branches, *u.shape))
+    if not isinstance(anchors, np.ndarray):
+        return np.broadcast_to(_rounded_keeping_load(anchors, surface, u, datum), (branches, *u.shape))
+    moved = [_rounded_keeping_load(v, surface, u, datum) for v in anchors]
+    return moved[0][np.newaxis] if branches == 1 else np.array(moved).reshape(branches, *u.shape)
 
 
 def _rounded_keeping_load(anchors: Field | float, surface: Field, u: Field, datum: float) -> Field:

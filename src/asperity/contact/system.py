@@ -33,13 +33,7 @@ class System:
 
     @classmethod
     def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
-        """Set up from checked heights.
-
-        Raises
-        ------
-        InputError
-            The solid cannot be used, or not with this control.
-        """
+        """Set up from checked heights; `InputError` if the solid cannot be used, or not with this control."""
         datum = float(heights.max())
         mechanics = mechanics_of(solid, lattice.embedding)
         if mechanics.mean_stiffness == 0 and not control.load_controlled:
@@ -78,29 +72,20 @@ class System:
 
     def lowered(self, u: Field) -> System:
         """Return the system above the rough surface as a surface that may be below it leaves it."""
-        return replace(self, heights=np.minimum(self.heights, u)) if self.yields else self
+        heights = self.mechanics.interface.lowered(self.heights, u)
+        return self if heights is self.heights else replace(self, heights=heights)
 
     def held(self, position: float = 0.0) -> Prescribed:
-        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it.
-
-        Raises
-        ------
-        InputError
-            The load is more than the whole surface can bear.
-        """
-        if self.load is not None:
-            most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
-            if self.load > most:
-                hardness = self.mechanics.spectral.solid.hardness
-                part = f"{_MOST_OF_ALL:g} of the hardness {hardness:g} times the nominal area"
-                raise InputError(
-                    "load",
-                    expected=f"at most {most:.8g}, {part}",
-                    got=f"{self.load:.8g}",
-                    advice="less load, or a greater hardness",
-                )
-            return Prescribed(self.load, position)
-        return Prescribed(None, self.control.value - self.datum)
+        """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
+        if self.load is None:
+            return Prescribed(None, self.control.value - self.datum)
+        most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
+        if self.load > most:
+            hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
+            expected = f"at most {most:.8g}, {_MOST_OF_ALL:g} of {hardness}"
+            advice = "less load, or a greater hardness"
+            raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
+        return Prescribed(self.load, position)
 
     @property
     def drift(self) -> float:
@@ -120,12 +105,10 @@ class System:
             return None
         return self.load / (self.sites * self.mechanics.mean_stiffness)
 
-    def displacement(self, u: Field, anchors: Field | float, position: float) -> float:
+    def displacement(self, u: Field, anchors: Field, position: float) -> float:
         """How far the load moves the rigid body and the anchors at once, to balance a surface u."""
         mechanics = self.mechanics
-        own = [float((u - v).mean()) for v in anchors] if isinstance(anchors, np.ndarray) else None
-        if own is None:
-            own = [float(u.mean()) - float(anchors)] * mechanics.branches
+        own = [float((u - v).mean()) for v in anchors]
         if mechanics.mean_stiffness == 0:
             return own[0] if own else float(u.mean()) - position
         parts = [float(u.mean()) - position, *own]
@@ -152,15 +135,11 @@ class System:
 
     def carried(self, u: Field, stretch: Field, position: float) -> float | None:
         """Load that the solid carries at wave vector 0, in terms of what hangs; None where nothing does."""
-        hanging = self.mechanics.hanging
         if self.mechanics.mean_stiffness == 0:
             return None
-        own = 0.0
-        if hanging[0] > 0:
-            own = float(hanging[0]) * (float(u.sum()) - self.sites * position)
-        return own + sum(
-            float(stiffness * np.sum(w)) for stiffness, w in zip(hanging[1:], stretch, strict=True)
-        )
+        hanging, *creeping = map(float, self.mechanics.hanging)
+        own = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
+        return own + sum(stiffness * float(np.sum(w)) for stiffness, w in zip(creeping, stretch, strict=True))
 
     def position(self, u: Field, anchors: Field, position: float) -> float:
         """Where the rigid body is: at the mean of the only branch's anchors, if the surface hangs on it."""

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
-from asperity.aging.frames import Counts, Midway, Origin, Pace
+from asperity.aging.frames import Counts, Midway, Pace
 from asperity.aging.legs import LegMidway
+from asperity.aging.tr_bdf2 import Origin
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
