@@ -43,33 +43,11 @@ def forces(u: Field, w: Field, k0: float, k1: float, mirrored: bool, out: Field)
 
 def bond_energy(u: Field, *, mirrored: bool = False) -> float:
     """Sum over the bonds of the squared difference between neighbors."""
-    rows = np.empty(len(u))
-    bond_energies(u, mirrored, rows)
-    return float(rows.sum())
-
-
-@compiled
-def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
-    """Sum of the squared differences between neighbors, by rows."""
-    ny, nx = u.shape
-    for i in range(ny):
-        row, down = u[i], u[i + 1 if i < ny - 1 else (i if mirrored else 0)]
-        total = 0.0 if mirrored else (row[0] - row[nx - 1]) ** 2
-        for j in range(nx - 1):
-            total += (row[j + 1] - row[j]) ** 2
-        for j in range(nx):
-            total += (down[j] - row[j]) ** 2
-        out[i] = total
-
-
-def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
-    """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
-    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
-    found = np.empty((len(rows), 4))
-    extremes_of_rows(rows, touching, found)
-    worst, tension = found[:, 0].max(), -found[:, 1].min()
-    load, contacts = found[:, 2:].sum(axis=0)
-    return float(worst), float(tension), float(load), float(contacts)
+    total = 0.0
+    for field in (u, u.T):
+        for ends in (field[1:] - field[:-1], *(() if mirrored else (field[:1] - field[-1:],))):
+            total += float(np.einsum("ij,ij->", ends, ends))
+    return total
 
 
 @compiled
@@ -86,6 +64,16 @@ def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
             free = abs(row[j] - carried)
             worst = free if free > worst else worst
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
+
+
+def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
+    """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
+    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
+    found = np.empty((len(rows), 4))
+    extremes_of_rows(rows, touching, found)
+    worst, tension = found[:, 0].max(), -found[:, 1].min()
+    load, contacts = found[:, 2:].sum(axis=0)
+    return float(worst), float(tension), float(load), float(contacts)
 
 
 def balanced(
@@ -131,33 +119,16 @@ def bounded(forces: Field, total: float | None, largest: float) -> Field:
 
 
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:
-    """A field plus up to three others times their weights."""
-    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, first),))
-    out = np.empty(first.shape)
-    combine(first.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
+    """A field plus others times their weights."""
+    out = first.copy()
+    for weight, field in terms:
+        out += weight * field
     return out
 
 
 def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
-    """A field plus its differences from up to three others times weights; exact where all are the same."""
-    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, latest),))
-    out = np.empty(latest.shape)
-    extrapolate(latest.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
-    return out
-
-
-@compiled
-def combine(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
-    """X + a y + b z + c t."""
-    for i in range(x.shape[0]):
-        out[i] = x[i] + a * y[i] + b * z[i] + c * t[i]
-
-
-@compiled
-def extrapolate(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
-    """X + a (y - x) + b (z - x) + c (t - x)."""
-    for i in range(x.shape[0]):
-        out[i] = x[i] + (a * (y[i] - x[i]) + b * (z[i] - x[i]) + c * (t[i] - x[i]))
+    """A field plus its differences from others times weights; exact where all are the same."""
+    return combined(latest, *((weight, field - latest) for weight, field in terms))
 
 
 @compiled
@@ -184,45 +155,3 @@ def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
         for j in range(u.shape[1]):
             force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
             row[j] += scale * force
-
-
-@compiled
-def linearize(
-    u: Field,
-    w: Field,
-    anchors: Field,
-    velocity: Field,
-    own: Field,
-    bend: Field,
-    spread: float,
-    lagging: float,
-    beside: float,
-    position: float,
-    tau: float,
-    mirrored: bool,
-    lacking: Field,
-    out: Field,
-) -> None:
-    """What an implicit step by a law lacks at stretches w, and what sites do about it one by one.
-
-    It lacks u - v - position - lagging w - spread L w - tau velocity; a site makes up for it, its neighbors
-    as they are, by that over ``own``, which is lagging + beside + the slope of the law. ``bend`` is how far
-    a stretch moves until that slope is another; one row may stand for all. ``out`` by rows: these changes,
-    their squares, those of what the tangent leaves of them, and what a shift of 1 would change.
-    """
-    for i in range(u.shape[0]):
-        row = lacking[i]
-        force_row(spread, w, lagging, w, i, mirrored, row)
-        bends = bend[i if bend.shape[0] > 1 else 0]
-        alone = squares = left = response = 0.0
-        for j in range(u.shape[1]):
-            row[j] = u[i, j] - anchors[i, j] - position - row[j] - tau * velocity[i, j]
-            yielding = 1.0 / own[i, j]
-            change = row[j] * yielding
-            error = (own[i, j] - lagging - beside) * change * change / (own[i, j] * bends[j] + 1e-300)
-            error = min(error, abs(change))
-            alone += change
-            squares += change * change
-            left += error * error
-            response += yielding
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = alone, squares, left, response

@@ -55,6 +55,12 @@ class Axis:
                 size[-1] += half[-1]
         return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size, self.mirrored)
 
+    @property
+    def laplacian(self) -> Field:
+        """Minus the Laplacian as a matrix."""
+        change = np.eye(self.size.size) - np.roll(np.eye(self.size.size), 1, axis=1)
+        return np.asarray(change.T @ (self.coupling[:, np.newaxis] * change))
+
 
 def empty(sites: Sites, backend: Processor) -> Single:
     """A field of zeros, in memory that nothing has touched yet."""
@@ -118,21 +124,8 @@ class Grid:
     @cached_property
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
-        ny, nx, _ = self.sites
         y, x = self.axes
-        matrix = np.zeros((ny * nx, ny * nx))
-        for i in range(ny):
-            for j in range(nx):
-                here = i * nx + j
-                for there, coupling in (
-                    ((i + 1) % ny * nx + j, y.coupling[i] * x.size[j]),
-                    (i * nx + (j + 1) % nx, x.coupling[j] * y.size[i]),
-                ):
-                    matrix[here, here] += coupling
-                    matrix[there, there] += coupling
-                    matrix[here, there] -= coupling
-                    matrix[there, here] -= coupling
-        return matrix
+        return np.asarray(np.kron(y.laplacian, np.diag(x.size)) + np.kron(np.diag(y.size), x.laplacian))
 
 
 class Hierarchy:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
@@ -21,7 +19,6 @@ from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.stages import StageSolver
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
 from asperity.contact.stencils import bond_energy
@@ -101,7 +98,7 @@ class Multigrid:
             )
         springs = problem.step
         if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
-            raise UnsolvedError(guess)  # steps of creep are `StageSolver`'s
+            raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
         if springs.k0 == 0:
             return _independent(springs, problem.heights)
         if guess is None:
@@ -134,12 +131,6 @@ class Multigrid:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
         return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
-
-    def stages(
-        self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
-    ) -> StageSolver:
-        """The solver of steps of creep from a state; see `StageSolver.arrays`."""
-        return StageSolver(self.work_on(mechanics), mechanics.springs, heights, arrays)
 
     def _workspace(self, kind: type[W], sites: Sites) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""

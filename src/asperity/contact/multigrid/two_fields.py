@@ -23,29 +23,18 @@ import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import (
-    Measured,
-    Moves,
-    Pair,
-    Scales,
-    Single,
-    Sites,
-    Springs,
-    Surface,
-    Two,
-)
+from asperity.contact.multigrid.loops import Moves, Pair, Single, Sites, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
-from asperity.contact.stencils import linearize
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 
 
 @dataclass(frozen=True)
@@ -77,33 +66,6 @@ TUNING = Tuning()
 
 _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
-
-
-class ByLaw(NamedTuple):
-    """A step of tau by a law from anchors v: its velocity and derivative by site, where they are taken.
-
-    The body is at the position, and no lag exceeds the largest.
-    """
-
-    anchors: Field
-    velocity: Field
-    derivative: Field
-    position: float
-    tau: float
-    largest: float
-
-
-class Tangent(NamedTuple):
-    """Of a law: 1 + drag without it, 4 spread, and how far a stretch moves until the slope is another."""
-
-    lagging: float
-    beside: float
-    bend: Any
-
-    def bends(self, shape: tuple[int, ...]) -> Field:
-        """How far stretches move until the slope is another, by site or in one row for all."""
-        scale = np.asarray(self.bend, dtype=float)
-        return np.ascontiguousarray(scale if scale.ndim == 2 else np.full((1, shape[1]), scale))
 
 
 class TwoFields:
@@ -199,72 +161,26 @@ class TwoFields:
         """Places for an error of the correction."""
         return self.pair(), self.pair(), self.pair(), empty(self.sites, self.backend)
 
-    def left_of(self, error: Single, spread: float, drag: float) -> float:
-        """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
+    def left_of(self, error: NDArray[np.floating]) -> NDArray[np.floating]:
+        """What an implicit step leaves of an error of u0, while the contacts stay; both rows in order.
 
-        The error has its rows in order. The equations are those of a step, with e = 0 in contact, and the
-        pins are those of the correction, where the coefficients are. Where cycles do not solve them, all of
-        the error is left.
+        The equations are those of the step that was solved last. Where cycles do not solve them, all of the
+        error is left.
         """
-        work, backend = copy(self), self.backend
+        work, scale = copy(self), math.sqrt(inner(error, error, np) / self.size)
         work.correction, work.source, work.previous, work.bound = self.spare
-        if self.bed > TUNING.stiff or (spread, 1.0 + drag) != (self.spread, self.mean_lag):
-            work.prepare(min(self.bed, TUNING.stiff), spread, drag)
-            self.pinned, self.factorized = -math.inf, False
+        if self.bed > TUNING.stiff and self.even:
+            work.prepare(TUNING.stiff, self.spread, self.mean_lag - 1.0)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
-        scale = math.sqrt(inner(error, error, np) / self.size)
-        work.hold(self.correction.e <= self.bound, error)
-        done, _ = work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)
-        if not done:
-            return scale
-        left = backend.unpacked(work.correction.e - work.correction.f, self.sites)
-        mean = 0.0 if self.wanted is None else float(left.mean())  # a load decides it
-        return math.sqrt(max(inner(left, left, np) / self.size - mean * mean, 0.0))
-
-    def hold(self, touching: Mask, error: NDArray[np.floating]) -> None:
-        """Begin the equations of an error of u0, rows in order, for contacts that stay what they are."""
-        self.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
-        self.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
-        self.source.f[...] = self.backend.packed(-error)
-        for field in self.correction:
+        touching = self.correction.e <= self.bound
+        work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
+        work.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
+        work.source.f[...] = self.backend.packed(-error)
+        for field in work.correction:
             field.fill(0.0)
-
-    def measure_law(
-        self,
-        surface: Surface,
-        law: ByLaw,
-        springs: Springs,
-        tangent: Tangent,
-        scales: tuple[float, float],
-        total: float | None,
-    ) -> tuple[float, float]:
-        """Begin a correction to the fields as they are, the sum of w being given or None.
-
-        The shift is at first what sites alone would need for that sum. Returns the rms of their changes
-        alone, and of what the tangent would leave of those.
-        """
-        backend, (u, w, _), unit = self.backend, surface, scales[1]
-        into, sites = Measured(self.bound, self.source.e, self.source.f), self.sites
-        measured = Scales(*scales, 0.0)
-        stretch = backend.measure(surface, springs, 0.0, measured, into, sites, flowing=False).stretch
-        own = (law.tau * springs.k1) * law.derivative
-        own += tangent.lagging + tangent.beside
-        bend, lacking, sums = tangent.bends(u.shape), np.empty(u.shape), np.empty((len(u), 4))
-        numbers = springs.spread, tangent.lagging, tangent.beside, law.position, law.tau, sites.mirrored
-        linearize(u, w, law.anchors, law.velocity, own, bend, *numbers, lacking, sums)
-        alone, squares, left, response = sums.sum(axis=0).tolist()
-        lacking /= unit
-        self.source.f[...] = backend.packed(lacking)
-        own -= tangent.beside
-        self.lag, self.even = backend.packed(np.minimum(own, law.largest, out=own)), False
-        for field in self.correction:
-            field.fill(0.0)
-        self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
-        if total is not None:
-            self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - alone / unit) / (response or math.nan)
-            squares -= alone * alone / self.size
-        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
+        if not work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)[0]:
+            return error
+        return self.backend.unpacked(work.correction.e - work.correction.f, self.sites) + work.shift
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""
