@@ -35,22 +35,11 @@ from asperity.lattice import Field
 
 
 class SpringSteps(TrBdf2):
-    """A creeping state on the lattice of springs, solved by multigrid.
+    """A creeping state u and w on the lattice of springs, solved by multigrid.
 
-    Attributes
-    ----------
-    u, w
-        The state, lengths.
-    changes
-        The changes of u and w in the last step and in the one before, in units of ``unit``.
-    rate, flow
-        Rate of u0 at the end of the last step, and M C w, in units of ``unit`` by time.
-    moments
-        Sums over the state; rises are above ``level``.
-    offset
-        What f lacks after a stage for the mean of w to be exact.
-    mean_u0
-        Mean of u0 where the separation is prescribed, a length.
+    In units of ``unit`` are the changes of u and w in the last two steps, the rate of u0 at its end and the
+    flow M C w. ``moments`` are sums over the state, rises above ``level``; ``offset`` is what f lacks after a
+    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed.
     """
 
     kind, through = "springs", 3

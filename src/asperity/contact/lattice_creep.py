@@ -79,8 +79,8 @@ class LatticeCreep(ByLaw):
         """See `ByLaw`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
         k0, k1 = self.springs.k0, self.springs.k1
-        total, largest = None if load is None else load / k1, self.interface.high / k1
-        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, largest=largest)
+        total, high = None if load is None else load / k1, self.interface.high / k1
+        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, high=high)
         return found.reshape(state.u.shape)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:

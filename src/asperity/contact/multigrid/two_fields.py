@@ -69,26 +69,13 @@ _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 
 
 class TwoFields:
-    """Work space for one lattice, and the correction on it.
+    """Work space for one lattice, and the correction (e, f) on it.
 
-    Attributes
-    ----------
-    correction, source, previous
-        e and f; b and c of the equations in `asperity.contact.multigrid.loops`; the previous move of e and f.
-    bound
-        Least e that does not penetrate, a length <= 0: minus the gap u - heights.
-    shift
-        The unknown shift, a length.
-    found, latest
-        Corrections of e and f, and of e - f, that the coarse grids found last, on the first coarse grid.
-    overshooting
-        Whether a correction of this problem was hardly smaller than the one before.
-    wanted
-        Sum of f with which the load is carried, a length, or None where the separation is prescribed.
-    yielding
-        Number of sites that carry a force that is given, off the obstacle.
-    known_stretch
-        Sum of w before the correction, a length.
+    ``source`` is b and c of the equations in `asperity.contact.multigrid.loops`, and ``bound`` the least e
+    that does not penetrate: minus the gap u - heights. ``found`` and ``latest`` are corrections of e and f,
+    and of e - f, that the coarse grids found last, on the first of them. ``wanted`` is the sum of f with
+    which the load is carried, or None where the separation is prescribed, and ``known_stretch`` that of w
+    before the correction. So many sites as are ``yielding`` carry a force that is given, off the obstacle.
     """
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
@@ -98,10 +85,8 @@ class TwoFields:
         self.bound = empty(sites, backend)
         self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
-        self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
-        self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
+        self.weights, self.keeping, self.yielding = (1.0, 0.0), False, 0
         self.wanted: float | None = None
-        self.yielding = 0
         self.latest: Single = np.zeros(0, np.float32)
         widths = [sites.columns, *(grid.sites.columns for grid in self.hierarchy.grids)]
         self.rows = [backend.packed(np.zeros((1, width))) for width in widths]
@@ -140,7 +125,7 @@ class TwoFields:
         size = math.inf
         for cycle in range(max_cycles):
             found = self.descend(correcting=cycle > 0)
-            missing = self.missing(found)
+            missing = 0.0 if self.wanted is None else self.wanted - found.stretch
             far = math.sqrt(found.moves / self.size)
             size, rate = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
@@ -150,8 +135,8 @@ class TwoFields:
             if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.found.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
-            carried = rate * abs(missing) <= self.force_error * abs(self.total_stretch) or not total_counts
-            if good and carried:
+            total = abs(self.known_stretch + found.stretch)
+            if good and (rate * abs(missing) <= self.force_error * total or not total_counts):
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
@@ -197,20 +182,11 @@ class TwoFields:
         creeping = self.diagonal, self.damping, self.inverse
         return Two(*self.correction, self.bound, *self.source, bed, spread, *creeping, shift, self.sites)
 
-    def moves(self) -> Moves:
-        """What the coarse grids found, and the previous move, with their weights."""
-        alpha, beta = map(np.float32, self.weights)
-        return Moves(self.found, self.previous, alpha, beta, self.keeping)
-
     def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
-        places = (self.equation(), self.moves(), self.hierarchy.grids[0].source)
+        moves = Moves(self.found, self.previous, *map(np.float32, self.weights), self.keeping)
+        places = (self.equation(), moves, self.hierarchy.grids[0].source)
         return self.backend.cycle_2(*places, correcting=correcting, restricting=restricting)
-
-    def missing(self, found: Defects) -> float:
-        """What the sum of f lacks."""
-        self.total_stretch = self.known_stretch + found.stretch
-        return 0.0 if self.wanted is None else self.wanted - found.stretch
 
     def find_correction(
         self, contacts: float, missing: float, cycle: int, before: float
