@@ -53,7 +53,7 @@ class SpringSteps(TrBdf2):
         self.heights = np.ascontiguousarray(system.heights)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
-        self.mean_u0 = float(arrays["mean_u0"])
+        self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
         (self.flow, self.middle), self.error = self.work.pair(), np.empty(self.u.shape, np.float32)
         for field in self.work.correction:

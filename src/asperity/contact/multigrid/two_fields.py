@@ -85,7 +85,8 @@ class TwoFields:
         self.bound = empty(sites, backend)
         self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
-        self.weights, self.keeping, self.yielding = (1.0, 0.0), False, 0
+        self.shift, self.known_stretch, self.weights = 0.0, 0.0, (1.0, 0.0)
+        self.keeping, self.overshooting, self.yielding = False, False, 0
         self.wanted: float | None = None
         self.latest: Single = np.zeros(0, np.float32)
         widths = [sites.columns, *(grid.sites.columns for grid in self.hierarchy.grids)]
@@ -184,7 +185,8 @@ class TwoFields:
 
     def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
-        moves = Moves(self.found, self.previous, *map(np.float32, self.weights), self.keeping)
+        alpha, beta = map(np.float32, self.weights)
+        moves = Moves(self.found, self.previous, alpha, beta, self.keeping)
         places = (self.equation(), moves, self.hierarchy.grids[0].source)
         return self.backend.cycle_2(*places, correcting=correcting, restricting=restricting)
 
