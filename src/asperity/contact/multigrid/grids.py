@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
+from asperity.contact.multigrid.loops import Fields, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
@@ -88,16 +88,6 @@ class Grid:
         self.correction, self.source = (together(empty(sites, backend) for _ in range(fields)) for _ in "eb")
         self.joined = together(np.zeros(sites[:2], np.float32) for _ in range(fields))
         """The corrections, for the next finer grid."""
-
-    def one(self, bed: float, coupling: float) -> CoarseOne:
-        """The equation of one field."""
-        (e,), (b,) = self.correction, self.source
-        return CoarseOne(e, b, np.float32(bed), coupling, *self.mesh)
-
-    def two(self, bed: float, spread: float, lag: Single) -> CoarseTwo:
-        """The equations of two fields."""
-        (e, f), (b, c) = self.correction, self.source
-        return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
 
     @cached_property
     def sharing(self) -> Single:

@@ -29,7 +29,7 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import Measured, One, Pair, Scales, Sites, Springs, Surface
+from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringStep
@@ -160,7 +160,9 @@ class OneField:
             found = self.coarsest @ grid.in_order(grid.source[0])
             grid.hand_over(found)
             return self.coupling * float(grid.areas.ravel() @ found)
-        coarser, equation = self.hierarchy.grids[level + 1], grid.one(self.bed, self.coupling)
+        coarser = self.hierarchy.grids[level + 1]
+        (e,), (b,) = grid.correction, grid.source
+        equation = CoarseOne(e, b, np.float32(self.bed), self.coupling, *grid.mesh)
         uniform = self.coupling * backend.descend(equation, coarser.source)
         uniform += self.correct_on_grid(level + 1)
         return self.coupling * backend.ascend(equation, coarser.joined, -uniform, grid.joined)

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import Moves, Pair, Single, Sites, Two
+from asperity.contact.multigrid.loops import CoarseTwo, Moves, Pair, Single, Sites, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
@@ -261,7 +261,8 @@ class TwoFields:
             grid.hand_over(found[:-1])
             return float(found[-1])
         coarser = self.hierarchy.grids[level + 1]
-        equations = grid.two(self.bed, self.spread, self.coarse_lags[level])
+        (e, f), (b, c), lag = grid.correction, grid.source, self.coarse_lags[level]
+        equations = CoarseTwo(e, f, b, c, np.float32(self.bed), np.float32(self.spread), lag, *grid.mesh)
         missing -= self.backend.descend(equations, coarser.source)
         shift = self.correct_on_grid(level + 1, missing)
         self.backend.ascend(equations, coarser.joined, shift, grid.joined)
