@@ -172,9 +172,7 @@ class WholeFields:
         balance *= free
         if restricting:
             out.e[...], out.f[...] = restricted(balance, eq.sites), restricted(creep, eq.sites)
-        squares = (np.sum(x**2) for x in (balance, creep, eq.e))
-        first, second, moved = squares
-        return Defects(first, second, eq.f.sum(), np.sum(~free), moved)
+        return Defects(eq.f.sum(), np.sum(~free), np.sum(eq.e**2))
 
     def products_2(self, eq, coarse, previous):
         free = eq.e > eq.bound

@@ -33,20 +33,9 @@ from asperity.lattice import Field
 class LocalSteps(TrBdf2):
     """A creeping state of a solid whose creep is local and not linear.
 
-    Attributes
-    ----------
-    known
-        The state and those before it, the latest first; their positions count with all that has crept.
-    shape
-        The creeping shape u_c, from the rigid body, its mean taken out where the load is prescribed.
-    crept
-        What has been taken out.
-    begun_at
-        Position of the rigid body at the start.
-    rates
-        Velocities of u_c: at the start of the step, and at the ends of the stages that were tried.
-    tried
-        Those ends.
+    ``known`` are the state and those before it, the latest first; their positions count with all that has
+    crept. ``shape`` is u_c from the rigid body, without its mean ``crept`` where the load is prescribed,
+    ``rates`` are its velocities at the start of the step and at the ends ``tried`` of its stages.
     """
 
     kind, through = "laws", 3
@@ -57,11 +46,8 @@ class LocalSteps(TrBdf2):
         self.solver = local_solver(system)
         states = zip(arrays["u"], arrays["force"], arrays["position"].tolist(), strict=True)
         self.known = [LocalState(*state) for state in states]
-        self.shape, self.crept, self.begun_at = (
-            arrays["shape"],
-            float(arrays["crept"]),
-            float(arrays["begun_at"]),
-        )
+        self.crept, self.begun_at = float(arrays["crept"]), float(arrays["begun_at"])
+        self.shape = arrays["shape"]
         self.rates, self.tried = [arrays["rate"]], self.known[:1]
 
     @classmethod
@@ -142,12 +128,12 @@ class LocalSteps(TrBdf2):
 
     def _extrapolated(self, weights: Sequence[float]) -> LocalState:
         latest, *earlier = (*reversed(self.tried), *self.known)
-        terms = [(weight, state) for weight, state in zip(weights[1:], earlier, strict=False) if weight]
+        weights = weights[1:]
+        u = extrapolated(latest.u, *zip(weights, (state.u for state in earlier), strict=False))
+        force = extrapolated(latest.force, *zip(weights, (state.force for state in earlier), strict=False))
         position = latest.position
-        for weight, state in terms:
+        for weight, state in zip(weights, earlier, strict=False):
             position += weight * (state.position - latest.position)
-        u = extrapolated(latest.u, *((weight, state.u) for weight, state in terms))
-        force = extrapolated(latest.force, *((weight, state.force) for weight, state in terms))
         return LocalState(u, force, position)
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
@@ -162,10 +148,7 @@ class LocalSteps(TrBdf2):
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`; the law is linear beside the end."""
         first, *rates = self.rates
-        defect = combined(
-            first, *((share / shares[0], f) for share, f in zip(shares[1:], rates, strict=True))
-        )
-        defect *= shares[0]
+        defect = combined(shares[0] * first, *zip(shares[1:], rates, strict=True))
         left = self.solver.damped(self._about_mean(defect), self.stage, self._in_frame(self.tried[-1]))
         self.mean_error = abs(float(defect.mean() + left.mean()))
         return rms(self._about_mean(left))

@@ -1,12 +1,20 @@
-r"""TR-BDF2 on the lattice of springs, by multigrid.
+r"""TR-BDF2 on the lattice of springs, by multigrid, in corrections to the state where a step starts.
 
-`asperity.contact.multigrid.stages` solves both stages of a step in corrections to the state where it
-starts, which are guessed so well that one cycle often does. Cycles also find what an implicit step leaves of
-an error.
+With e and f the changes of u and of w = u - u0 since then, and m = M C w the flow at the start, both stages
+of `asperity.aging.tr_bdf2` are implicit steps of one duration tau = d h from one state:
+
+    (spread L + 1 + drag) f - e = c + shift,      c = -tau (f0 + m)             to t + 2 d h
+                                                  c = -w h (f0 + f1) - tau m    to t + h
+    f1 = (e - f) / tau - f0,                      f2 = (e - f - w h (f0 + f1)) / tau
+
+They are guessed so well that one cycle often does. Cycles also find what an implicit step leaves of an error.
+The changes, the rates and the flow take single precision, for what they are added to is twice as precise,
+and lengths are in units of the largest; only u and w at the ends of steps are double precision.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,8 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
+from asperity.contact.arrays import inner, largest
 from asperity.contact.mechanics import SpringMechanics
-from asperity.contact.multigrid import Multigrid, StageSolver
+from asperity.contact.multigrid import Multigrid
+from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
+from asperity.contact.multigrid.processor import Found
+from asperity.contact.multigrid.two_fields import TUNING
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -23,14 +35,11 @@ from asperity.lattice import Field
 
 
 class SpringSteps(TrBdf2):
-    """A creeping state on the lattice of springs, solved by multigrid.
+    """A creeping state u and w on the lattice of springs, solved by multigrid.
 
-    Attributes
-    ----------
-    stages
-        The state and its stage solver.
-    mean_u0
-        Mean of u0 where the separation is prescribed, a length.
+    In units of ``unit`` are the changes of u and w in the last two steps, the rate of u0 at its end and the
+    flow M C w. ``moments`` are sums over the state, rises above ``level``; ``offset`` is what f lacks after a
+    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed.
     """
 
     kind, through = "springs", 3
@@ -38,9 +47,19 @@ class SpringSteps(TrBdf2):
     def __init__(self, system: System, solver: Multigrid, arrays: Arrays) -> None:
         super().__init__(system, arrays)
         assert isinstance(system.mechanics, SpringMechanics)
-        self.max_cycles = solver.max_cycles
-        self.stages = solver.stages(system.mechanics, system.heights, arrays)
-        self.mean_u0 = float(arrays["mean_u0"])
+        self.springs, self.max_cycles = system.mechanics.springs, solver.max_cycles
+        self.k0 = max(self.springs.k0, TUNING.softest * self.springs.k1)
+        self.work = solver.work_on(system.mechanics)
+        self.heights = np.ascontiguousarray(system.heights)
+        self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
+        self.unit, self.level = map(float, arrays["scales"][:2])
+        self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
+        self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
+        (self.flow, self.middle), self.error = self.work.pair(), np.empty(self.u.shape, np.float32)
+        for field in self.work.correction:
+            field.fill(0.0)
+        self.work.bound.fill(-np.inf)
+        self.settle(0.0)
 
     @classmethod
     def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
@@ -48,61 +67,117 @@ class SpringSteps(TrBdf2):
         assert isinstance(system.mechanics, SpringMechanics)
         u, stretch = np.maximum(start.u - system.datum, system.heights), start.u - start.anchors
         (rate,), w = system.creep_rate(stretch), stretch[0]
-        arrays = StageSolver.arrays(solver.work_on(system.mechanics), u, w, rate)
-        arrays |= {"mean_u0": np.array(u.mean() - w.mean()), "times": np.zeros(2)}
-        return cls(system, solver, arrays)
+        work, unit = solver.work_on(system.mechanics), max(largest(u, np), largest(w, np)) or 1.0
+        arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
+        for names in _CHANGES:
+            arrays |= zip(names, work.pair(), strict=True)
+        means = {"scales": np.array([unit, u.mean()]), "mean_u0": np.array(u.mean() - w.mean())}
+        return cls(system, solver, arrays | means | {"times": np.zeros(2)})
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
-        return self.stages.resume_state() | {"mean_u0": np.array(self.mean_u0)}
+        arrays: dict[str, NDArray[Any]] = {"u": self.u, "stretch": self.w, "rate": self.rate}
+        for names, change in zip(_CHANGES, self.changes, strict=True):
+            arrays |= zip(names, change, strict=True)
+        return {**arrays, "scales": np.array([self.unit, self.level]), "mean_u0": np.array(self.mean_u0)}
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
-        return self.stages.contacts_tried
+        return int(np.count_nonzero(self.work.correction.e <= self.work.bound))
 
     def state(self) -> State[Field]:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
-        u, w = self.stages.u, self.stages.w
         mean = self.system.at(self.time).mean_stretch
         if mean is None:
-            mean = float(u.mean()) - self.mean_u0
-        stretch = w + (mean - float(w.mean()))
-        return State(u, stretch[np.newaxis], self.mean_u0)
+            mean = float(self.u.mean()) - self.mean_u0
+        stretch = self.w + (mean - float(self.w.mean()))
+        return State(self.u, stretch[np.newaxis], self.mean_u0)
 
     def extent(self) -> Extent:
         """See `Steps`."""
-        return Extent(*self.stages.spread())
+        m, count = self.moments, self.u.size
+        spread = math.sqrt(max(m.squares_u / count - (m.rise / count) ** 2, 0.0))
+        return Extent(spread, math.sqrt(m.squares_w / count), m.largest)
 
     def speed(self) -> float:
         """See `Steps`."""
-        return rms(self.stages.rate_of_u0)
+        return rms(self.unit * self.work.backend.unpacked(self.rate, self.work.sites))
 
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`."""
-        stages, tau = self.stages, stage.tau
+        s, work, tau, size = self.springs, self.work, stage.tau, self.u.size
         if stage.is_last:
             growth, _, *weights = stage.weights
-            stages.begin_second(growth, weights)
+            numbers = growth, self.offset, self.weight, self.weight
         else:
-            stages.begin(tau, tau * (WEIGHT / DIAGONAL), stage.weights[1:])
-        mean, drift = self.system.at(stage.time).mean_stretch, self.system.drift
-        done, cycles = stages.improve(mean, drift, stage.allowed_error, self.max_cycles)
+            self.tau, self.weight = tau, tau * (WEIGHT / DIAGONAL)
+            work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+            _, *weights = stage.weights
+            numbers = 0.0, 0.0, tau, 0.0
+        places = self.middle, work.bound, work.correction, work.source.f, work.sites
+        e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
+        mean, moved = self.system.at(stage.time).mean_stretch, -tau * self.system.drift / self.unit
+        work.wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
+        work.shift = moved if work.wanted is None else work.mean_lag * f - e - source
+        done, cycles = work.improve(stage.allowed_error / self.unit, self.max_cycles)
         if not done:
+            for (
+                field
+            ) in work.correction:  # it may be no number, and the next guess takes nothing of it times 0
+                field.fill(0.0)
             raise ConvergenceError(
                 f"aging: {cycles} cycles did not solve a step of {tau:.1e}; "
                 "try Multigrid(max_cycles=...) with more, or solver=asperity.ActiveSet()"
             )
+        e, f = map(self.mean, work.correction)
+        self.offset = (
+            (e + source + moved) / work.mean_lag if work.wanted is None else work.wanted / size
+        ) - f
         return cycles
+
+    def past(self, weights: Sequence[float]) -> Past:
+        """Weights of the last two changes from those of where they led from, relative to where they led."""
+        (last, before), (a, b) = self.changes, (*weights, 0.0, 0.0)[:2]
+        ahead, back, tau = map(np.float32, (-a - b, -b, self.tau))
+        return Past(last, before, ahead, back, self.rate, self.flow, tau)
+
+    def mean(self, field: Single) -> float:
+        """Mean of a field of the corrections."""
+        return self.work.backend.total(field, self.work.sites) / self.u.size
 
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`."""
-        error = self.stages.finish(shares)
+        rates, error = (self.rate, self.middle, self.work.source.f), self.error
+        numbers = (self.offset, self.tau, self.weight, *shares)
+        self.work.backend.finish(self.work.correction, rates, numbers, error)
         if self.system.control.load_controlled:  # the load decides the mean
             error -= error.mean(dtype=np.float64).astype(error.dtype)
-        return self.stages.left_of(error, self.stages.tau)
+        left = self.work.left_of(error)
+        mean = 0.0 if self.work.wanted is None else float(left.mean())
+        return self.unit * math.sqrt(max(inner(left, left, np) / left.size - mean * mean, 0.0))
 
     def advance(self) -> None:
         """See `TrBdf2`."""
+        work, (last, before) = self.work, self.changes
         if self.system.free_mean or self.system.drift:
-            self.mean_u0 += self.stages.mean_change_of_u0()
-        self.stages.advance()
+            e, f = map(self.mean, work.correction)
+            self.mean_u0 += self.unit * (e - f - self.offset)
+        self.settle(self.unit * self.offset)
+        self.changes, work.correction = [work.correction, last], before
+        self.rate, work.source = work.source.f, Pair(work.source.e, self.rate)
+
+    def settle(self, offset: float) -> None:
+        """Add the corrections, and an offset to w, and prepare for steps from there."""
+        s, work = self.springs, self.work
+        springs = Springs(s.k0, s.k1, s.k1 * s.R, s.k1 * s.R_viscous)
+        surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
+        scales = Scales(self.k0 * self.unit, self.unit, self.level)
+        work.backend.settle(surface, work.correction, work.bound, self.unit, offset)
+        self.moments: Found = work.backend.measure(
+            surface, springs, 0.0, scales, into, work.sites, flowing=True
+        )
+        work.known_stretch = self.moments.stretch / self.unit
+
+
+_CHANGES = [(f"change_{n}_u", f"change_{n}_stretch") for n in range(2)]
+"""Names of the arrays of changes."""

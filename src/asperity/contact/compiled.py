@@ -43,27 +43,23 @@ def _compiler(**options: Any) -> Callable[[F], F]:
     """A decorator that compiles a loop when it is first called, and keeps the machine code on disk."""
 
     def compiled(function: F) -> F:
-        loop: F
+        settings: Any = config
+        kept = settings.CACHE_DIR
         try:
-            loop = njit(cache=True, **options)(function)
-            _notice_helpers(loop)
-            return loop
+            loop: F = njit(cache=True, **options)(function)
         except RuntimeError:  # numba finds no folder for it
             place = _private_folder()
-        settings: Any = config
-        kept, settings.CACHE_DIR = settings.CACHE_DIR, str(place or "")
-        try:
+            settings.CACHE_DIR = str(place or "")
             loop = njit(cache=place is not None, **options)(function)
-        finally:
             settings.CACHE_DIR = kept
-        if place is not None:
-            _notice_helpers(loop)
-        if not _remarks:
             where = f"in {place}" if place else "nowhere, so that every run compiles them anew"
-            _remarks.append(
+            _remarks[:] = [
                 f"compiled loops are kept {where}, as neither the package nor the home can be written to; "
                 "NUMBA_CACHE_DIR sets another folder"
-            )
+            ]
+            if place is None:
+                return loop
+        _notice_helpers(loop)
         return loop
 
     return compiled

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,10 +20,9 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.multigrid import two_fields
-from asperity.contact.multigrid.loops import Sites, Springs, Surface
+from asperity.contact.multigrid.loops import Measured, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import ByLaw as LawByRows
-from asperity.contact.multigrid.two_fields import Tangent, TwoFields
+from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
@@ -38,9 +36,6 @@ class Tuning:
 
     most_cycles: int = 60
     """Cycles on one linear step after which a step is given up."""
-
-    damped: float = 0.3
-    """How well what a step leaves of an error is known, in units of that error."""
 
 
 TUNING = Tuning()
@@ -76,20 +71,16 @@ class LatticeCreep(ByLaw):
 
     def velocity(self, force: Field) -> Field:
         """See `ByLaw`."""
-        s = self.springs
-        rate = self.law.velocity(force)[0]
-        if s.R > 0:
-            rate += s.R * self.laplacian(np.atleast_2d(force)).reshape(force.shape)
-        if s.R_viscous > 0:
-            rate += s.R_viscous * force
-        return rate
+        rows = np.atleast_2d(force)
+        beside = self.combined(rows, rows, self.springs.R, self.springs.R_viscous)
+        return np.asarray(self.law.velocity(force)[0] + beside.reshape(force.shape))
 
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `ByLaw`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
         k0, k1 = self.springs.k0, self.springs.k1
-        total, largest = None if load is None else load / k1, self.interface.high / k1
-        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, largest=largest)
+        total, high = None if load is None else load / k1, self.interface.high / k1
+        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, high=high)
         return found.reshape(state.u.shape)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
@@ -98,14 +89,15 @@ class LatticeCreep(ByLaw):
         return self.run
 
     def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
-        """See `ByLaw`."""
+        """See `ByLaw`; the law is linear as it was last."""
         del end
         assert stage.tau == self.run.stage.tau
-        return self.run.damped(np.atleast_2d(error)).reshape(error.shape)
+        unit = self.run.unit
+        return np.asarray(unit * self.work.left_of(np.atleast_2d(error) / unit).reshape(error.shape))
 
-    def laplacian(self, x: Field) -> Field:
-        """Minus the Laplacian."""
-        return lattice_force(x, x, 1.0, 0.0, mirrored=self.mirrored)
+    def combined(self, x: Field, y: Field, a: float, b: float) -> Field:
+        """A L x + b y, L minus the Laplacian."""
+        return lattice_force(x, y, a, b, mirrored=self.mirrored)
 
 
 class _Run(LocalRun):
@@ -145,28 +137,42 @@ class _Run(LocalRun):
 
     def linearize(self) -> tuple[float, float]:
         """Begin a correction to the stretches; rms changes that sites would make alone; what tangents err."""
-        work, stage, springs, unit = self.work, self.stage, self.springs, self.unit
-        self.law = LinearLaw(self.solver.law, stage.tau, 1.0, springs.k1 * self.w)
-        at_sites = self.before, self.law.velocity, self.law.slope
-        law = LawByRows(*at_sites, self.position, stage.tau, _LARGEST_LAG)
-        bend: Any = self.solver.law.bend(self.law.force) / springs.k1
-        tangent = Tangent(self.lagging, self.beside, bend)
-        scales, surface = (self.stiffness * unit, unit), Surface(self.u, self.w, self.heights)
-        total = None if stage.load is None else stage.load / springs.k1
-        found = work.measure_law(surface, law, springs, tangent, scales, total)
+        work, springs, unit, load = self.work, self.springs, self.unit, self.stage.load
+        law = self.law = LinearLaw(self.solver.law, self.stage.tau, 1.0, springs.k1 * self.w)
+        surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, *work.source)
+        scales = Scales(self.stiffness * unit, unit, 0.0)
+        found = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
         work.yielding = int(np.count_nonzero(self.yielding))
         if work.yielding:
-            given = self.yielding * (self.solver.interface.high / scales[0])
-            work.source.e[...] += work.backend.packed(given)
-        return found
+            work.source.e[...] += work.backend.packed(
+                self.yielding * (self.solver.interface.high / scales.force)
+            )
+        lacking = self.u - self.before - law.creep - self.position
+        lacking -= self.solver.combined(self.w, self.w, springs.spread, self.lagging)
+        slope = springs.k1 * law.drag
+        own = slope + (self.lagging + self.beside)
+        alone = lacking / own
+        bend = law.law.bend(law.force) / springs.k1
+        error = np.minimum(slope * alone * alone / (own * bend + 1e-300), np.abs(alone))
+        work.source.f[...] = work.backend.packed(lacking / unit)
+        work.lag, work.even = work.backend.packed(np.minimum(own - self.beside, _LARGEST_LAG)), False
+        for field in work.correction:
+            field.fill(0.0)
+        work.shift, work.known_stretch, work.wanted = 0.0, found.stretch / unit, None
+        squares = inner(alone, alone, np)
+        if load is not None:  # the shift is at first what sites alone would need
+            change = float(alone.sum())
+            work.wanted = (load / springs.k1 - found.stretch) / unit
+            work.shift = (work.wanted - change / unit) / (float((1.0 / own).sum()) or math.nan)
+            squares -= change * change / alone.size
+        return math.sqrt(max(squares, 0.0) / alone.size), math.sqrt(inner(error, error, np) / alone.size)
 
     def follow_law(self, noticed: float) -> None:
         """Where the tangent does not do, find the stretch of a site alone by the law."""
-        springs, law = self.springs, self.law
-        own = (self.lagging + self.beside) / springs.k1
+        springs, law, beside = self.springs, self.law, self.beside
+        own = (self.lagging + beside) / springs.k1
         wanted = self.u - self.before - self.position
-        if self.beside:
-            wanted += self.beside * self.w - springs.spread * self.solver.laplacian(self.w)
+        wanted -= self.solver.combined(self.w, self.w, springs.spread, -beside)
         change = (wanted - own * law.force - law.creep) / (own + law.drag)
         bent = law.bent(own, change, noticed)
         self.w[bent] = law.found(own, change, bent) / springs.k1
@@ -174,8 +180,8 @@ class _Run(LocalRun):
 
     def revise(self) -> float:
         """Revise which sites yield; how far those that change are from where they are to be, rms."""
-        solver, high, springs = self.solver, self.solver.interface.high, self.springs
-        excess = springs.k0 * solver.laplacian(self.u) + springs.k1 * self.w - high
+        solver, springs = self.solver, self.springs
+        excess = solver.combined(self.u, self.w, springs.k0, springs.k1) - solver.interface.high
         gap = self.u - solver.heights
         beyond, back = ~self.yielding & (gap <= 0) & (excess > 0), self.yielding & (gap > 0)
         far = np.where(beyond, excess / (4 * springs.k0 + springs.k1), np.where(back, gap, 0.0))
@@ -203,21 +209,3 @@ class _Run(LocalRun):
         """See `LocalRun`."""
         shape = self.solver.shape
         return LocalState(self.u.reshape(shape), (self.springs.k1 * self.w).reshape(shape), self.position)
-
-    def damped(self, error: Field) -> Field:
-        """An error of the creeping shape after an implicit step, the contacts staying what they are."""
-        scale = float(np.sqrt(inner(error, error, np) / error.size))
-        if not 0 < scale < math.inf:
-            return error
-        work = self.work  # with the law as it was linearized last
-        work.hold(work.correction.e <= work.bound, error / scale)
-        if work.wanted is not None:
-            work.wanted = 0.0
-        work.shift = 0.0
-        if not work.improve(TUNING.damped, TUNING.most_cycles, total_counts=False)[0]:
-            return error
-        e, f = work.correction
-        left = work.backend.unpacked(e - f, work.sites)
-        left += work.shift
-        left *= scale
-        return left

@@ -16,12 +16,10 @@ SIAM J. Optim. 5, 100 (1995), DOI 10.1137/0805005). The solution for g = 1 alone
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from asperity.contact.arrays import largest
-from asperity.contact.compiled import compiled, inlined
+from asperity.contact.compiled import compiled
 from asperity.contact.free_sites import Accuracy, Correction
 from asperity.contact.problem import SpringLaw
 from asperity.errors import ConvergenceError
@@ -29,20 +27,10 @@ from asperity.lattice import Field, Lattice, Mask
 
 
 class LineSites:
-    """The free sites of one set of contacts on a line of springs.
-
-    Parameters
-    ----------
-    lattice
-        The line.
-    law
-        Its stiffness.
-    in_contact
-        The contacts.
-    """
+    """The free sites of one set of contacts on a line of springs of a given stiffness."""
 
     def __init__(self, lattice: Lattice, law: SpringLaw, in_contact: Mask) -> None:
-        self.in_contact, self.ring = in_contact, not lattice.reflecting
+        self.in_contact, self.ring, n = in_contact, not lattice.reflecting, lattice.sites
         scale = max(law.lag, law.spread)
         pull = law.k1 / scale
         self.unit = max(law.k0, pull) or 1.0
@@ -50,10 +38,22 @@ class LineSites:
         # z is in units of ``pull``; its equation is divided by what makes the blocks symmetric.
         weight = pull or self.unit
         lag, spread = weight * law.lag / scale / self.unit, weight * law.spread / scale / self.unit
-        n = lattice.sites
-        self.inverses, self.links, self.border = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2, 2))
-        matrix = (self.inverses, self.links, self.border)
-        factorize(self.k0, self.pull, lag, spread, in_contact, self.ring, *matrix)
+        free, closed = ~in_contact, np.ones(n)
+        closed[-1] = self.ring and n > 1
+        bonds = closed + np.roll(closed, 1)
+        self.links = np.stack((-self.k0 * closed * (free & np.roll(free, -1)), spread * closed), axis=1)
+        blocks = np.stack(
+            (np.where(free, bonds * self.k0, 1.0), free * self.pull, -lag - bonds * spread), axis=1
+        )
+        self.inverses, self.border = np.empty((n, 3)), np.zeros((2, n, 2))
+        factorize(blocks[:-1], self.links, self.inverses[:-1])
+        for column, follows in enumerate(self.border):  # how the others follow the last site, d and z
+            follows[0, column] += self.links[-1, column]
+            follows[n - 2, column] += self.links[n - 2, column]
+            substitute(self.inverses[:-1], self.links, follows[:-1])
+        (share_a, share_b), (_, share_c) = map(self._coupled, self.border)
+        blocks[-1] -= share_a, share_b, share_c
+        factorize(blocks[-1:], self.links, self.inverses[-1:])
         if not np.isfinite(self.inverses).all():
             raise ConvergenceError(
                 "contact solver: expected springs that hold the free sites, got none; try k0 > 0"
@@ -61,7 +61,7 @@ class LineSites:
         self.relaxed, self.mean = law.k1 == 0, law.mean / self.unit
         self.bordered = law.mean > 0 if self.relaxed else law.mean * law.lag != law.k1
         if self.bordered:
-            free, nothing = (~in_contact).astype(float), np.zeros(n)
+            nothing = np.zeros(n)
             self.even = self._solved(free, nothing) if self.relaxed else self._solved(nothing, nothing + 1.0)
 
     def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
@@ -80,11 +80,18 @@ class LineSites:
         worst_left, sum_left = largest(off_contact, np), abs(float(off_contact.sum()))
         return Correction(worst * d, predicted, worst_left, sum_left, iterations=1)
 
-    def _solved(self, forces: Field, sources: Field) -> tuple[Field, Field]:
+    def _solved(self, forces: Field | Mask, sources: Field) -> tuple[Field, Field]:
         """D, and z in units of ``pull``, of forces and of sources of z; all in units of ``unit``."""
-        solution = np.stack((forces, sources), axis=1)
-        substitute(self.inverses, self.links, self.border, solution)
-        return solution[:, 0], solution[:, 1]
+        x = np.stack((forces, sources), axis=1, dtype=float)
+        substitute(self.inverses[:-1], self.links, x[:-1])
+        x[-1] -= self._coupled(x)
+        substitute(self.inverses[-1:], self.links, x[-1:])
+        x[:-1] -= self.border[0, :-1] * x[-1, 0] + self.border[1, :-1] * x[-1, 1]
+        return x[:, 0], x[:, 1]
+
+    def _coupled(self, x: Field) -> Field:
+        """What the last site feels of both its neighbors."""
+        return np.asarray(self.links[-1] * x[0] + self.links[len(x) - 2] * x[len(x) - 2])
 
     def _laplacian(self, field: Field) -> Field:
         before, after = np.roll(field, 1), np.roll(field, -1)
@@ -99,34 +106,10 @@ def line_sites(lattice: Lattice, law: SpringLaw | None, in_contact: Mask) -> Lin
 
 
 @compiled
-def factorize(
-    k0: float,
-    pull: float,
-    lag: float,
-    spread: float,
-    in_contact: Any,
-    ring: bool,
-    inverses: Any,
-    links: Any,
-    border: Any,
-) -> None:
-    """Inverses of the pivots (three entries of each), couplings to the next site, columns of the last site.
-
-    The last pivot is what the last site has left when all others are eliminated.
-    """
-    n = in_contact.size
-    for i in range(n):
-        closed = ring or i < n - 1
-        both = not (in_contact[i] or in_contact[(i + 1) % n])
-        links[i, 0] = -k0 if closed and both else 0.0
-        links[i, 1] = spread if closed else 0.0
-    for i in range(n):
-        bonds = 0.0 if n == 1 else 2.0 if ring or 0 < i < n - 1 else 1.0
-        a = 1.0 if in_contact[i] else bonds * k0
-        b = 0.0 if in_contact[i] else pull
-        c = -lag - bonds * spread
-        if i == n - 1:
-            break
+def factorize(blocks: Field, links: Field, inverses: Field) -> None:
+    """Inverses of the pivots of a chain, three entries of each; links are couplings to the next site."""
+    for i in range(len(blocks)):
+        a, b, c = blocks[i, 0], blocks[i, 1], blocks[i, 2]
         if i > 0:
             before, link = inverses[i - 1], links[i - 1]
             a -= link[0] * link[0] * before[0]
@@ -134,64 +117,23 @@ def factorize(
             c -= link[1] * link[1] * before[2]
         determinant = a * c - b * b
         inverses[i, 0], inverses[i, 1], inverses[i, 2] = c / determinant, -b / determinant, a / determinant
-    # How the chain of all others follows the last site, d and z.
-    for column in range(2):
-        for i in range(n - 1):
-            for row in range(2):
-                border[i, row, column] = 0.0
-        if n > 1:
-            border[0, column, column] += links[n - 1, column]
-            border[n - 2, column, column] += links[n - 2, column]
-        through_chain(border[:, :, column], inverses, links)
-    for row in range(2):
-        for column in range(2):
-            share = 0.0
-            if n > 1:
-                share = links[n - 1, row] * border[0, row, column]
-                share += links[n - 2, row] * border[n - 2, row, column]
-            if row == column == 0:
-                a -= share
-            elif row == column == 1:
-                c -= share
-            elif row == 0:
-                b -= share
-    determinant = a * c - b * b
-    last = inverses[n - 1]
-    last[0], last[1], last[2] = c / determinant, -b / determinant, a / determinant
 
 
-@inlined
-def through_chain(x: Any, inverses: Any, links: Any) -> None:
-    """Solve the chain of all sites but the last, in place."""
+@compiled
+def substitute(inverses: Field, links: Field, x: Field) -> None:
+    """Solve a chain for displacement and z at every site, in place."""
     n = len(x)
-    for i in range(1, n - 1):
+    for i in range(1, n):
         q, link = inverses[i - 1], links[i - 1]
         d = q[0] * x[i - 1, 0] + q[1] * x[i - 1, 1]
         z = q[1] * x[i - 1, 0] + q[2] * x[i - 1, 1]
         x[i, 0] -= link[0] * d
         x[i, 1] -= link[1] * z
-    for i in range(n - 2, -1, -1):
+    for i in range(n - 1, -1, -1):
         d, z = x[i, 0], x[i, 1]
-        if i < n - 2:
+        if i < n - 1:
             d -= links[i, 0] * x[i + 1, 0]
             z -= links[i, 1] * x[i + 1, 1]
         q = inverses[i]
         x[i, 0] = q[0] * d + q[1] * z
         x[i, 1] = q[1] * d + q[2] * z
-
-
-@compiled
-def substitute(inverses: Any, links: Any, border: Any, x: Any) -> None:
-    """Solve for displacement and z at every site, in place."""
-    n = len(x)
-    d, z = x[n - 1, 0], x[n - 1, 1]
-    if n > 1:
-        through_chain(x, inverses, links)
-        d -= links[n - 1, 0] * x[0, 0] + links[n - 2, 0] * x[n - 2, 0]
-        z -= links[n - 1, 1] * x[0, 1] + links[n - 2, 1] * x[n - 2, 1]
-    q = inverses[n - 1]
-    last_d, last_z = q[0] * d + q[1] * z, q[1] * d + q[2] * z
-    for i in range(n - 1):
-        x[i, 0] -= border[i, 0, 0] * last_d + border[i, 0, 1] * last_z
-        x[i, 1] -= border[i, 1, 0] * last_d + border[i, 1, 1] * last_z
-    x[n - 1, 0], x[n - 1, 1] = last_d, last_z

@@ -48,19 +48,13 @@ ROUNDING = 16 * float(np.finfo(float).eps)
 class LocalState:
     """A state of a solid that creeps by a local law, relative to the system's datum.
 
-    Attributes
-    ----------
-    u
-        The surface.
-    force
-        Force of the creeping springs at each site.
-    position
-        How far the rigid body has moved since the beginning: u - position - creeping shape is their stretch.
+    ``force`` is that of the creeping springs; u - position - creeping shape is their stretch.
     """
 
     u: Field
     force: Field
     position: float
+    """How far the rigid body has moved since the beginning."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +73,7 @@ class Stage:
 
 
 class LinearLaw:
-    """A law, linear about the forces s at which a step of duration tau has arrived.
-
-    Attributes
-    ----------
-    force, velocity, slope
-        s, v(s / a) and v'(s / a).
-    """
+    """A law, linear about the forces s at which a step of duration tau has arrived: v(s / a), v'(s / a)."""
 
     def __init__(self, law: LocalCreep, tau: float, area: float, force: Field) -> None:
         self.law, self.tau, self.area, self.force = law, tau, area, force
@@ -139,15 +127,10 @@ def forces_of(law: LocalCreep, own: Field, tau: float, area: float, wanted: Fiel
 
 
 class LocalRun(ABC):
-    """One step being solved.
-
-    Attributes
-    ----------
-    rounding
-        Error of the creeping shape that rounding makes, a length.
-    """
+    """One step being solved."""
 
     rounding: float
+    """Error of the creeping shape that rounding makes, a length."""
 
     @abstractmethod
     def measure(self) -> float:
@@ -166,17 +149,7 @@ class LocalRun(ABC):
 
 
 class ByLaw(ABC):
-    """Solves implicit steps of one solid above one rough surface.
-
-    Attributes
-    ----------
-    law
-        The law of creep.
-    heights
-        The rough surface, which may yield between steps.
-    interface
-        Bounds of the force of a site.
-    """
+    """Solves implicit steps of one solid above one rough surface, which may yield between steps."""
 
     law: LocalCreep
     heights: Field

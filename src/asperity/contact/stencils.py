@@ -62,30 +62,12 @@ def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
         out[i] = total
 
 
-def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
+def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, int]:
     """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
-    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
-    found = np.empty((len(rows), 4))
-    extremes_of_rows(rows, touching, found)
-    worst, tension = found[:, 0].max(), -found[:, 1].min()
-    load, contacts = found[:, 2:].sum(axis=0)
-    return float(worst), float(tension), float(load), float(contacts)
-
-
-@compiled
-def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
-    """By rows: the largest size off contact, the least in contact (at most 0), the sum there, contacts."""
-    for i in range(force.shape[0]):
-        worst = least = total = count = 0.0
-        row, touching = force[i], in_contact[i]
-        for j in range(row.shape[0]):
-            carried = row[j] if touching[j] else 0.0
-            total += carried
-            count += 1.0 if touching[j] else 0.0
-            least = carried if carried < least else least
-            free = abs(row[j] - carried)
-            worst = free if free > worst else worst
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
+    free = ~in_contact
+    worst = max(np.max(force, where=free, initial=0.0), -np.min(force, where=free, initial=0.0))
+    tension, load = -np.min(force, where=in_contact, initial=0.0), np.sum(force, where=in_contact)
+    return float(worst), float(tension), float(load), int(np.count_nonzero(in_contact))
 
 
 def balanced(
@@ -97,21 +79,20 @@ def balanced(
     total: float | None,
     *,
     mirrored: bool = False,
-    largest: float = math.inf,
+    high: float = math.inf,
 ) -> Field:
     """Stretch with which u is in equilibrium: w in contact, where it is no tension, or scaled to a total.
 
-    Forces over k1 above the ``largest`` are it, and the others bear what is left of the total.
+    Forces over k1 above ``high`` are it, and the others bear what is left of the total.
     """
-    heights = np.ascontiguousarray(heights)
-    out, rows = np.empty_like(u), np.empty(len(u))
-    balance(u, w, heights, k0, k1, mirrored, out, rows)
-    carried, scale = float(rows.sum()), 1.0
-    if math.isfinite(largest):
-        w = out + bounded(np.where(u <= heights, np.maximum(w - out, 0.0), 0.0), total, largest)
-    elif total is not None and carried > 0 and total > 0:
-        scale = total / carried
-    carry(u, w, heights, scale, out)
+    out = lattice_force(u, u, -k0 / k1, 0.0, mirrored=mirrored)
+    touching = u <= heights
+    carried = np.maximum(w[touching] - out[touching], 0.0)
+    if math.isfinite(high):
+        carried = bounded(carried, total, high)
+    elif total is not None and total > 0 and (present := float(carried.sum())) > 0:
+        carried *= total / present
+    out[touching] += carried
     return out
 
 
@@ -131,98 +112,13 @@ def bounded(forces: Field, total: float | None, largest: float) -> Field:
 
 
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:
-    """A field plus up to three others times their weights."""
-    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, first),))
-    out = np.empty(first.shape)
-    combine(first.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
+    """A field plus others times their weights."""
+    out = first.copy()
+    for weight, field in terms:
+        out += weight * field
     return out
 
 
 def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
-    """A field plus its differences from up to three others times weights; exact where all are the same."""
-    (a, y), (b, z), (c, t) = (*terms, *(3 - len(terms)) * ((0.0, latest),))
-    out = np.empty(latest.shape)
-    extrapolate(latest.ravel(), y.ravel(), z.ravel(), t.ravel(), a, b, c, out.reshape(-1))
-    return out
-
-
-@compiled
-def combine(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
-    """X + a y + b z + c t."""
-    for i in range(x.shape[0]):
-        out[i] = x[i] + a * y[i] + b * z[i] + c * t[i]
-
-
-@compiled
-def extrapolate(x: Field, y: Field, z: Field, t: Field, a: float, b: float, c: float, out: Field) -> None:
-    """X + a (y - x) + b (z - x) + c (t - x)."""
-    for i in range(x.shape[0]):
-        out[i] = x[i] + (a * (y[i] - x[i]) + b * (z[i] - x[i]) + c * (t[i] - x[i]))
-
-
-@compiled
-def balance(
-    u: Field, w: Field, heights: Field, k0: float, k1: float, mirrored: bool, out: Field, carried: Field
-) -> None:
-    """Stretch -k0 L u / k1 off contact; ``carried``: row sums of force / k1 in contact, without tension."""
-    ny, nx = u.shape
-    for i in range(ny):
-        row = out[i]
-        force_row(-k0 / k1, u, 0.0, u, i, mirrored, row)
-        total = 0.0
-        for j in range(nx):
-            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
-            total += force
-        carried[i] = total
-
-
-@compiled
-def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
-    """Add ``scale`` times the forces that `balance` summed to the stretch."""
-    for i in range(u.shape[0]):
-        row = out[i]
-        for j in range(u.shape[1]):
-            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
-            row[j] += scale * force
-
-
-@compiled
-def linearize(
-    u: Field,
-    w: Field,
-    anchors: Field,
-    velocity: Field,
-    own: Field,
-    bend: Field,
-    spread: float,
-    lagging: float,
-    beside: float,
-    position: float,
-    tau: float,
-    mirrored: bool,
-    lacking: Field,
-    out: Field,
-) -> None:
-    """What an implicit step by a law lacks at stretches w, and what sites do about it one by one.
-
-    It lacks u - v - position - lagging w - spread L w - tau velocity; a site makes up for it, its neighbors
-    as they are, by that over ``own``, which is lagging + beside + the slope of the law. ``bend`` is how far
-    a stretch moves until that slope is another; one row may stand for all. ``out`` by rows: these changes,
-    their squares, those of what the tangent leaves of them, and what a shift of 1 would change.
-    """
-    for i in range(u.shape[0]):
-        row = lacking[i]
-        force_row(spread, w, lagging, w, i, mirrored, row)
-        bends = bend[i if bend.shape[0] > 1 else 0]
-        alone = squares = left = response = 0.0
-        for j in range(u.shape[1]):
-            row[j] = u[i, j] - anchors[i, j] - position - row[j] - tau * velocity[i, j]
-            yielding = 1.0 / own[i, j]
-            change = row[j] * yielding
-            error = (own[i, j] - lagging - beside) * change * change / (own[i, j] * bends[j] + 1e-300)
-            error = min(error, abs(change))
-            alone += change
-            squares += change * change
-            left += error * error
-            response += yielding
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = alone, squares, left, response
+    """A field plus its differences from others times weights; exact where all are the same."""
+    return combined(latest, *((weight, field - latest) for weight, field in terms))

@@ -1,6 +1,5 @@
 """Multigrid for the lattice of springs: coarse grids, pins on them, and the two problems solved."""
 
 from asperity.contact.multigrid.solver import Multigrid
-from asperity.contact.multigrid.stages import StageSolver
 
-__all__ = ["Multigrid", "StageSolver"]
+__all__ = ["Multigrid"]

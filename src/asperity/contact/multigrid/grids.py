@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
+from asperity.contact.multigrid.loops import Fields, Pair, Single, Sites
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
@@ -55,6 +55,12 @@ class Axis:
                 size[-1] += half[-1]
         return Axis(1.0 / apart if apart.size > 1 else np.zeros(1), size, self.mirrored)
 
+    @property
+    def laplacian(self) -> Field:
+        """Minus the Laplacian as a matrix."""
+        change = np.eye(self.size.size) - np.roll(np.eye(self.size.size), 1, axis=1)
+        return np.asarray(change.T @ (self.coupling[:, np.newaxis] * change))
+
 
 def empty(sites: Sites, backend: Processor) -> Single:
     """A field of zeros, in memory that nothing has touched yet."""
@@ -83,16 +89,6 @@ class Grid:
         self.joined = together(np.zeros(sites[:2], np.float32) for _ in range(fields))
         """The corrections, for the next finer grid."""
 
-    def one(self, bed: float, coupling: float) -> CoarseOne:
-        """The equation of one field."""
-        (e,), (b,) = self.correction, self.source
-        return CoarseOne(e, b, np.float32(bed), coupling, *self.mesh)
-
-    def two(self, bed: float, spread: float, lag: Single) -> CoarseTwo:
-        """The equations of two fields."""
-        (e, f), (b, c) = self.correction, self.source
-        return CoarseTwo(e, f, b, c, np.float32(bed), np.float32(spread), lag, *self.mesh)
-
     @cached_property
     def sharing(self) -> Single:
         """What the sites of the next finer grid add up to here if each counts 1; inf where no site is."""
@@ -118,21 +114,8 @@ class Grid:
     @cached_property
     def laplacian(self) -> Field:
         """Minus the Laplacian as a matrix; for the coarsest grid."""
-        ny, nx, _ = self.sites
         y, x = self.axes
-        matrix = np.zeros((ny * nx, ny * nx))
-        for i in range(ny):
-            for j in range(nx):
-                here = i * nx + j
-                for there, coupling in (
-                    ((i + 1) % ny * nx + j, y.coupling[i] * x.size[j]),
-                    (i * nx + (j + 1) % nx, x.coupling[j] * y.size[i]),
-                ):
-                    matrix[here, here] += coupling
-                    matrix[there, there] += coupling
-                    matrix[here, there] -= coupling
-                    matrix[there, here] -= coupling
-        return matrix
+        return np.asarray(np.kron(y.laplacian, np.diag(x.size)) + np.kron(np.diag(y.size), x.laplacian))
 
 
 class Hierarchy:

@@ -29,7 +29,7 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import Measured, One, Pair, Scales, Sites, Springs, Surface
+from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringStep
@@ -54,27 +54,6 @@ SINGLE_PRECISION = 100 * float(np.finfo(np.float32).eps)
 """Defect that cycles in single precision reach, in units of the stiffness times the largest correction."""
 
 
-@dataclass(frozen=True)
-class UniformForce:
-    """The uniform part of the force: bed, coupling and base of the module."""
-
-    bed: float
-    coupling: float
-    base: float
-
-    @classmethod
-    def of(cls, springs: SpringStep, sites: int) -> UniformForce:
-        """For a step in an instant, or a relaxed state."""
-        if springs.load is None:
-            return cls(springs.k1, 0.0, -springs.k1 * float(np.mean(springs.anchors)))
-        bed = 0.0 if springs.relaxed else springs.k1
-        return cls(bed, -bed, springs.load / sites)
-
-    def on(self, u: Field) -> float:
-        """The uniform force on a surface."""
-        return self.base + self.coupling * float(u.mean()) if self.coupling else self.base
-
-
 class OneField:
     """Work space for one lattice."""
 
@@ -88,8 +67,12 @@ class OneField:
     ) -> tuple[bool, float, int]:
         """Improve u in place; whether the tolerance was reached, the uniform force, and the cycles taken."""
         self.springs, self.heights, self.u = springs, heights, u
-        self.law = UniformForce.of(springs, u.size)
-        self.bed, self.coupling = self.law.bed / springs.k0, self.law.coupling / (springs.k0 * u.size)
+        self.stiffness = 0.0 if springs.relaxed else springs.k1
+        self.bed, self.coupling = self.stiffness / springs.k0, 0.0
+        if springs.load is None:
+            self.base = -springs.k1 * float(np.mean(springs.anchors))
+        else:
+            self.base, self.coupling = springs.load / u.size, -self.bed / u.size
         self.unit = largest(u, np) or 1.0
         self.shape: Field | None = None
         if isinstance(springs.anchors, np.ndarray) and not springs.relaxed:
@@ -126,26 +109,22 @@ class OneField:
 
     def settle(self) -> None:
         """Add the correction to the surface."""
-        surface, correction = (
-            Surface(self.u, self.u[:0], self.heights),
-            Pair(self.correction, self.correction),
-        )
-        self.backend.settle(surface, correction, self.bound, self.unit, 0.0)
+        surface, both = Surface(self.u, self.u[:0], self.heights), Pair(self.correction, self.correction)
+        self.backend.settle(surface, both, self.bound, self.unit, 0.0)
 
     def measure(self, tolerance: float) -> tuple[float, bool]:
         """Begin a correction to the surface as it is; the uniform force on it, and whether it is solved.
 
         It is if forces off contact, tension in contact and the sum of the former are small.
         """
-        uniform = self.law.on(self.u)
-        k0 = self.springs.k0
+        k0, bed = self.springs.k0, self.stiffness
+        uniform = self.base - bed * float(self.u.mean()) if self.coupling else self.base
         surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
         scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, self.source, self.source)
-        law = Springs(k0, self.law.bed, 0.0, 0.0)
+        law = Springs(k0, bed, 0.0, 0.0)
         found = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
         self.correction.fill(0.0)
-        stiffest = 8.0 * self.springs.k0 + self.law.bed
-        rounding = 4.0 * float(np.finfo(float).eps) * stiffest * self.unit
+        rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * k0 + bed) * self.unit
         self.allowed = max(TUNING.margin * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
         most = max(TUNING.sum_tolerance * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
         tensile = found.tension > max(TUNING.sum_tolerance * self.allowed, rounding)
@@ -181,7 +160,9 @@ class OneField:
             found = self.coarsest @ grid.in_order(grid.source[0])
             grid.hand_over(found)
             return self.coupling * float(grid.areas.ravel() @ found)
-        coarser, equation = self.hierarchy.grids[level + 1], grid.one(self.bed, self.coupling)
+        coarser = self.hierarchy.grids[level + 1]
+        (e,), (b,) = grid.correction, grid.source
+        equation = CoarseOne(e, b, np.float32(self.bed), self.coupling, *grid.mesh)
         uniform = self.coupling * backend.descend(equation, coarser.source)
         uniform += self.correct_on_grid(level + 1)
         return self.coupling * backend.ascend(equation, coarser.joined, -uniform, grid.joined)

@@ -39,10 +39,8 @@ from asperity.lattice import Field
 
 
 class Defects(NamedTuple):
-    """Of two fields: squares of both defects, sum of f, contacts, squares of e."""
+    """Of two fields: sum of f, contacts, squares of e."""
 
-    balance: float
-    creep: float
     stretch: float
     contacts: float
     moves: float
@@ -191,7 +189,7 @@ class Processor:
         """
         sums = self._sums(eq.sites)
         two_fields.cycle_2(eq, moves, correcting, restricting, out, sums)
-        return Defects(*sums[:, :5].sum(axis=0).tolist())
+        return Defects(*sums[:, :3].sum(axis=0).tolist())
 
     def products(self, eq: One | Two, coarse: Fields, previous: Fields) -> Field:
         """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q.

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
@@ -21,7 +19,6 @@ from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.stages import StageSolver
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
 from asperity.contact.stencils import bond_energy
@@ -90,56 +87,10 @@ class Multigrid:
         """
         return First((Cycles(self), ActiveSet())).solve(problem, guess, tolerance)
 
-    def cycles(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """Solve by cycles alone; `UnsolvedError` where they do not serve."""
-        if not isinstance(problem, SpringProblem):
-            raise InputError(
-                "solver",
-                expected="springs in two dimensions, k1 > 0 and no hardness, for Multigrid",
-                got="another solid or lattice",
-                advice="solver=ActiveSet()",
-            )
-        springs = problem.step
-        if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
-            raise UnsolvedError(guess)  # steps of creep are `StageSolver`'s
-        if springs.k0 == 0:
-            return _independent(springs, problem.heights)
-        if guess is None:
-            guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
-        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
-            # A stiff mean, which truncated corrections move; a free surface, which is one division.
-            raise UnsolvedError(guess)
-        heights = np.ascontiguousarray(problem.heights)
-        u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self._workspace(OneField, _sites(heights, springs))
-        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.max_cycles)
-        if done:
-            stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
-            return Solution(u, u <= heights, cycles, 0, stretch)
-        raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
-
-    def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
-        """A flat surface, or where heights are smooth that over every second site, solved."""
-        if not _is_smooth(heights):
-            return np.full(heights.shape, _level(springs, heights))
-        coarser = np.ascontiguousarray(heights[::2, ::2])
-        stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
-        u = self._cold_start(stiffer, coarser)
-        np.maximum(u, coarser, out=u)
-        # To a few hundredths of the mean force of contacts: it is only a guess.
-        OneField(_sites(coarser, springs), Processor()).solve(stiffer, coarser, u, 0.03, self.max_cycles)
-        return interpolated(u)
-
     def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
         rows, columns = mechanics.lattice.shape
         return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
-
-    def stages(
-        self, mechanics: SpringMechanics, heights: Field, arrays: Mapping[str, NDArray[np.floating]]
-    ) -> StageSolver:
-        """The solver of steps of creep from a state; see `StageSolver.arrays`."""
-        return StageSolver(self.work_on(mechanics), mechanics.springs, heights, arrays)
 
     def _workspace(self, kind: type[W], sites: Sites) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""
@@ -156,8 +107,45 @@ class Cycles:
     multigrid: Multigrid
 
     def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """See `Multigrid.cycles`."""
-        return self.multigrid.cycles(problem, guess, tolerance)
+        """Solve, or raise `UnsolvedError`."""
+        if not isinstance(problem, SpringProblem):
+            raise InputError(
+                "solver",
+                expected="springs in two dimensions, k1 > 0 and no hardness, for Multigrid",
+                got="another solid or lattice",
+                advice="solver=ActiveSet()",
+            )
+        springs = problem.step
+        if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
+            raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
+        if springs.k0 == 0:
+            return _independent(springs, problem.heights)
+        if guess is None:
+            guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
+        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
+            # A stiff mean, which truncated corrections move; a free surface, which is one division.
+            raise UnsolvedError(guess)
+        heights = np.ascontiguousarray(problem.heights)
+        u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
+        work = self.multigrid._workspace(OneField, _sites(heights, springs))
+        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.multigrid.max_cycles)
+        if done:
+            stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
+            return Solution(u, u <= heights, cycles, 0, stretch)
+        raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
+
+    def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
+        """A flat surface, or where heights are smooth that over every second site, solved."""
+        if not _is_smooth(heights):
+            return np.full(heights.shape, _level(springs, heights))
+        coarser = np.ascontiguousarray(heights[::2, ::2])
+        stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
+        u = self._cold_start(stiffer, coarser)
+        np.maximum(u, coarser, out=u)
+        # To a few hundredths of the mean force of contacts: it is only a guess.
+        work = OneField(_sites(coarser, springs), Processor())
+        work.solve(stiffer, coarser, u, 0.03, self.multigrid.max_cycles)
+        return interpolated(u)
 
 
 def _independent(springs: SpringStep, heights: Field) -> Solution:

@@ -23,29 +23,18 @@ import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import (
-    Measured,
-    Moves,
-    Pair,
-    Scales,
-    Single,
-    Sites,
-    Springs,
-    Surface,
-    Two,
-)
+from asperity.contact.multigrid.loops import CoarseTwo, Moves, Pair, Single, Sites, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
-from asperity.contact.stencils import linearize
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 
 
 @dataclass(frozen=True)
@@ -79,54 +68,14 @@ _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
 
-class ByLaw(NamedTuple):
-    """A step of tau by a law from anchors v: its velocity and derivative by site, where they are taken.
-
-    The body is at the position, and no lag exceeds the largest.
-    """
-
-    anchors: Field
-    velocity: Field
-    derivative: Field
-    position: float
-    tau: float
-    largest: float
-
-
-class Tangent(NamedTuple):
-    """Of a law: 1 + drag without it, 4 spread, and how far a stretch moves until the slope is another."""
-
-    lagging: float
-    beside: float
-    bend: Any
-
-    def bends(self, shape: tuple[int, ...]) -> Field:
-        """How far stretches move until the slope is another, by site or in one row for all."""
-        scale = np.asarray(self.bend, dtype=float)
-        return np.ascontiguousarray(scale if scale.ndim == 2 else np.full((1, shape[1]), scale))
-
-
 class TwoFields:
-    """Work space for one lattice, and the correction on it.
+    """Work space for one lattice, and the correction (e, f) on it.
 
-    Attributes
-    ----------
-    correction, source, previous
-        e and f; b and c of the equations in `asperity.contact.multigrid.loops`; the previous move of e and f.
-    bound
-        Least e that does not penetrate, a length <= 0: minus the gap u - heights.
-    shift
-        The unknown shift, a length.
-    found, latest
-        Corrections of e and f, and of e - f, that the coarse grids found last, on the first coarse grid.
-    overshooting
-        Whether a correction of this problem was hardly smaller than the one before.
-    wanted
-        Sum of f with which the load is carried, a length, or None where the separation is prescribed.
-    yielding
-        Number of sites that carry a force that is given, off the obstacle.
-    known_stretch
-        Sum of w before the correction, a length.
+    ``source`` is b and c of the equations in `asperity.contact.multigrid.loops`, and ``bound`` the least e
+    that does not penetrate: minus the gap u - heights. ``found`` and ``latest`` are corrections of e and f,
+    and of e - f, that the coarse grids found last, on the first of them. ``wanted`` is the sum of f with
+    which the load is carried, or None where the separation is prescribed, and ``known_stretch`` that of w
+    before the correction. So many sites as are ``yielding`` carry a force that is given, off the obstacle.
     """
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
@@ -136,10 +85,9 @@ class TwoFields:
         self.bound = empty(sites, backend)
         self.bound.fill(-np.inf)
         self.correction, self.source, self.previous = (self.pair() for _ in range(3))
-        self.shift, self.known_stretch, self.total_stretch = 0.0, 0.0, 0.0
-        self.weights, self.last_shift, self.keeping, self.overshooting = (1.0, 0.0), 0.0, False, False
+        self.shift, self.known_stretch, self.weights = 0.0, 0.0, (1.0, 0.0)
+        self.keeping, self.overshooting, self.yielding = False, False, 0
         self.wanted: float | None = None
-        self.yielding = 0
         self.latest: Single = np.zeros(0, np.float32)
         widths = [sites.columns, *(grid.sites.columns for grid in self.hierarchy.grids)]
         self.rows = [backend.packed(np.zeros((1, width))) for width in widths]
@@ -178,7 +126,7 @@ class TwoFields:
         size = math.inf
         for cycle in range(max_cycles):
             found = self.descend(correcting=cycle > 0)
-            missing = self.missing(found)
+            missing = 0.0 if self.wanted is None else self.wanted - found.stretch
             far = math.sqrt(found.moves / self.size)
             size, rate = self.find_correction(found.contacts, missing, cycle, size)
             if not math.isfinite(size):
@@ -188,8 +136,8 @@ class TwoFields:
             if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.found.f, dtype=float))
             good = rate * size <= max(allowed_error, _ROUNDING * far)
-            carried = rate * abs(missing) <= self.force_error * abs(self.total_stretch) or not total_counts
-            if good and carried:
+            total = abs(self.known_stretch + found.stretch)
+            if good and (rate * abs(missing) <= self.force_error * total or not total_counts):
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
@@ -199,72 +147,26 @@ class TwoFields:
         """Places for an error of the correction."""
         return self.pair(), self.pair(), self.pair(), empty(self.sites, self.backend)
 
-    def left_of(self, error: Single, spread: float, drag: float) -> float:
-        """What an implicit step leaves of an error of u0, rms over the sites, while the contacts stay.
+    def left_of(self, error: NDArray[np.floating]) -> NDArray[np.floating]:
+        """What an implicit step leaves of an error of u0, while the contacts stay; both rows in order.
 
-        The error has its rows in order. The equations are those of a step, with e = 0 in contact, and the
-        pins are those of the correction, where the coefficients are. Where cycles do not solve them, all of
-        the error is left.
+        The equations are those of the step that was solved last. Where cycles do not solve them, all of the
+        error is left.
         """
-        work, backend = copy(self), self.backend
+        work, scale = copy(self), math.sqrt(inner(error, error, np) / self.size)
         work.correction, work.source, work.previous, work.bound = self.spare
-        if self.bed > TUNING.stiff or (spread, 1.0 + drag) != (self.spread, self.mean_lag):
-            work.prepare(min(self.bed, TUNING.stiff), spread, drag)
-            self.pinned, self.factorized = -math.inf, False
+        if self.bed > TUNING.stiff and self.even:
+            work.prepare(TUNING.stiff, self.spread, self.mean_lag - 1.0)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
-        scale = math.sqrt(inner(error, error, np) / self.size)
-        work.hold(self.correction.e <= self.bound, error)
-        done, _ = work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)
-        if not done:
-            return scale
-        left = backend.unpacked(work.correction.e - work.correction.f, self.sites)
-        mean = 0.0 if self.wanted is None else float(left.mean())  # a load decides it
-        return math.sqrt(max(inner(left, left, np) / self.size - mean * mean, 0.0))
-
-    def hold(self, touching: Mask, error: NDArray[np.floating]) -> None:
-        """Begin the equations of an error of u0, rows in order, for contacts that stay what they are."""
-        self.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
-        self.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
-        self.source.f[...] = self.backend.packed(-error)
-        for field in self.correction:
+        touching = self.correction.e <= self.bound
+        work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
+        work.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
+        work.source.f[...] = self.backend.packed(-error)
+        for field in work.correction:
             field.fill(0.0)
-
-    def measure_law(
-        self,
-        surface: Surface,
-        law: ByLaw,
-        springs: Springs,
-        tangent: Tangent,
-        scales: tuple[float, float],
-        total: float | None,
-    ) -> tuple[float, float]:
-        """Begin a correction to the fields as they are, the sum of w being given or None.
-
-        The shift is at first what sites alone would need for that sum. Returns the rms of their changes
-        alone, and of what the tangent would leave of those.
-        """
-        backend, (u, w, _), unit = self.backend, surface, scales[1]
-        into, sites = Measured(self.bound, self.source.e, self.source.f), self.sites
-        measured = Scales(*scales, 0.0)
-        stretch = backend.measure(surface, springs, 0.0, measured, into, sites, flowing=False).stretch
-        own = (law.tau * springs.k1) * law.derivative
-        own += tangent.lagging + tangent.beside
-        bend, lacking, sums = tangent.bends(u.shape), np.empty(u.shape), np.empty((len(u), 4))
-        numbers = springs.spread, tangent.lagging, tangent.beside, law.position, law.tau, sites.mirrored
-        linearize(u, w, law.anchors, law.velocity, own, bend, *numbers, lacking, sums)
-        alone, squares, left, response = sums.sum(axis=0).tolist()
-        lacking /= unit
-        self.source.f[...] = backend.packed(lacking)
-        own -= tangent.beside
-        self.lag, self.even = backend.packed(np.minimum(own, law.largest, out=own)), False
-        for field in self.correction:
-            field.fill(0.0)
-        self.shift, self.known_stretch, self.wanted = 0.0, stretch / unit, None
-        if total is not None:
-            self.wanted = (total - stretch) / unit
-            self.shift = (self.wanted - alone / unit) / (response or math.nan)
-            squares -= alone * alone / self.size
-        return math.sqrt(max(squares, 0.0) / self.size), math.sqrt(left / self.size)
+        if not work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)[0]:
+            return error
+        return self.backend.unpacked(work.correction.e - work.correction.f, self.sites) + work.shift
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""
@@ -281,20 +183,12 @@ class TwoFields:
         creeping = self.diagonal, self.damping, self.inverse
         return Two(*self.correction, self.bound, *self.source, bed, spread, *creeping, shift, self.sites)
 
-    def moves(self) -> Moves:
-        """What the coarse grids found, and the previous move, with their weights."""
-        alpha, beta = map(np.float32, self.weights)
-        return Moves(self.found, self.previous, alpha, beta, self.keeping)
-
     def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
-        places = (self.equation(), self.moves(), self.hierarchy.grids[0].source)
+        alpha, beta = map(np.float32, self.weights)
+        moves = Moves(self.found, self.previous, alpha, beta, self.keeping)
+        places = (self.equation(), moves, self.hierarchy.grids[0].source)
         return self.backend.cycle_2(*places, correcting=correcting, restricting=restricting)
-
-    def missing(self, found: Defects) -> float:
-        """What the sum of f lacks."""
-        self.total_stretch = self.known_stretch + found.stretch
-        return 0.0 if self.wanted is None else self.wanted - found.stretch
 
     def find_correction(
         self, contacts: float, missing: float, cycle: int, before: float
@@ -367,7 +261,8 @@ class TwoFields:
             grid.hand_over(found[:-1])
             return float(found[-1])
         coarser = self.hierarchy.grids[level + 1]
-        equations = grid.two(self.bed, self.spread, self.coarse_lags[level])
+        (e, f), (b, c), lag = grid.correction, grid.source, self.coarse_lags[level]
+        equations = CoarseTwo(e, f, b, c, np.float32(self.bed), np.float32(self.spread), lag, *grid.mesh)
         missing -= self.backend.descend(equations, coarser.source)
         shift = self.correct_on_grid(level + 1, missing)
         self.backend.ascend(equations, coarser.joined, shift, grid.joined)

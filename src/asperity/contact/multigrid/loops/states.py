@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asperity.contact.compiled import compiled, inlined
+from asperity.contact.compiled import compiled
 from asperity.contact.multigrid.loops.rows import (
     Pair,
     Scalar,
@@ -19,10 +19,10 @@ from asperity.contact.multigrid.loops.rows import (
     end_of,
     join,
     larger,
-    neighbors,
     part,
     wrap,
 )
+from asperity.contact.stencils import force_row
 from asperity.lattice import Field
 
 
@@ -74,20 +74,6 @@ class Past(NamedTuple):
     tau: Scalar
 
 
-@inlined
-def stencil_row(a: float, x: Field, b: float, y: Field, i: int, sites: Sites, out: Field) -> None:
-    """Row i of a L x + b y, L minus the Laplacian."""
-    nx = x.shape[1]
-    above, below = neighbors(i, sites)
-    up, down, row, other = x[above], x[below], x[i], y[i]
-    for j in range(1, nx - 1):
-        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[j - 1] + row[j + 1])) + b * other[j]
-    first, last = (0, nx - 1) if sites.mirrored else (nx - 1, 0)
-    for j in (0, nx - 1):
-        left, right = j - 1 if j > 0 else first, j + 1 if j < nx - 1 else last
-        out[j] = a * (4.0 * row[j] - (up[j] + down[j] + row[left] + row[right])) + b * other[j]
-
-
 @compiled
 def measure(
     surface: Surface,
@@ -113,7 +99,7 @@ def measure(
     scale, inverse = -1.0 / scales.force, 1.0 / scales.length
     for i in range(sites.rows):
         row, stretch, rough = u[i], w[i], heights[i]
-        stencil_row(k0, u, k1, w, i, sites, force)
+        force_row(k0, u, k1, w, i, sites.mirrored, force)
         worst = tension = highest = load = imbalance = free_sites = 0.0
         sum_w = sum_u = squares_w = squares_u = 0.0
         for j in range(nx):  # no branches: the compiler makes vectors of it
@@ -140,7 +126,7 @@ def measure(
         part(line, bound[i])
         part(force, b[i])
         if flowing:
-            stencil_row(inverse * spread, w, inverse * drag, w, i, sites, line)
+            force_row(inverse * spread, w, inverse * drag, w, i, sites.mirrored, line)
             part(line, flow[i])
 
 

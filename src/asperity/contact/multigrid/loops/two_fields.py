@@ -121,12 +121,12 @@ def relax_row_2(eq: Two, i: int, color: int) -> None:
 
 @inlined
 def defect_row_2(eq: Two, i: int, balance: Single, creep: Single, sums: Field) -> None:
-    """Defects of both equations in row i; ``sums``: their squares, sum of f, contacts, squares of e."""
+    """Defects of both equations in row i; ``sums``: sum of f, contacts, squares of e."""
     e, f, bound, b, c, bed, spread, shift = eq.e, eq.f, eq.bound, eq.b, eq.c, eq.bed, eq.spread, eq.shift
     sites = eq.sites
     zero, one, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
     before, after = neighbors(i, sites)
-    squares_1 = squares_2 = stretch = free_sites = moves = zero
+    stretch = free_sites = moves = zero
     for side in range(2):
         e_row, e_other, e_up, e_down = e[i, side], e[i, 1 - side], e[before, side], e[after, side]
         f_row, f_other, f_up, f_down = f[i, side], f[i, 1 - side], f[before, side], f[after, side]
@@ -139,13 +139,10 @@ def defect_row_2(eq: Two, i: int, balance: Single, creep: Single, sums: Field) -
             flow = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1])
             flow += second[k] + shift + e_row[k] - diagonal[k] * f_row[k]
             out_1[k], out_2[k] = value, flow
-            squares_1 += value * value
-            squares_2 += flow * flow
             free_sites += free
             stretch += f_row[k]
             moves += e_row[k] * e_row[k]
-    contacts = sites.columns - free_sites
-    sums[0], sums[1], sums[2], sums[3], sums[4] = squares_1, squares_2, stretch, contacts, moves
+    sums[0], sums[1], sums[2] = stretch, sites.columns - free_sites, moves
 
 
 @inlined
