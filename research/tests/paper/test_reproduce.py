@@ -14,7 +14,7 @@ from asperity.errors import InputError
 from asperity_research.commands import reproduce as command
 from asperity_research.commands import study as working
 from asperity_research.paper.claims import ledger
-from asperity_research.paper.reproduce import STUDIES, conclude, prepared_in
+from asperity_research.paper.reproduce import HOME, conclude, prepared_in
 from asperity_research.paper.studies import FULL, QUICK, studies
 from asperity_research.studies import STUDIES as OTHERS
 from asperity_research.studies.campaigns import run_campaigns
@@ -175,7 +175,7 @@ def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
         do_here([one])
         (one.folder / "plan.json").write_text("{}")
         run_campaigns([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
-    assert Evidence(tmp_path / "out" / STUDIES)[sketch].attrs["finished"] == 1
+    assert Evidence(tmp_path / "out" / HOME.inside)[sketch].attrs["finished"] == 1
 
 
 def test_dry_run_counts_what_is_done(reproduction, asperity):
