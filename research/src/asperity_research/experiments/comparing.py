@@ -14,7 +14,7 @@ from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
 from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
-from asperity_research.experiments.library import names
+from asperity_research.experiments.record import names
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.report import write_table
 from asperity_research.studies.study import Concluded, Study

@@ -102,6 +102,12 @@ def waves(side: int, roll_off: float, cutoff: float = 4.0, **more: float) -> dic
     return {**shape, "hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **more}
 
 
+def scanned(side: int, spacing: float, unit: str, hurst: float, **more: float) -> dict[str, Any]:
+    """Return the table of a square surface of waves with lengths, as a scan has."""
+    shape = {"kind": "spectral", "shape": [side, side], "spacing": [spacing], "unit": unit}
+    return {**shape, "hurst": hurst, **more}
+
+
 def hold(duration: float, **more: Any) -> dict[str, Any]:
     """Return the table of a hold."""
     return {"kind": "hold", "duration": duration, **more}

@@ -147,4 +147,5 @@ def proportion(count: int, runs: int) -> Estimate:
 
 def estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
     """Return an estimate of these numbers."""
-    return Estimate(*(np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high)), runs)
+    found, error, least, most = (np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high))
+    return Estimate(found, error, least, most, runs)

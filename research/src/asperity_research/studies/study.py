@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import tomli_w
@@ -116,6 +117,6 @@ def conclude(
         "cpu_seconds": round(about.run_seconds),
     }
     write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
-    facts = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
+    facts: dict[str, Any] = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
     page = write_report(folder, "asperity_research.studies", ["report.md"], outcome.findings, **facts)
     return Concluded(page, outcome)
