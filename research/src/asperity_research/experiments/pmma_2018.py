@@ -104,7 +104,7 @@ def _campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> Iterat
     ]
     for name, words in HYPOTHESES.items():
         own = {"branches": [list(one) for one in branches[name]]} if name in branches else pmma.ACTIVATED
-        tables = {"surface": surface, "solid": half_space | own, "contact": {"load": 0.0}}
+        tables: dict[str, Any] = {"surface": surface, "solid": half_space | own, "contact": {"load": 0.0}}
         tables |= {"protocol": history, **rest, "sweep": samples}
         yield Campaign(name, f"Ramp, hold, drop and hold of {words}", tables)
     loads = [float(pressure * effective()[_TIMES.index(time)]) for time in _KEPT]

@@ -95,12 +95,12 @@ def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[F
     what = f"part of the nominal area, at a pressure of {PRESSURES[-1]:g} <i>E</i>"
     yield Finding.within((heaviest, 1.0), "heaviest", place, claim, {what: mean(layer[:, -1])})
     claim = "The area on a half-space is that on the layer within a tenth, as closely as gaps were compared"
-    what = "layer over half-space, at {:g} <i>E</i>".format
-    numbers = {what(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
+    over = "layer over half-space, at {:g} <i>E</i>".format
+    numbers = {over(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
     note = "The uncertainty of the measured area is not stated; that of the gap stands for it."
     yield Finding.within((1 - error, 1 + error), "area", place, claim, numbers, note)
     claim = "The mean gap on a half-space is that on the layer within a tenth"
-    yield Finding.within((1 - error, 1 + error), "gap", place, claim, {what(GAPS_AT): gap})
+    yield Finding.within((1 - error, 1 + error), "gap", place, claim, {over(GAPS_AT): gap})
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:

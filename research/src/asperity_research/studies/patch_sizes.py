@@ -28,6 +28,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -132,9 +133,9 @@ def fit(means: Field, support: Field) -> Law:
         norm = float(logsumexp(exponent))
         return float(theta @ wanted) + norm, wanted - scaled @ np.exp(exponent - norm)
 
-    bounds, close = [(None, None), (0.0, None)][: len(means)], {"ftol": 1e-15, "gtol": 1e-11}
-    start = np.zeros(len(means))
-    found = minimize(lack, start, jac=True, method="L-BFGS-B", bounds=bounds, options=close)
+    how: dict[str, Any] = {"method": "L-BFGS-B", "options": {"ftol": 1e-15, "gtol": 1e-11}}
+    bounds = [(None, None), (0.0, None)][: len(means)]
+    found = minimize(lack, np.zeros(len(means)), jac=True, bounds=bounds, **how)
     exponent, second = [*(found.x / unit), 0.0][:2]
     return Law(float(exponent), float(second), -float(found.fun))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -96,7 +98,7 @@ def _draw_state(axes: Axes, here: pd.DataFrame, rest: float) -> None:
     axes.add_collection(LineCollection(lateral, colors="0.35", linewidths=0.8, zorder=4))
     axes.plot(r, anchors, "o", color="white", markeredgecolor=style.BLUE, markersize=4, zorder=5)
     axes.plot(r[~touching], u[~touching], "o", color=style.INK, markersize=4, zorder=6)
-    diamonds = {"color": style.VERMILION, "markeredgecolor": style.INK, "markersize": 5}
+    diamonds: dict[str, Any] = {"color": style.VERMILION, "markeredgecolor": style.INK, "markersize": 5}
     axes.plot(r[touching], u[touching], "D", zorder=7, **diamonds)
     mean = float(anchors.mean())
     edge = len(r) + 0.1
@@ -132,10 +134,11 @@ def _name_symbols(axes: Axes, here: pd.DataFrame, rest: float) -> None:
         (r"$k_0$", (at - 0.5, level), (at - 0.5, low)),
         (r"$\xi(r)$", (at + 2, xi[(at + 2) % len(r)]), (at + 2, low)),
     ]
-    look = {"arrowprops": {"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1, "shrinkB": 2}, "zorder": 9}
+    look: dict[str, Any] = {"fontsize": _TEXT + 1, "ha": "center", "zorder": 9}
+    look["arrowprops"] = {"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1, "shrinkB": 2}
     for text, point, place in named:
         side = "bottom" if place[1] > point[1] else "top"
-        axes.annotate(text, xy=point, xytext=place, fontsize=_TEXT + 1, ha="center", va=side, **look)
+        axes.annotate(text, xy=point, xytext=place, va=side, **look)
 
 
 def _add_legend(figure: Figure) -> None:
