@@ -136,8 +136,8 @@ def test_a_negative_seed_is_refused_in_python(command):
     assert not Path("out").exists()
 
 
-def test_an_unknown_study(asperity):
-    assert "study: expected one of unloading" in asperity("unloadin")[2]
+def test_an_unknown_study_in_python(asperity):
+    assert "study: expected one of unloading" in asperity("unloadin")[2]  # and by the command
     with refuses("study"):
         studies.named("unload")
 

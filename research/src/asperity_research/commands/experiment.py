@@ -49,6 +49,6 @@ def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
 def compare(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles, work: Work) -> None:
     """Run what is missing, compare, and write the report; or say what that takes; as for a study."""
     words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
-    done = answer(comparison_of(name).on(scans), words, out, ensembles, work)
+    done = answer(comparison_of(name, scans), words, out, ensembles, work)
     if done is not None:
         write_verdicts(out, done)
