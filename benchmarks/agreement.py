@@ -15,24 +15,24 @@ otherwise; a peer or a scan that is absent is said and skipped.
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import running
 import solvers
 import synthetic
 from cases import MEAN_PRESSURE
 from check import judge
 from numpy.typing import NDArray
 from peers.problem import Law, Problem
-from prepare import write
+from running import answered, head, line
 from solvers import SolverError, Worker
 
 import asperity as asp
@@ -128,22 +128,11 @@ def problem_of(surface: asp.surfaces.Surface, pressure: float, law: Law | None =
 
 def press_by_peer(worker: Worker, problem: Problem, tolerance: float, folder: Path) -> tuple[State, float]:
     """Press with a peer; and the residual of its surface, see `check.judge`."""
-    path, out = _written(problem, folder), folder / "answer.npz"
-    request = {"do": "solve", "problem": str(path), "tolerance": tolerance, "out": str(out)}
-    worker.ask(request, LIMIT)
-    with np.load(out) as answer:
-        gap = answer["u"] - problem.heights
-        touching = answer["in_contact"]
-        pressure = np.where(touching, answer["force"], 0.0) / problem.cell
-        state = State(pressure, gap - gap[touching].mean(), float(problem.heights.std()))
-        return state, judge(problem, answer["u"], touching).residual
-
-
-def _written(problem: Problem, folder: Path) -> Path:
-    """Write a problem under a name of its own: workers keep what they read."""
-    path = folder / f"problem-{time.monotonic_ns()}.npz"
-    write(problem, path)
-    return path
+    _, answer = answered(worker, problem, folder, LIMIT, tolerance=tolerance)
+    gap, touching = answer["u"] - problem.heights, answer["in_contact"]
+    pressure = np.where(touching, answer["force"], 0.0) / problem.cell
+    state = State(pressure, gap - gap[touching].mean(), float(problem.heights.std()))
+    return state, judge(problem, answer["u"], touching).residual
 
 
 def closest(
@@ -182,10 +171,8 @@ def scans() -> Iterator[tuple[str, asp.surfaces.Surface | str]]:
         assert surface.pixel_size
         dy, dx = surface.pixel_size
         pairs = surface.heights.reshape(rows // 2, 2, columns).mean(axis=1)
-        yield (
-            f"{file}, pairs of rows",
-            asp.surfaces.Surface(pairs, surface.unit, (2 * dy, dx), surface.length_unit),
-        )
+        paired = asp.surfaces.Surface(pairs, surface.unit, (2 * dy, dx), surface.length_unit)
+        yield f"{file}, pairs of rows", paired
 
 
 def generated(n: int = 256, spacing: tuple[float, float] = (1.0, 1.7)) -> asp.surfaces.Surface:
@@ -193,32 +180,19 @@ def generated(n: int = 256, spacing: tuple[float, float] = (1.0, 1.7)) -> asp.su
     return asp.surfaces.Surface(20 * synthetic.self_affine(n, 3), "nm", spacing, "um")
 
 
-def start(names: Iterable[str], pythons: Sequence[str]) -> dict[str, Worker]:
-    """Start the peers that are there, and say which are not."""
-    workers = {}
-    for name in names:
-        try:
-            workers[name] = solvers.start(name, solvers.interpreters(pythons), 1)
-        except SolverError as error:
-            print(f"{name} is absent, and skipped: {error}", file=sys.stderr)
-    return workers
-
-
 TABLES = ["press", "march", "patches"]
-HEAD = (
-    "| surface | MPa | contact | between | tolerance | sites | pressure | mean pressure | mean gap | gap "
-    "| residual |"
-)
+PRESSED = ("surface", "MPa", "contact", "between", "tolerance", "sites", "pressure")
+MARCHED = ("time", "step", "contacts", "Asperity's, exact", "general", "pressure, exact", "general")
 
 
 def press_table(workers: dict[str, Worker], folder: Path) -> tuple[list[str], list[str]]:
     """Rows, and what disagrees."""
-    rows, wrong = [HEAD, "|---|---|---|---|---|---|---|---|---|---|---|"], []
+    rows, wrong = head(*PRESSED, "mean pressure", "mean gap", "gap", "residual"), []
 
     def add(name, pressure, ours, between, tolerance, difference, residual=""):
         cells = [name, f"{pressure / 1e6:g}", f"{ours.fraction:.6f}", between, tolerance, difference.sites]
         cells += [f"{getattr(difference, key):.1e}" for key in LIMITS if key != "sites"]
-        rows.append("| " + " | ".join(map(str, [*cells, residual])) + " |")
+        rows.append(line(*cells, residual))
         print(rows[-1], flush=True)
 
     print(*rows, sep="\n", flush=True)
@@ -238,17 +212,9 @@ def press_table(workers: dict[str, Worker], folder: Path) -> tuple[list[str], li
                     wrong.append(f"{name}, {pressure:g} Pa: {peer} gave no answer: {error}")
                     continue
                 states[peer] = state
-                add(
-                    name,
-                    pressure,
-                    ours,
-                    f"Asperity, {peer}",
-                    f"{tolerance:.0e}",
-                    difference,
-                    f"{residual:.0e}",
-                )
-                beyond = difference.beyond(LIMITS)
-                if beyond:
+                how = f"Asperity, {peer}", f"{tolerance:.0e}", difference, f"{residual:.0e}"
+                add(name, pressure, ours, *how)
+                if beyond := difference.beyond(LIMITS):
                     wrong.append(f"{name}, {pressure:g} Pa, {peer}: {', '.join(beyond)}")
             if len(states) == 2:
                 one, other = states.values()
@@ -273,20 +239,9 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
         ours[exact] = [asp.age(begin, [t], exact=exact, rtol=2e-5).final for t in TIMES]
     law = Law("half-space", modulus=MODULUS, branches=BRANCHES)
     problem = problem_of(surface, PRESSURES[0], law)
-    request = {
-        "do": "age",
-        "problem": str(_written(problem, folder)),
-        "times": TIMES,
-        "out": str(folder / "o.npz"),
-    }
-    rows = [
-        f"{name}, 128 x 128 sites, branches {BRANCHES}; Asperity took {took[True]:.2f} s for "
-        f"all times (exact), {took[False]:.2f} s (general march).",
-        "",
-        "| time | step | contacts | Asperity's, exact | general | pressure, exact | general "
-        "| order | s a step |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    said = f"{name}, 128 x 128 sites, branches {BRANCHES}; Asperity took {took[True]:.2f} s for all times"
+    said += f" (exact), {took[False]:.2f} s (general march)."
+    rows = [said, "", *head(*MARCHED, "order", "s a step")]
     wrong, before = [], None
 
     def apart(pressure: Field, contact: asp.Contact) -> float:
@@ -295,14 +250,12 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
     def add(i, step, pressure, order="", seconds=""):
         contacts = [np.count_nonzero(pressure > 0), *(ours[exact][i].area for exact in (True, False))]
         differences = [f"{apart(pressure, ours[exact][i]):.1e}" for exact in (True, False)]
-        rows.append(
-            "| " + " | ".join(map(str, [TIMES[i], step, *contacts, *differences, order, seconds])) + " |"
-        )
+        rows.append(line(TIMES[i], step, *contacts, *differences, order, seconds))
 
     for step in STEPS:
-        reply = worker.ask({**request, "options": {"step": step, "tolerance": 1e-10}}, LIMIT)
-        with np.load(folder / "o.npz") as answer:
-            pressures = answer["force"] / problem.cell
+        how = {"do": "age", "times": TIMES, "options": {"step": step, "tolerance": 1e-10}}
+        reply, answer = answered(worker, problem, folder, LIMIT, **how)
+        pressures = answer["force"] / problem.cell
         if max(reply["gap_in_contact"]) > MARCH_LIMITS["gap_in_contact"]:
             wrong.append(f"march, step {step:g}: sites under pressure leave the heights")
         for i, contact in enumerate(ours[True]):
@@ -315,14 +268,10 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
             sites = abs(np.count_nonzero(pressures[i] > 0) - contact.area)
             extrapolated = 2 * pressures[i] - before[i]
             add(i, "extrapolated", extrapolated * (pressures[i] > 0))
-            found = {
-                "order": abs(float(order) - 1),
-                "sites": sites,
-                "extrapolated": apart(extrapolated, contact),
-            }
-            wrong += [
-                f"march, time {TIMES[i]:g}: {k} {v:.2g}" for k, v in found.items() if v > MARCH_LIMITS[k]
-            ]
+            off = apart(extrapolated, contact)
+            found = {"order": abs(float(order) - 1), "sites": sites, "extrapolated": off}
+            at = f"march, time {TIMES[i]:g}"
+            wrong += [f"{at}: {k} {v:.2g}" for k, v in found.items() if v > MARCH_LIMITS[k]]
         before = pressures
     print("", *rows, sep="\n", flush=True)
     return rows, wrong
@@ -330,21 +279,17 @@ def march_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
 
 def patches_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
     """Rows, and what disagrees."""
-    rows, wrong = ["| edges | seed | contact | sites that differ | pressure |", "|---|---|---|---|---|"], []
+    rows, wrong = head("edges", "seed", "contact", "sites that differ", "pressure"), []
     for edges, seed, rms in PATCHES:
         heights = rms * synthetic.self_affine(256, seed)
         load = MEAN_PRESSURE * heights.size
-        ours = asp.press(
-            asp.surfaces.Surface(heights, edges=edges), asp.solids.half_space(modulus=1.0), load=load
-        )
+        surface, solid = asp.surfaces.Surface(heights, edges=edges), asp.solids.half_space(modulus=1.0)
+        ours = asp.press(surface, solid, load=load)
         law = Law("half-space" if edges == "periodic" else "free half-space")
-        path, out = _written(Problem(heights, law, load), folder), folder / "answer.npz"
-        worker.ask({"do": "solve", "problem": str(path), "tolerance": 1e-12, "out": str(out)}, LIMIT)
-        with np.load(out) as answer:
-            force = answer["force"]
+        force = answered(worker, Problem(heights, law, load), folder, LIMIT, tolerance=1e-12)[1]["force"]
         sites = int(np.count_nonzero((force > 0) != ours.in_contact))
         off = float(np.abs(force - ours.force).max() / ours.force.max())
-        rows.append(f"| {edges} | {seed} | {100 * ours.contact_fraction:.2f} % | {sites} | {off:.1e} |")
+        rows.append(line(edges, seed, f"{100 * ours.contact_fraction:.2f} %", sites, f"{off:.1e}"))
         if sites or not off <= PATCH_LIMIT:
             wrong.append(f"{edges}, seed {seed}, rms {rms:g}: {sites} sites, pressure {off:.1e}")
     print("", *rows, sep="\n", flush=True)
@@ -352,9 +297,7 @@ def patches_table(worker: Worker, folder: Path) -> tuple[list[str], list[str]]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.parser(__doc__)
     parser.add_argument("--only", nargs="+", choices=TABLES, default=TABLES)
     parser.add_argument("--peers-python", nargs="+", default=[], metavar="PYTHON")
     parser.add_argument("--store", type=Path, help="write the tables to this file")
@@ -363,7 +306,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if "press" in options.only:
-            workers = start(PEERS, options.peers_python)
+            workers = running.peers(PEERS, options.peers_python)
             rows, failures = press_table(workers, folder)
             tables.append([f"Peers: {', '.join(worker.version for worker in workers.values())}", "", *rows])
             wrong += failures
@@ -371,15 +314,15 @@ def main() -> int:
                 worker.close()
         others = {"march": (solvers.MARCHES, march_table), "patches": (["aspher"], patches_table)}
         for names, table in (others[name] for name in others if name in options.only):
-            for worker in start(names, options.peers_python).values():
+            for worker in running.peers(names, options.peers_python).values():
                 rows, failures = table(worker, folder)
                 tables.append([f"Peer: {worker.version}", "", *rows])
                 wrong += failures
                 worker.close()
     if options.store:
         options.store.write_text("\n\n".join("\n".join(table) for table in tables) + "\n")
-    for line in wrong:
-        print(f"DISAGREE: {line}", file=sys.stderr)
+    for one in wrong:
+        print(f"DISAGREE: {one}", file=sys.stderr)
     return bool(wrong)
 
 

@@ -22,6 +22,7 @@ import machine
 import numpy as np
 import prepare
 import report
+import running
 import solvers
 import tolerances
 from cases import CASES, CURVES, Case
@@ -60,7 +61,7 @@ def main() -> None:
             for case in chosen:
                 print(f"{case.name} ...", file=sys.stderr, flush=True)
                 for row in _rows(case, workers, options, Path(folder)):
-                    book.add(row)
+                    book.rows.append(row)
                 book.save(options.out)
     finally:
         for worker in workers.values():
@@ -69,24 +70,22 @@ def main() -> None:
         print(f"{name} ...", file=sys.stderr, flush=True)
         for rtol in curve.RTOLS:
             solid, size = CURVES[name]
-            book.add_curve(curve.run(size, options.threads, rtol, solid))
+            book.curves.append(curve.run(size, options.threads, rtol, solid))
     book.save(options.out)
     print(book.text())
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = running.parser(__doc__, threads=True, out=True)
     parser.add_argument("--all", action="store_true", help="also the cases that take long")
     parser.add_argument("--only", nargs="+", default=[], metavar="CASE", help="cases whose name begins so")
     parser.add_argument("--solvers", nargs="+", default=list(solvers.MODULES), choices=solvers.MODULES)
-    parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--budget", type=float, default=10.0, help="seconds per solver and case for repeats")
     parser.add_argument("--limit", type=float, help="seconds a solve may take (60; with --all or --only 900)")
     parser.add_argument("--residual", type=float, default=RESIDUAL, help="what every solver must reach")
     parser.add_argument("--tune", action="store_true", help="find the loosest tolerances anew and keep them")
     parser.add_argument("--peers-python", nargs="+", default=[], metavar="PATH", help="where peers are")
-    parser.add_argument("--out", type=Path, default=Path("results/bench"))
     options = parser.parse_args()
     if options.limit is None:
         options.limit = 900.0 if options.all or options.only else 60.0

@@ -19,12 +19,13 @@ third; where it slides, a third and a tenth.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
+import running
 import scipy
 import scipy.fft
 
@@ -38,7 +39,7 @@ KEPT = 2e-3
 """Largest relative error of an area that is kept; the load goes with it."""
 HALVINGS = 2
 PENETRATION = 1e-12
-DATA = Path(asp.__file__).parent / "challenge" / "data"
+DATA = Path(str(files("asperity_research.challenge") / "data"))
 
 
 def polonsky_keer(heights, spacing, modulus, load):
@@ -237,9 +238,7 @@ def table(asked: Problem, scan: Path | None) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.parser(__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", default=list(NAMES), help=", ".join(NAMES))
     parser.add_argument("--scan", type=Path, help="the file of the measured problem, which else is left out")
     parser.add_argument("--out", type=Path, default=DATA, help="folder for the answers")

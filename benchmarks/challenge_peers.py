@@ -11,17 +11,15 @@ less the rim, by Yastrebov's formula as in `asperity.contact.response`. Prints t
 
 from __future__ import annotations
 
-import argparse
 import sys
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import solvers
+import running
 from peers.problem import Law, Problem
-from prepare import write
+from running import answered, head, line
 from solvers import SolverError, Worker
 
 import asperity as asp
@@ -93,11 +91,8 @@ def load_of(asked: asp.challenge.Problem, surface: asp.surfaces.Surface) -> floa
 
 
 def solve(worker: Worker, problem: Problem, folder: Path) -> State:
-    path, out = folder / f"{time.monotonic_ns()}.npz", folder / "answer.npz"
-    write(problem, path)
-    worker.ask({"do": "solve", "problem": str(path), "tolerance": TOLERANCE, "out": str(out)}, LIMIT)
-    with np.load(out) as data:
-        return state_of(problem, data["force"])
+    _, fields = answered(worker, problem, folder, LIMIT, tolerance=TOLERANCE)
+    return state_of(problem, fields["force"])
 
 
 def march(worker: Worker, asked: asp.challenge.Problem, base: dict, folder: Path, chosen=()) -> list[tuple]:
@@ -107,23 +102,20 @@ def march(worker: Worker, asked: asp.challenge.Problem, base: dict, folder: Path
     branches = tuple(config.solid.build().parameters["branches"])
     law = Law("half-space", modulus=config.solid.modulus, branches=branches)
     problem = Problem(heights, law, load_of(asked, surface), spacing=tuple(spacing))
-    path, out = folder / f"{asked.name}.npz", folder / "answer.npz"
-    write(problem, path)
     states = []
     for moment in (t for t in asked.run["aging"]["times"] if t > 0 and t in (chosen or [t])):
         two = []
         for steps in (STEPS, 2 * STEPS):
-            options = {"step": moment / steps, "tolerance": TOLERANCE}
-            request = {"do": "age", "problem": str(path), "times": [moment], "out": str(out)}
-            reply = worker.ask({**request, "options": options}, LIMIT)
-            with np.load(out) as data:
-                two.append(state_of(problem, data["force"][0], reply["mean_gap"][0]))
+            how = {"do": "age", "times": [moment]}
+            how["options"] = {"step": moment / steps, "tolerance": TOLERANCE}
+            reply, fields = answered(worker, problem, folder, LIMIT, **how)
+            two.append(state_of(problem, fields["force"][0], reply["mean_gap"][0]))
         mixed = [2 * b - a for a, b in zip(*(vars(one).values() for one in two), strict=True)]
         states.append((moment, State(*mixed)))
     return states
 
 
-def scored(asked, rows: list[tuple], *, less_rim: bool) -> list[str]:
+def scored(asked, rows: list[tuple], *, less_rim: bool) -> list[tuple[str, ...]]:
     """Cells of the table for each quantity."""
     columns: dict[str, list[float]] = {asked.abscissa.heading: [place for place, _ in rows]}
     for _, state in rows:
@@ -133,17 +125,13 @@ def scored(asked, rows: list[tuple], *, less_rim: bool) -> list[str]:
     cells = []
     for one in found.quantities:
         worst = int(np.argmax(np.abs(one.in_bars)))
-        cells.append(
-            f"{one.column.heading} | {found.rows} of {found.asked} | {one.verdict} "
-            f"| {one.in_bars[worst]:+.2g} | {100 * np.abs(one.relative).max():.2g} %"
-        )
+        off = f"{one.in_bars[worst]:+.2g}", f"{100 * np.abs(one.relative).max():.2g} %"
+        cells.append((one.column.heading, f"{found.rows} of {found.asked}", one.verdict, *off))
     return cells
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.parser(__doc__)
     parser.add_argument("--peers-python", nargs="+", default=[], metavar="PYTHON")
     parser.add_argument("--scan", type=Path)
     parser.add_argument("--only", nargs="+", default=list(asp.challenge.NAMES))
@@ -152,19 +140,15 @@ def main() -> int:
     parser.add_argument("--no-march", action="store_true", help="leave the marches out")
     parser.add_argument("--store", type=Path, help="write the table to this file")
     options = parser.parse_args()
-    lines = [
-        "| problem | code | quantity | places | verdict | worst, in bars | worst |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    lines = head("problem", "code", "quantity", "places", "verdict", "worst, in bars", "worst")
     print(*lines, sep="\n", flush=True)
 
     def add(asked, code, rows):
         for less_rim in (False, True) if asked.continuous else (False,):
             for cells in scored(asked, rows, less_rim=less_rim):
-                if less_rim and not cells.startswith("contact_area"):
+                if less_rim and not cells[0].startswith("contact_area"):
                     continue
-                code_said = f"{code}, less the rim" if less_rim else code
-                lines.append(f"| {asked.name} | {code_said} | {cells} |")
+                lines.append(line(asked.name, f"{code}, less the rim" if less_rim else code, *cells))
                 print(lines[-1], flush=True)
 
     with tempfile.TemporaryDirectory() as name:
@@ -172,12 +156,8 @@ def main() -> int:
         for peer, solver in (*((peer, presses) for peer in PRESSES), ("tamaas-maxwell", march)):
             if options.no_march if solver is march else options.no_press:
                 continue
-            try:
-                worker = solvers.start(peer, solvers.interpreters(options.peers_python), 1)
-            except SolverError as error:
-                print(f"{peer} is absent, and skipped: {error}", file=sys.stderr)
-                continue
-            for asked in map(asp.challenge.problem, options.only):
+            worker = running.peers([peer], options.peers_python).get(peer)
+            for asked in map(asp.challenge.problem, options.only if worker else ()):
                 continuum = asked.config.solid.kind == "half_space"
                 known = continuum or (solver is presses and asked.name in AT_ONCE)
                 relaxes = bool(asked.config.solid.build().branches)
@@ -191,7 +171,8 @@ def main() -> int:
                     print(f"{asked.name}: {peer} gave no answer: {error}", file=sys.stderr)
                     continue
                 add(asked, worker.version + (", march" if solver is march else ""), rows)
-            worker.close()
+            if worker:
+                worker.close()
     if options.store:
         options.store.write_text("\n".join(lines) + "\n")
     return 0

@@ -20,16 +20,13 @@ not timed with the others. 2e-3 is the tolerance that Asperity takes by itself.
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import json
 import os
-import subprocess
-import sys
 import time
 from typing import Any
 
-import machine
+import running
 import synthetic
 
 PAIRS = 1000
@@ -39,15 +36,8 @@ LAWS = ("eyring", "eyring_beside", "norton")
 
 def run(size: int, threads: int, rtol: float, solid: str) -> dict[str, Any]:
     """Measure in a process of its own, so that every library has the threads it is to have."""
-    command = [sys.executable, __file__, "--sizes", str(size), "--threads", str(threads)]
-    command += ["--rtols", str(rtol), "--solid", solid, "--json"]
-    done = subprocess.run(
-        command, env=machine.thread_environment(threads), stdout=subprocess.PIPE, text=True, check=False
-    )
-    if done.returncode:
-        return {"size": size, "rtol": rtol, "solid": solid, "failure": f"exit status {done.returncode}"}
-    measured: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return measured
+    words = ["--sizes", size, "--threads", threads, "--rtols", rtol, "--solid", solid, "--json"]
+    return {"size": size, "rtol": rtol, "solid": solid} | running.alone(__file__, words, threads)
 
 
 def pairs(heights, count: int, threads: int) -> float:
@@ -190,10 +180,9 @@ def words(curve: dict[str, Any]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = running.parser(__doc__, threads=True)
     parser.add_argument("--sizes", type=int, nargs="+", default=[200, 1024])
     parser.add_argument("--rtols", type=float, nargs="+", default=list(RTOLS))
-    parser.add_argument("--threads", type=int, default=1)
     kinds = ["springs", "line", "k0_zero", "spike", "fronts", "k0_zero_fronts"]
     kinds += ["half_space", "half_space_march", *LAWS]
     parser.add_argument("--solid", choices=kinds, default="springs")

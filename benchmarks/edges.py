@@ -11,6 +11,7 @@ share of the contact lies within a sixteenth of the side from the edges. Medians
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import sys
 from collections.abc import Iterator
 
@@ -26,11 +27,8 @@ SHARES = 0.005, 0.05
 
 def wholes(files: list[str]) -> Iterator[tuple[str, asp.surfaces.Surface]]:
     """Surfaces of 256 x 256 sites; scans as far as they are square."""
-    for name, roll_off in (
-        ("self-affine", None),
-        ("rolled off at a quarter", 64.0),
-        ("at a sixteenth", 16.0),
-    ):
+    kinds = {"self-affine": None, "rolled off at a quarter": 64.0, "at a sixteenth": 16.0}
+    for name, roll_off in kinds.items():
         for seed in range(3):
             made = asp.surfaces.spectral((256, 256), hurst=0.8, roll_off=roll_off, cutoff=4.0, seed=seed)
             yield name, asp.surfaces.Surface(1e-7 * made, "m", 1e-6, "m")
@@ -64,26 +62,24 @@ def main() -> None:
             pressure = share * 1e9 * whole.describe().rms_slope
             truth = aged(whole, pressure)
             half = whole.shape[0] // 2
-            for top in (0, half):
-                for left in (0, half):
-                    cut = slice(top, top + half), slice(left, left + half)
-                    first, last = (int(one[cut].sum()) for one in truth)
-                    if first < 20:
-                        continue
-                    part = whole.crop([top, top + half, left, left + half])
-                    for edges in ("reflecting", "free", "periodic"):
-                        begun, ended = aged(dataclasses.replace(part, edges=edges), pressure)
-                        growth = (ended.sum() / begun.sum()) / (last / first)
-                        found = begun.sum() / first, growth, at_edges(begun)
-                        rows.setdefault((name, share, edges), []).append(found)
+            for top, left in itertools.product((0, half), repeat=2):
+                cut = slice(top, top + half), slice(left, left + half)
+                first, last = (int(one[cut].sum()) for one in truth)
+                if first < 20:
+                    continue
+                part = whole.crop([top, top + half, left, left + half])
+                for edges in ("reflecting", "free", "periodic"):
+                    begun, ended = aged(dataclasses.replace(part, edges=edges), pressure)
+                    growth = (ended.sum() / begun.sum()) / (last / first)
+                    found = begun.sum() / first, growth, at_edges(begun)
+                    rows.setdefault((name, share, edges), []).append(found)
     names = ("p/(E* slope)", "edges", "area", "spread", "growth", "at edges")
     print(f"{'surface':26}" + "".join(f"{name:>13}" for name in names))
     for (name, share, edges), found in rows.items():
         area, growth, near = np.median(found, axis=0)
         spread = np.exp(np.std(np.log([one[0] for one in found])))
-        print(
-            f"{name:26}{share:13g}{edges:>13}" + "".join(f"{x:13.3f}" for x in (area, spread, growth, near))
-        )
+        numbers = "".join(f"{x:13.3f}" for x in (area, spread, growth, near))
+        print(f"{name:26}{share:13g}{edges:>13}{numbers}")
 
 
 if __name__ == "__main__":

@@ -4,9 +4,11 @@ Prints the table of docs/experiments.md: the slope of ln A over ln t between t =
 1 / (k0 R)), mean over seeds and standard error.
 """
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from running import head, line
 
 import asperity as asp
 
@@ -53,13 +55,9 @@ def relaxation():
     return -slope(TIMES, asp.relaxation.fit(asp.relaxation.read(TABLE)).series.modulus_at(TIMES))
 
 
+SPRINGS = ((0.1, 0.02), (1.0, 0.02), (3.0, 0.002), (3.0, 0.02), (3.0, 0.1), (10.0, 0.02))
 CASES = {
-    "springs, k1/k0 = 0.1, F/(N k0) = 0.02": lambda seed: springs(0.1, 0.02, seed),
-    "springs, k1/k0 = 1, F/(N k0) = 0.02": lambda seed: springs(1.0, 0.02, seed),
-    "springs, k1/k0 = 3, F/(N k0) = 0.002": lambda seed: springs(3.0, 0.002, seed),
-    "springs, k1/k0 = 3, F/(N k0) = 0.02": lambda seed: springs(3.0, 0.02, seed),
-    "springs, k1/k0 = 3, F/(N k0) = 0.1": lambda seed: springs(3.0, 0.1, seed),
-    "springs, k1/k0 = 10, F/(N k0) = 0.02": lambda seed: springs(10.0, 0.02, seed),
+    **{f"springs, k1/k0 = {ratio:g}, F/(N k0) = {p:g}": partial(springs, ratio, p) for ratio, p in SPRINGS},
     "springs, k1/k0 = 3, self-affine, F/(N k0) = 1e-4": lambda seed: springs(3.0, 1e-4, seed, "self_affine"),
     "half-space that relaxes like the table": polymer,
 }
@@ -73,11 +71,10 @@ def measured(case, seeds=SEEDS):
 
 def main():
     """Print the table."""
-    print("| model | d ln A / d ln t | for each decade |")
-    print("|---|---|---|")
+    print(*head("model", "d ln A / d ln t", "for each decade"), sep="\n")
     for case in CASES:
         mean, error = measured(case)
-        print(f"| {case} | {mean:.4f} ± {error:.4f} | {10**mean - 1:.1%} |")
+        print(line(case, f"{mean:.4f} ± {error:.4f}", f"{10**mean - 1:.1%}"))
     print(f"the table itself: -d ln E / d ln t = {relaxation():.4f}")
 
 

@@ -16,13 +16,12 @@ from __future__ import annotations
 import argparse
 import json
 import resource
-import subprocess
 import sys
 import time
-from pathlib import Path
 from typing import Any
 
 import machine
+import running
 import synthetic
 from cases import HALF_SPACE_RMS, MEAN_PRESSURE
 
@@ -72,18 +71,15 @@ def child(verb: str, n: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = running.parser(__doc__, threads=True, out=True)
     for verb, sizes in VERBS.items():
         parser.add_argument(f"--{verb.replace('_', '-')}", type=int, nargs="*", default=sizes, metavar="N")
-    parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--limit", type=float, default=3600.0, help="seconds that one measurement may take")
-    parser.add_argument("--out", type=Path, default=Path("results/bench"))
     parser.add_argument("--child", nargs=2, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.child:
         print(json.dumps(child(options.child[0], int(options.child[1]))))
         return
-    options.out.mkdir(parents=True, exist_ok=True)
     found: dict[str, Any] = {"machine": machine.facts(), "threads": options.threads, "points": []}
     for verb in VERBS:
         guess = 0.0
@@ -92,7 +88,7 @@ def main() -> None:
             guess = point.get("bytes_per_site", guess)
             found["points"].append(point)
             print(_words(point), flush=True)
-            (options.out / "memory.json").write_text(json.dumps(found, indent=1) + "\n")
+            running.store(options.out, "memory", found)
 
 
 def _point(verb: str, n: int, guess: float, options: argparse.Namespace) -> dict[str, Any]:
@@ -101,17 +97,7 @@ def _point(verb: str, n: int, guess: float, options: argparse.Namespace) -> dict
     free = machine.available_memory()
     if guess * n * n > free:
         return {**start, "failure": f"would need {guess * n * n / 1e9:.1f} GB; {free / 1e9:.1f} GB are free"}
-    command = [sys.executable, __file__, "--child", verb, str(n)]
-    environment = machine.thread_environment(options.threads)
-    try:
-        done = subprocess.run(
-            command, env=environment, stdout=subprocess.PIPE, text=True, check=False, timeout=options.limit
-        )
-    except subprocess.TimeoutExpired:
-        return {**start, "failure": f"over {options.limit:.0f} s"}
-    if done.returncode:
-        return {**start, "failure": f"exit status {done.returncode}"}
-    return {**start, **json.loads(done.stdout.splitlines()[-1])}
+    return start | running.alone(__file__, ["--child", verb, n], options.threads, options.limit)
 
 
 def _words(point: dict[str, Any]) -> str:

@@ -8,23 +8,24 @@ Self-affine surfaces of one spectrum, 0.2 um a pixel and flat above 3.2 um, unde
 
 from __future__ import annotations
 
-import argparse
+from functools import partial
 
 import numpy as np
+import running
+from running import line
 
 import asperity as asp
 
 MODULUS = asp.solids.contact_modulus(3.3e9, 0.35)
 BRANCHES = [(0.2, 0.1), (0.2, 10.0), (0.2, 1e3)]
 LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
+half_space = partial(asp.solids.half_space, modulus=MODULUS)
 SOLIDS = {
-    "relaxing": asp.solids.half_space(modulus=MODULUS, branches=BRANCHES),
-    "relaxing, hardness 0.3 GPa": asp.solids.half_space(
-        modulus=MODULUS, branches=BRANCHES, hardness="0.3 GPa"
-    ),
-    "Eyring": asp.solids.half_space(modulus=MODULUS, creep=LAW),
-    "Eyring, permanent share 0.3": asp.solids.half_space(modulus=MODULUS, creep=LAW, permanent=0.3),
-    "Norton, n = 8": asp.solids.half_space(modulus=MODULUS, creep=asp.solids.Norton(1e-11, 1e8, 8)),
+    "relaxing": half_space(branches=BRANCHES),
+    "relaxing, hardness 0.3 GPa": half_space(branches=BRANCHES, hardness="0.3 GPa"),
+    "Eyring": half_space(creep=LAW),
+    "Eyring, permanent share 0.3": half_space(creep=LAW, permanent=0.3),
+    "Norton, n = 8": half_space(creep=asp.solids.Norton(1e-11, 1e8, 8)),
 }
 
 
@@ -37,35 +38,28 @@ def scan(side: int, seed: int) -> asp.surfaces.Surface:
 
 def main() -> None:
     """Print a line for each solid."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = running.parser(__doc__)
     parser.add_argument("solids", nargs="*", default=[], metavar="SOLID", help=", ".join(SOLIDS))
     parser.add_argument("--side", type=int, default=128)
     parser.add_argument("--surfaces", type=int, default=40)
     asked = parser.parse_args()
-    print(
-        "| solid | patches at first | mean growth per decade, and A(last)/A(first) - 1 | bands that hold it "
-        "| width over 3.92 deviations |"
-    )
+    growths = "mean growth per decade, and A(last)/A(first) - 1"
+    print(line("solid", "patches at first", growths, "bands that hold it", "width over 3.92 deviations"))
+    how = {"pressure": "10 MPa", "first": 1e-2, "last": 1e3, "per_decade": 2}
     for name in asked.solids or SOLIDS:
-        found = [
-            asp.predict(
-                SOLIDS[name], scan(asked.side, seed), pressure="10 MPa", first=1e-2, last=1e3, per_decade=2
-            )
-            for seed in range(asked.surfaces)
-        ]
+        scans = (scan(asked.side, seed) for seed in range(asked.surfaces))
+        found = [asp.predict(SOLIDS[name], one, **how) for one in scans]
         patches = np.mean([one.resolved[0].patches for one in found])
-        for growth, bands in (
-            ([one.growth.per_decade for one in found], [one.growth.band for one in found]),
-            (
-                [one.growth.ratio - 1 for one in found],
-                [np.subtract(one.growth.ratio_band, 1) for one in found],
-            ),
+        every = [one.growth for one in found]
+        for numbers in (
+            [(one.per_decade, *one.band) for one in every],
+            [np.subtract((one.ratio, *one.ratio_band), 1) for one in every],
         ):
-            (low, high), mean = np.transpose(bands), np.mean(growth)
-            held = int(((low <= mean) & (mean <= high)).sum())
+            growth, low, high = np.transpose(numbers)
+            mean, held = growth.mean(), int(((low <= growth.mean()) & (growth.mean() <= high)).sum())
             width = (high - low).mean() / (3.92 * np.std(growth, ddof=1))
-            said = f"{100 * mean:.3g} % | {held} of {len(growth)} | {width:.2f}"
-            print(f"| {name} | {patches:.0f} | {said} |", flush=True)
+            said = f"{100 * mean:.3g} %", f"{held} of {len(growth)}", f"{width:.2f}"
+            print(line(name, f"{patches:.0f}", *said), flush=True)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import curve
+from running import head, line
 from solvers import ASPERITY
 
 COLUMNS = (
@@ -35,38 +36,17 @@ class Book:
     rows: list[dict[str, Any]] = field(default_factory=list)
     curves: list[dict[str, Any]] = field(default_factory=list)
 
-    def add(self, row: dict[str, Any]) -> None:
-        """Add one solver's row of one case."""
-        self.rows.append(row)
-
-    def add_curve(self, measured: dict[str, Any]) -> None:
-        """Add a nine-decade curve."""
-        self.curves.append(measured)
-
     def save(self, folder: Path) -> None:
         """Write table.json and table.md; speeds are those known by now."""
         folder.mkdir(parents=True, exist_ok=True)
         rows = [{**row, "speed": speed(row, self.rows, self.target)} for row in self.rows]
         (folder / "table.json").write_text(json.dumps({**asdict(self), "rows": rows}, indent=1) + "\n")
-        (folder / "table.md").write_text(self.markdown())
+        (folder / "table.md").write_text(self.text())
 
     def text(self) -> str:
-        """The table for a terminal."""
-        lines = [COLUMNS, *self._cells()]
-        widths = [max(len(line[k]) for line in lines) for k in range(len(COLUMNS))]
-        table = [
-            "  ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)).rstrip() for line in lines
-        ]
-        return "\n".join([*table, "", *self._notes()])
-
-    def markdown(self) -> str:
-        """The table for a page."""
-        lines = [COLUMNS, ("---",) * len(COLUMNS), *self._cells()]
-        table = ("| " + " | ".join(line) + " |" for line in lines)
-        return "\n".join([*table, "", *(f"- {note}" for note in self._notes()), ""])
-
-    def _cells(self) -> list[tuple[str, ...]]:
-        return [cells(row, self.rows, self.threads, self.target) for row in self.rows]
+        """The table, for a terminal and a page."""
+        rows = (line(*cells(row, self.rows, self.threads, self.target)) for row in self.rows)
+        return "\n".join([*head(*COLUMNS), *rows, "", *(f"- {note}" for note in self._notes()), ""])
 
     def _notes(self) -> list[str]:
         notes = list(LEGEND) if self.rows else []

@@ -6,9 +6,9 @@ The second table is of the lattice of springs: how much one surface of n x n sit
 Prints the tables of docs/units.md; `--quick` leaves out the largest lattices.
 """
 
-import argparse
-
 import numpy as np
+import running
+from running import head, line
 
 import asperity as asp
 
@@ -64,29 +64,26 @@ def spread(side, seeds=8):
 
 def tables(quick=False):
     """The lines of both tables."""
-    titles = ("sites a shortest wave", "lattice", "counted", "less the rim")
-    yield f"| {' | '.join(titles)} | largest pressure / E\\* | growth | less the rim |"
-    yield "|---|---|---|---|---|---|---|"
+    rest = ("less the rim", "largest pressure / E\\*", "growth", "less the rim")
+    yield from head("sites a shortest wave", "lattice", "counted", *rest)
     for sites in SITES[: 3 if quick else None]:
-        counted, corrected, largest, grown, grown_corrected = row(sites)
-        yield (
-            f"| {sites} | {sites * WAVES}² | {counted:.4f} | {corrected:.4f} | {largest:.3f} "
-            f"| {grown:.3f} | {grown_corrected:.3f} |"
-        )
+        *fractions, largest, grown, corrected = row(sites)
+        areas = (f"{one:.4f}" for one in fractions)
+        yield line(sites, f"{sites * WAVES}²", *areas, *(f"{one:.3f}" for one in (largest, grown, corrected)))
     yield ""
-    yield "| lattice | contact at t = 0 | scatter of one surface | A(1e6)/A(0) | scatter of one surface |"
-    yield "|---|---|---|---|---|"
+    scattered = "scatter of one surface"
+    yield from head("lattice", "contact at t = 0", scattered, "A(1e6)/A(0)", scattered)
     for side in SIDES[: 2 if quick else None]:
         mean, scatter = spread(side)
-        yield f"| {side}² | {mean[0]:.4f} | {scatter[0]:.1%} | {mean[1]:.3f} | {scatter[1]:.1%} |"
+        yield line(f"{side}²", f"{mean[0]:.4f}", f"{scatter[0]:.1%}", f"{mean[1]:.3f}", f"{scatter[1]:.1%}")
 
 
 def main():
     """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = running.parser(__doc__)
     parser.add_argument("--quick", action="store_true")
-    for line in tables(parser.parse_args().quick):
-        print(line)
+    for text in tables(parser.parse_args().quick):
+        print(text)
 
 
 if __name__ == "__main__":

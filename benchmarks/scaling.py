@@ -16,7 +16,6 @@ does with less than one sweep; an iterative one takes some tens.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import tempfile
 from collections.abc import Iterator
@@ -26,6 +25,7 @@ from typing import Any
 import machine
 import matplotlib
 import numpy as np
+import running
 import solvers
 import synthetic
 from peers.problem import Law, Problem
@@ -40,16 +40,13 @@ RATIOS = (1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = running.parser(__doc__, threads=True, out=True)
     parser.add_argument("--largest", type=int, default=8192)
     parser.add_argument("--base", type=int, default=512, help="size at which everything else is varied")
-    parser.add_argument("--threads", type=int, default=1, help="for all but the sweep over threads")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--limit", type=float, default=120.0, help="seconds that one point may take")
     parser.add_argument("--verbs", nargs="+", default=list(VERBS), choices=VERBS)
-    parser.add_argument("--out", type=Path, default=Path("results/bench"))
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
     found: dict[str, Any] = {"machine": machine.facts(), "points": []}
     cores = int(str(found["machine"]["cores"]))
     others = {2**k for k in range(cores.bit_length()) if 2**k <= cores} | {cores}
@@ -60,7 +57,7 @@ def main() -> None:
         for point in _points(options, count, costs):
             found["points"].append(point)
             print(_words(point), flush=True)
-            (options.out / "scaling.json").write_text(json.dumps(found, indent=1) + "\n")
+            running.store(options.out, "scaling", found)
     draw(found, options.threads, options.base, options.out / "scaling.png")
 
 

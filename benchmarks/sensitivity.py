@@ -10,7 +10,6 @@ and fails no test is to go.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import dataclasses
 import importlib
@@ -22,6 +21,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
+import running
 import synthetic
 
 import asperity as asp
@@ -47,10 +47,7 @@ def _history(contact: asp.Contact, times: Any = TIMES, **how: Any) -> Counts:
     return Counts(int(data["iterations"].sum()), steps, tuple(data["area"].values.astype(int).tolist()))
 
 
-def _press(
-    heights: Any, solid: Any, then: Callable[[asp.Contact], asp.Contact] = lambda c: c, **how: Any
-) -> Counts:
-    contact = then(asp.press(heights, solid, **how))
+def _counted(contact: asp.Contact) -> Counts:
     return Counts(contact.iterations, 0, (contact.area,))
 
 
@@ -59,8 +56,8 @@ def _springs(k1: float, n: int = 128, **more: Any) -> Callable[..., asp.Contact]
     return lambda surface=synthetic.white, p=0.05: asp.press(surface(n), solid, load=p * n * n)
 
 
-def _half_space(n: int = 128, p: float = 0.0021, **more: Any) -> asp.Contact:
-    return asp.press(0.2 * synthetic.self_affine(n), solids.half_space(modulus=1.0, **more), pressure=p)
+def _half_space(n: int = 128, p: float = 0.0021, rms: float = 0.2, **more: Any) -> asp.Contact:
+    return asp.press(rms * synthetic.self_affine(n), solids.half_space(modulus=1.0, **more), pressure=p)
 
 
 EYRING = solids.Eyring(rate=1e-4, stress=0.1)
@@ -68,15 +65,9 @@ NORTON = solids.Norton(rate=1e-2, stress=0.1, exponent=3.0)
 UP_AND_DOWN = [Ramp(1.0, load=0.0042 * 128**2), Hold(100.0), Ramp(1.0, load=0.001 * 128**2), Hold(1000.0)]
 
 CASES: dict[str, Callable[[], Counts]] = {
-    "press springs": lambda: _press(
-        synthetic.white(256), solids.spring_lattice(k0=1.0, k1=0.1), load=0.05 * 256**2
-    ),
-    "press rough springs": lambda: _press(
-        synthetic.self_affine(256), solids.spring_lattice(k0=1.0, k1=0.01), load=0.008 * 256**2
-    ),
-    "relax springs": lambda: _press(
-        synthetic.white(256), solids.spring_lattice(k0=1.0, k1=0.1), asp.relax, load=0.05 * 256**2
-    ),
+    "press springs": lambda: _counted(_springs(0.1, 256)()),
+    "press rough springs": lambda: _counted(_springs(0.01, 256)(synthetic.self_affine, 0.008)),
+    "relax springs": lambda: _counted(asp.relax(_springs(0.1, 256)())),
     "age springs 0.01": lambda: _history(_springs(0.01)(synthetic.self_affine, 0.008)),
     "age springs 1": lambda: _history(_springs(1.0)()),
     "age springs 100": lambda: _history(_springs(100.0, 64, R_viscous=0.01)()),
@@ -85,23 +76,15 @@ CASES: dict[str, Callable[[], Counts]] = {
     "line": lambda: _history(
         asp.press(synthetic.white(32).ravel(), solids.spring_lattice(k0=1.0, k1=0.3), load=100.0)
     ),
-    "press half-space 0.2 %": lambda: _press(
-        0.4 * synthetic.self_affine(512), solids.half_space(modulus=1.0), pressure=0.0002
-    ),
-    "press half-space 5 %": lambda: _press(
-        0.386 * synthetic.self_affine(512), solids.half_space(modulus=1.0), pressure=0.0021
-    ),
-    "press half-space 50 %": lambda: _press(
-        0.217 * synthetic.self_affine(256), solids.half_space(modulus=1.0), pressure=0.03
-    ),
+    "press half-space 0.2 %": lambda: _counted(_half_space(512, 0.0002, 0.4)),
+    "press half-space 5 %": lambda: _counted(_half_space(512, 0.0021, 0.386)),
+    "press half-space 50 %": lambda: _counted(_half_space(256, 0.03, 0.217)),
     "age half-space": lambda: _history(_half_space(branches=PRONY)),
     "age half-space by steps": lambda: _history(_half_space(branches=PRONY), exact=False),
     "half-space up and down": lambda: _history(
         _half_space(branches=PRONY), [1.0, 101.0, 102.0, 1100.0], protocol=UP_AND_DOWN
     ),
-    "hard half-space": lambda: _press(
-        0.2 * synthetic.self_affine(128), solids.half_space(modulus=1.0, hardness=0.05), pressure=0.0021
-    ),
+    "hard half-space": lambda: _counted(_half_space(hardness=0.05)),
     "Eyring on springs": lambda: _history(_springs(1.0, 64, R=0.0, creep=EYRING)(), TIMES[:7]),
     "Norton half-space": lambda: _history(_half_space(64, creep=NORTON), TIMES[:7]),
     "Norton in part": lambda: _history(_half_space(64, creep=NORTON, permanent=0.2), TIMES[:7]),
@@ -158,9 +141,7 @@ def change(usual: Counts, found: Counts | str) -> tuple[float, float]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = running.parser(__doc__)
     parser.add_argument("--only", default="", help="numbers whose module and name contain a text")
     parser.add_argument("--cases", default="", help="cases whose name contains a text")
     parser.add_argument("--out", help="a CSV file, a line for each number, factor and case that changed")

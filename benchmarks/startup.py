@@ -13,8 +13,6 @@ that it brings, of its largest members, and of what each extra adds.
 
 from __future__ import annotations
 
-import argparse
-import json
 import os
 import re
 import statistics
@@ -24,10 +22,10 @@ import tempfile
 import time
 from collections.abc import Iterable
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
 import machine
+import running
 from packaging.requirements import Requirement
 
 IMPORT = "import asperity as asp; import numpy as np; "
@@ -39,12 +37,9 @@ AGE = PRESS + "asp.age(contact, np.geomspace(1e-3, 1e6, 37))"
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = running.parser(__doc__, threads=True, out=True)
     parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--out", type=Path, default=Path("results/bench"))
     options = parser.parse_args()
-    options.out.mkdir(parents=True, exist_ok=True)
     commands = {
         "first press and age, nothing cached": ["-c", AGE],
         "python and numpy alone": ["-c", "import numpy"],
@@ -72,7 +67,7 @@ def main() -> None:
                 f"of the processor {min(processor):.3f} s",
                 flush=True,
             )
-    (options.out / "startup.json").write_text(json.dumps(found, indent=1) + "\n")
+    running.store(options.out, "startup", found)
 
 
 def closure(requirements: Iterable[str]) -> set[str]:

@@ -35,4 +35,4 @@ def solve(problem: Problem, tolerance: float) -> Answer:
     if problem.law.kind == "half-space":
         u = np.fft.irfft2(problem.compliance() * np.fft.rfft2(force), s=force.shape)
     note = {"status": str(found.status)}
-    return Answer(u, force > 0, found.iterations, watch.seconds, watch.cpu_seconds, note, force)
+    return Answer(u, force > 0, found.iterations, watch, note, force)

@@ -38,12 +38,5 @@ def solve(problem: Problem, tolerance: float) -> Answer:
             thermotol=min(1e-6, tolerance),
             maxiter=20000,
         )
-    return Answer(
-        np.array(found.x),
-        np.array(found.jac) > 0,
-        found.nit,
-        watch.seconds,
-        watch.cpu_seconds,
-        {"converged": str(found.success)},
-        np.array(found.jac),
-    )
+    u, force = np.array(found.x), np.array(found.jac)
+    return Answer(u, force > 0, found.nit, watch, {"converged": str(found.success)}, force)

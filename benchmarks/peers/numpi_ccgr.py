@@ -35,4 +35,4 @@ def solve(problem: Problem, tolerance: float) -> Answer:
             maxiter=20000,
         )
     force = found.x.reshape(shape)
-    return Answer(displacement(force), force > 0, found.nit, watch.seconds, watch.cpu_seconds)
+    return Answer(displacement(force), force > 0, found.nit, watch)

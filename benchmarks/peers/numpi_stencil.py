@@ -43,4 +43,4 @@ def solve(problem: Problem, tolerance: float) -> Answer:
             maxiter=20000,
         )
     u = found.x.reshape(heights.shape)
-    return Answer(u, u <= heights, found.nit, watch.seconds, watch.cpu_seconds)
+    return Answer(u, u <= heights, found.nit, watch)

@@ -57,9 +57,7 @@ def solve(problem: Problem, tolerance: float) -> Answer:
         snes.solve(None, u)
     result = u.getArray().reshape(shape).copy()
     note = {"newton": float(snes.getIterationNumber()), "converged": str(snes.getConvergedReason())}
-    return Answer(
-        result, result <= heights, snes.getLinearSolveIterations(), watch.seconds, watch.cpu_seconds, note
-    )
+    return Answer(result, result <= heights, snes.getLinearSolveIterations(), watch, note)
 
 
 def _operator(shape, k0, k1):

@@ -112,8 +112,7 @@ class Answer:
     u: Field
     in_contact: Mask
     iterations: int
-    seconds: float
-    cpu_seconds: float
+    watch: Watch
     note: dict[str, float | str] = field(default_factory=dict)
     force: Field | None = None
 

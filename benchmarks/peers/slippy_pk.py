@@ -34,11 +34,4 @@ def solve(problem: Problem, tolerance: float) -> Answer:
             displacement, start, -heights, problem.mean_force, (1 / n, 1 / m), eps_0=tolerance, max_it=20000
         )
     iterations = count // 2
-    return Answer(
-        convolve(force),
-        force > 0,
-        iterations,
-        watch.seconds,
-        watch.cpu_seconds,
-        {"converged": str(not failed)},
-    )
+    return Answer(convolve(force), force > 0, iterations, watch, {"converged": str(not failed)})

@@ -61,8 +61,8 @@ def _serve(solver, request):
             fields["force"] = answer.force
         numbers = {
             "iterations": int(answer.iterations),
-            "seconds": answer.seconds,
-            "cpu_seconds": answer.cpu_seconds,
+            "seconds": answer.watch.seconds,
+            "cpu_seconds": answer.watch.cpu_seconds,
             "note": answer.note,
         }
     if request.get("out"):

@@ -206,7 +206,6 @@ def test_command_lines(
     monkeypatch.setattr("asperity.app.cli.campaign.sweep", nothing)
     if importlib.util.find_spec("asperity_research"):
         monkeypatch.setattr("asperity_research.commands.reproduce.reproduce", nothing)
-        monkeypatch.setattr("asperity_research.commands.reproduce.say_what_it_takes", nothing)
     flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
 
     def attempt(draw: Draw) -> None:

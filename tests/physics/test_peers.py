@@ -55,7 +55,7 @@ def test_maxwell_march_of_tamaas_tends_to_ours_as_its_step_does_to_zero(agreemen
     law = agreement.Law("half-space", modulus=agreement.MODULUS, branches=[(share, tau)])
     problem = agreement.problem_of(surface, 1e6, law)
     path, out = tmp_path / "problem.npz", tmp_path / "answer.npz"
-    agreement.write(problem, path)
+    agreement.running.write(problem, path)
     pressures = []
     for step in (1 / 8, 1 / 16):
         options = {"step": step, "tolerance": 1e-10}

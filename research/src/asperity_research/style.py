@@ -1,10 +1,11 @@
-"""What all figures share: colors, numbers on labels, and points with their intervals.
+"""What all figures share: colors, and points with their intervals.
 
 The hues are of the set of M. Okabe and K. Ito, "Color Universal Design" (2008), as in Asperity.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -22,3 +23,17 @@ def points(ax: Axes, rows: pd.DataFrame, x: str, y: str, look: str, color: str, 
     bars = (rows[y] - rows[f"{head}low"], rows[f"{head}high"] - rows[y])
     shared = {"markersize": 4, "linewidth": 0.8}
     ax.errorbar(rows[x], rows[y], yerr=bars, fmt=look, color=color, **{**shared, **more})
+
+
+def families(
+    ax: Axes,
+    rows: pd.DataFrame,
+    of: str,
+    x: str,
+    y: str,
+    looks: Mapping[str, tuple[str, str, str]],
+    **more: Any,
+) -> None:
+    """Draw the points of each value of a column that has a look: mark and line, color, and label."""
+    for name, (look, color, label) in looks.items():
+        points(ax, rows[rows[of] == name], x, y, look, color, label=label, **more)

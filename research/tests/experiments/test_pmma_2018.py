@@ -115,9 +115,9 @@ def test_scans_of_ones_own(tmp_path):
     rough = asp.surfaces.spectral((48, 48), hurst=0.8, rms_slope=0.1, seed=3)
     np.save(tmp_path / "a.npy", rough)
     with pytest.raises(asp.errors.InputError, match="unit of length"):
-        comparing.COMPARISONS["pmma-2018"].on([tmp_path / "a.npy"])
+        comparing.comparison_of("pmma-2018", [tmp_path / "a.npy"])
     with pytest.raises(asp.errors.InputError, match="for spheres"):
-        comparing.COMPARISONS["ptfe-2009"].on([tmp_path / "a.npy"])
+        comparing.comparison_of("ptfe-2009", [tmp_path / "a.npy"])
 
 
 def test_a_whole_comparison_on_scans_by_the_command(tmp_path, asperity):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from asperity_research.paper.reproduce import STUDIES, prepared_in
+from asperity_research.paper.reproduce import HOME, prepared_in
 from asperity_research.paper.studies import Effort
 from asperity_research.studies.evidence import Evidence
 from research.tests.conftest import do_here
@@ -33,4 +33,4 @@ def reproduction(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def evidence(reproduction):
-    return Evidence(reproduction[0] / STUDIES)
+    return Evidence(reproduction[0] / HOME.inside)

@@ -1,6 +1,8 @@
 """The frame of studies: from campaign files to a report, resumed, and refused."""
 
 import dataclasses
+from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -11,6 +13,9 @@ from asperity.app.campaign import read_plan
 from asperity.app.campaign.sweeping import Tally
 from asperity.app.cli import main
 from asperity.app.cli.campaign import tally_shown
+from asperity.errors import InputError
+from asperity_research.paper.reproduce import prepared_in
+from asperity_research.paper.studies import QUICK
 from asperity_research.studies import unloading
 from research.tests.conftest import do_here
 
@@ -71,41 +76,68 @@ def test_the_list_and_what_a_study_takes(done, asperity):
     assert (status, len(out.splitlines())) == (0, 1 + len(TINY.quick))
 
 
+@pytest.fixture(params=["study unloading", "reproduce"])
+def command(request, monkeypatch, tmp_path, capsys):
+    """A command that has a folder, called in an empty one; and who owns what it writes there."""
+    monkeypatch.setitem(studies.STUDIES, "unloading", TINY)
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        status = main([*request.param.split(), *map(str, words)])
+        said = capsys.readouterr()
+        assert (status, said.out) == (2, "")
+        return said.err
+
+    if request.param == "reproduce":
+        prepare, owner = partial(prepared_in, effort=QUICK), "a reproduction"
+    else:
+        prepare, owner = partial(TINY.prepared_in, quick=True), "the study unloading"
+    return SimpleNamespace(call=call, owner=owner, prepared_in=prepare)
+
+
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        (["unloadin"], "study: expected one of unloading"),
-        (["unloading", "--seed", "-1"], "seed: expected 0 or more, got -1"),
-        (["unloading", "--out", "file"], "which is a file"),
-        (["unloading", "--out", "full"], "expected a new folder, or that of the study unloading"),
+        (["--out", "new", "--seed", "-1"], "seed: expected 0 or more, got -1"),
+        (["--out", "new", "--seed", "1.5"], "--seed: expected a whole number, got 1.5"),
+        (["--out", "new", "--workers", "0"], "--workers: expected 1 or more, got 0"),
+        (["--out", "file"], "expected a folder, got file, which is a file"),
+        (["--out", "full"], "expected a new folder, or that of OWNER"),
     ],
 )
-def test_mistakes(tmp_path, monkeypatch, asperity, words, complaint):
-    monkeypatch.chdir(tmp_path)
+def test_mistakes(tmp_path, command, words, complaint):
     (tmp_path / "file").write_text("mine")
-    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "studies").mkdir(parents=True)
     (tmp_path / "full" / "thesis.tex").write_text("mine")
-    status, out, err = asperity(*words)
-    assert (status, out) == (2, "")
-    assert complaint in err
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "full"]
+    assert complaint.replace("OWNER", command.owner) in command.call(*words)
+    found = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*"))
+    assert found == ["file", "full", "full/studies", "full/thesis.tex"]
 
 
-def test_another_seed_wants_another_folder(done, asperity):
-    status, _, err = asperity("unloading", "--out", done, "--quick", "--seed", "8")
-    assert status == 2
-    assert "which is that of --seed 7; try another name" in err
-    assert main(["status", str(done)]) == 2
+def test_another_seed_wants_another_folder(command):
+    with command.prepared_in("out", seed=3):
+        pass
+    assert "which is that of --seed 3; try another name" in command.call(
+        "--out", "out", "--quick", "--seed", "4"
+    )
+    assert main(["status", "out"]) == 2
 
 
-def test_one_at_a_time(tmp_path, asperity):
-    with TINY.prepared_in(tmp_path, quick=True):
-        status, _, err = asperity("unloading", "--out", tmp_path, "--quick")
-    assert status == 2
-    assert "which another study unloading is writing; try waiting, or another name" in err
+def test_one_at_a_time(command):
+    with command.prepared_in("out"):
+        complaint = command.call("--out", "out", "--quick")
+    kind = command.owner.removeprefix("a ").removeprefix("the ")
+    assert f"which another {kind} is writing; try waiting, or another name" in complaint
 
 
-def test_an_unknown_study_in_python():
+def test_a_negative_seed_is_refused_in_python(command):
+    with pytest.raises(InputError, match="seed: expected 0 or more"), command.prepared_in("out", seed=-1):
+        pass
+    assert not Path("out").exists()
+
+
+def test_an_unknown_study_in_python(asperity):
+    assert "study: expected one of unloading" in asperity("unloadin")[2]  # and by the command
     with refuses("study"):
         studies.named("unload")
 

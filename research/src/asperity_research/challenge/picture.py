@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -40,39 +42,19 @@ def _verbatim(text: str) -> str:
 
 
 def _draw(upper: Axes, lower: Axes, one: QuantityScore) -> None:
+    bars: dict[str, Any] = {"ecolor": style.INK, "capsize": 2.5}
+    rings: dict[str, Any] = {"color": style.BLUE, "markerfacecolor": "none"}
     upper.errorbar(
-        one.abscissa,
-        one.certified,
-        yerr=one.bar,
-        fmt="-",
-        color=style.GRAY,
-        ecolor=style.INK,
-        capsize=2.5,
-        label="certified",
+        one.abscissa, one.certified, yerr=one.bar, fmt="-", color=style.GRAY, label="certified", **bars
     )
-    upper.plot(
-        one.abscissa,
-        one.given,
-        "o",
-        color=style.BLUE,
-        markerfacecolor="none",
-        markersize=5,
-        label=f"given: {one.verdict}",
-    )
+    upper.plot(one.abscissa, one.given, "o", markersize=5, label=f"given: {one.verdict}", **rings)
     upper.set_ylabel(_verbatim(one.column.heading))
     upper.legend(fontsize=8)
     tolerance, bar = 100 * one.column.tolerance, 100 * one.bar / np.abs(one.certified + (one.certified == 0))
     lower.axhspan(-tolerance, tolerance, color="0.92", label="tolerance")
-    lower.errorbar(
-        one.abscissa,
-        np.zeros_like(one.abscissa),
-        yerr=np.where(one.certified == 0, 0.0, bar),
-        fmt="none",
-        ecolor=style.INK,
-        capsize=2.5,
-        label="error bar",
-    )
-    lower.plot(one.abscissa, 100 * one.relative, "o", color=style.BLUE, markerfacecolor="none", markersize=5)
+    reach = np.where(one.certified == 0, 0.0, bar)
+    lower.errorbar(one.abscissa, 0 * one.abscissa, yerr=reach, fmt="none", label="error bar", **bars)
+    lower.plot(one.abscissa, 100 * one.relative, "o", markersize=5, **rings)
     lower.set_ylabel("deviation [%]")
     lower.legend(fontsize=7)
 

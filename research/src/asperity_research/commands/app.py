@@ -30,7 +30,7 @@ def reproduce(*, out: Out, ensembles: Ensembles = _ENSEMBLES, work: Work = _WORK
     work.check()
     from asperity_research.commands import reproduce as reproducing
 
-    (reproducing.say_what_it_takes if work.dry_run else reproducing.reproduce)(out, ensembles, work)
+    reproducing.reproduce(out, ensembles, work)
 
 
 @command()
@@ -59,9 +59,8 @@ def study(
 
     if name is None:
         studying.say_studies()
-        return
-    folder = out or Path(f"asperity-study-{name}")
-    (studying.say_what_it_takes if work.dry_run else studying.study)(name, folder, ensembles, work)
+    else:
+        studying.study(name, out or Path(f"asperity-study-{name}"), ensembles, work)
 
 
 references = App(name="challenge", help="Reference problems with certified answers, for any code.")
@@ -157,7 +156,5 @@ def experiment(
         experimenting.say_experiments()
     elif out is None:
         experimenting.say_experiment(name)
-    elif work.dry_run:
-        experimenting.say_what_it_takes(name, out, surface or (), ensembles)
     else:
         experimenting.compare(name, out, surface or (), ensembles, work)

@@ -9,7 +9,7 @@ from pathlib import Path
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
 from asperity_research.commands.ensembles import Ensembles
-from asperity_research.commands.study import answer, say_what_one_takes
+from asperity_research.commands.study import answer
 from asperity_research.experiments import load, names
 from asperity_research.experiments.comparing import comparison_of, write_verdicts
 from asperity_research.experiments.record import Column, Quantity
@@ -46,12 +46,9 @@ def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
     return it.unit, error, it.source, it.how
 
 
-def say_what_it_takes(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles) -> None:
-    """Say how many runs and how much disk, without leaving anything behind."""
-    say_what_one_takes(comparison_of(name).on(scans), out, ensembles)
-
-
 def compare(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles, work: Work) -> None:
-    """Run what is missing, compare, and write the report; `AsperityError` as for a study."""
+    """Run what is missing, compare, and write the report; or say what that takes; as for a study."""
     words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
-    write_verdicts(out, answer(comparison_of(name).on(scans), words, out, ensembles, work))
+    done = answer(comparison_of(name, scans), words, out, ensembles, work)
+    if done is not None:
+        write_verdicts(out, done)

@@ -30,18 +30,11 @@ def say_studies() -> None:
     sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
 
 
-def say_what_it_takes(name: str, out: Path, ensembles: Ensembles, _: Work) -> None:
-    """Say how many runs and how much disk, without leaving anything behind."""
-    say_what_one_takes(named(name), out, ensembles)
-
-
-def say_what_one_takes(one: Study, out: Path, ensembles: Ensembles) -> None:
-    """Say it of a study."""
-    say_estimate(one.home, out, partial(_prepared, one, ensembles))
-
-
 def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
-    """Say what each campaign would take, and all, where some of them may be done in a folder."""
+    """Say how many runs and how much disk each campaign takes, and all, without leaving anything behind.
+
+    Some of them may be done in the folder.
+    """
     home.check(out)
     with tempfile.TemporaryDirectory() as nowhere, prepare(Path(nowhere)) as prepared:
         judged = [campaign.estimate(one.plan, out / home.inside / one.campaign.name) for one in prepared]
@@ -54,38 +47,30 @@ def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
 
 
 def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
-    """Run the campaigns that are missing, and write the report.
+    """Answer a study; `AsperityError` if there is none of the name, or as `answer`."""
+    answer(named(name), ["study", name], out, ensembles, work)
 
-    `AsperityError` if there is no such study, the folder cannot be used, the disk or the scheduler
-    refused, or some runs failed.
+
+def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: Work) -> Concluded | None:
+    """Run what is missing of a study, write its report, and say what was found; or say what that takes.
+
+    ``words`` are those of the command, for the report. `AsperityError` if the folder cannot be used, the disk
+    or the scheduler refused, or some runs failed.
     """
-    one = named(name)
-    answer(one, ["study", one.name], out, ensembles, work)
-
-
-def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: Work) -> Concluded:
-    """Run what is missing of a study, write its report, and say what was found, number by number.
-
-    ``words`` are those of the command, for the report.
-    """
+    prepare = partial(one.prepared_in, quick=ensembles.quick, seed=ensembles.seed)
+    if work.dry_run:
+        say_estimate(one.home, out, prepare)
+        return None
     command = command_of(words, out, ensembles)
-    with worked_through("campaign", _prepared(one, ensembles, out), work) as (prepared, voice):
+    with worked_through("campaign", prepare(out), work) as (prepared, voice):
         voice.say("computing the numbers and drawing the figure")
         done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
     if not work.quiet:
-        _say_findings(done)
+        for finding in done.outcome.findings:
+            rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
+            sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")
+        sys.stdout.write(f"\n{done.report}\n")
     return done
-
-
-def _say_findings(done: Concluded) -> None:
-    for finding in done.outcome.findings:
-        rows = [("", plain(m.what), plain(str(interval(m.estimate)))) for m in finding.measured]
-        sys.stdout.write(f"{finding.verdict.value}: {plain(finding.claim)}\n{aligned(rows)}\n")
-    sys.stdout.write(f"\n{done.report}\n")
-
-
-def _prepared(one: Study, ensembles: Ensembles, folder: Path) -> AbstractContextManager[tuple[Prepared, ...]]:
-    return one.prepared_in(folder, quick=ensembles.quick, seed=ensembles.seed)
 
 
 def command_of(words: list[str], out: Path, ensembles: Ensembles) -> str:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,59 +13,40 @@ from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
 from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
-from asperity_research.experiments.library import names
-from asperity_research.studies.campaigns import Campaign
+from asperity_research.experiments.record import names
 from asperity_research.studies.report import write_table
 from asperity_research.studies.study import Concluded, Study
 from asperity_research.studies.typeset import plain
 
+COMPARISONS = {one.name: one for one in (pmma_2018.PMMA_2018, printed_2017.PRINTED_2017, ptfe_2009.PTFE_2009)}
+"""Studies by the names of the experiments that they stand beside."""
 
-@dataclass(frozen=True)
-class Comparison:
-    """A study beside an experiment; and its campaigns on scans of an rms slope, where that can be."""
-
-    study: Study
-    on_scans: Callable[[dict[str, Any], dict[str, Any], float], tuple[Campaign, ...]] | None = None
-
-    def on(self, scans: Sequence[Path]) -> Study:
-        """Return the study on scans in place of surfaces that are made.
-
-        `InputError` if it has surfaces of its own, or a scan cannot be read or has no unit.
-        """
-        if not scans:
-            return self.study
-        if self.on_scans is None:
-            got, advice = f"{len(scans)} for spheres", "leaving it out"
-            raise InputError("--surface", expected="none", got=got, advice=advice)
-        slopes = []
-        for scan in scans:
-            surface = surfaces.read(scan, periodic="reflect")
-            if not surface.has_lengths:
-                raise InputError(
-                    "--surface", expected="heights and pixels with a unit of length", got=str(scan)
-                )
-            slopes.append(surfaces.statistics(*surface.in_meters()).rms_slope)
-        paths = [str(scan.resolve()) for scan in scans]
-        table = {"kind": "file", "path": paths[0], "periodic": "reflect"}
-        campaigns = self.on_scans(table, {"surface.path": paths}, float(np.mean(slopes)))
-        return replace(self.study, quick=campaigns, full=campaigns)
+_ON_SCANS = {module.MEASURED.name: module.on_scans for module in (pmma_2018, printed_2017)}
+"""Their campaigns on scans of an rms slope, where that can be."""
 
 
-COMPARISONS = {
-    one.study.name: one
-    for one in (
-        Comparison(pmma_2018.PMMA_2018, pmma_2018.on_scans),
-        Comparison(printed_2017.PRINTED_2017, printed_2017.on_scans),
-        Comparison(ptfe_2009.PTFE_2009),
-    )
-}
-"""By the name of the experiment."""
+def comparison_of(name: str, scans: Sequence[Path] = ()) -> Study:
+    """Return the study beside an experiment, on scans if there are any in place of surfaces that are made.
 
-
-def comparison_of(name: str) -> Comparison:
-    """Return the comparison with an experiment; `InputError` if there is none."""
+    `InputError` if there is none, it has surfaces of its own, or a scan cannot be read or has no unit.
+    """
     doors.named("experiment", name, dict.fromkeys(names()))
-    return doors.named("experiment", name, COMPARISONS)
+    study = doors.named("experiment", name, COMPARISONS)
+    if not scans:
+        return study
+    if name not in _ON_SCANS:
+        got, advice = f"{len(scans)} for spheres", "leaving it out"
+        raise InputError("--surface", expected="none", got=got, advice=advice)
+    slopes = []
+    for scan in scans:
+        surface = surfaces.read(scan, periodic="reflect")
+        if not surface.has_lengths:
+            raise InputError("--surface", expected="heights and pixels with a unit of length", got=str(scan))
+        slopes.append(surfaces.statistics(*surface.in_meters()).rms_slope)
+    paths = [str(scan.resolve()) for scan in scans]
+    table = {"kind": "file", "path": paths[0], "periodic": "reflect"}
+    campaigns = _ON_SCANS[name](table, {"surface.path": paths}, float(np.mean(slopes)))
+    return replace(study, quick=campaigns, full=campaigns)
 
 
 def run(
@@ -100,7 +80,7 @@ def run(
     AsperityError
         There is no such experiment; a scan cannot be used; or as `asperity_research.studies.run`.
     """
-    study = comparison_of(name).on([Path(scan) for scan in scans])
+    study = comparison_of(name, [Path(scan) for scan in scans])
     done = studies.run(study, directory, quick=quick, seed=seed, workers=workers, command=__name__)
     write_verdicts(Path(directory), done)
     return done

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,17 +25,17 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.figures import Drawing
-from asperity.fits import Estimate, jackknife
+from asperity.fits import Estimate
 from asperity.relaxation import PronySeries
 from asperity.solids import contact_modulus
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.experiments.library import load
+from asperity_research.experiments.record import load
 from asperity_research.studies import pmma
-from asperity_research.studies.campaigns import Campaign, Tables, hold
+from asperity_research.studies.campaigns import Campaign, Tables, hold, scanned
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, exact
-from asperity_research.studies.numbers import mean
+from asperity_research.studies.ledger import Finding, estimate, exact
+from asperity_research.studies.numbers import columns, mean, ratio
 from asperity_research.studies.study import Outcome, Study
 
 MEASURED = load("pmma-2018")
@@ -93,10 +94,6 @@ def _campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> Iterat
     """Campaigns on surfaces of a slope, sampled by a sweep."""
     pressure = LIGHT * MODULUS * slope
     half_space = {"kind": "half_space", "modulus": MODULUS}
-    activated = {
-        **{"creep": "eyring", "creep_energy": pmma.energy(4e8), "creep_volume": float(f"{pmma.VOLUME:.4g}")},
-        **{"creep_prefactor": pmma.PREFACTOR, "temperature": pmma.ROOM},
-    }
     branches = {"fit": SERIES.branches, "longer": LONGER}
     rest = {"aging": {"times": [*_TIMES, *(_DROP + after for after in _AFTER)]}, "output": {"maps_at": []}}
     history = [
@@ -106,11 +103,10 @@ def _campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> Iterat
         hold(_END - _DROP),
     ]
     for name, words in HYPOTHESES.items():
-        solid = half_space | (
-            {"branches": [list(one) for one in branches[name]]} if name in branches else activated
-        )
-        tables = {"surface": surface, "solid": solid, "contact": {"load": 0.0}, "protocol": history, **rest}
-        yield Campaign(name, f"Ramp, hold, drop and hold of {words}", tables | {"sweep": samples})
+        own = {"branches": [list(one) for one in branches[name]]} if name in branches else pmma.ACTIVATED
+        tables: dict[str, Any] = {"surface": surface, "solid": half_space | own, "contact": {"load": 0.0}}
+        tables |= {"protocol": history, **rest, "sweep": samples}
+        yield Campaign(name, f"Ramp, hold, drop and hold of {words}", tables)
     loads = [float(pressure * effective()[_TIMES.index(time)]) for time in _KEPT]
     tables = {"surface": surface, "solid": half_space, "contact": {"pressure": loads[0]}}
     tables |= {"aging": {"times": [0.0]}, "output": {"maps_at": []}}
@@ -120,139 +116,101 @@ def _campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> Iterat
 
 def _made(side: int, surfaces: int) -> tuple[Campaign, ...]:
     """Campaigns on self-affine surfaces."""
-    spacing = 0.5
-    surface = {
-        **{"kind": "spectral", "shape": [side, side], "spacing": [spacing], "unit": "um", "hurst": 0.8},
-        **{"roll_off": side * spacing / 16, "cutoff": 6 * spacing, "rms_slope": SLOPE},
-    }
-    return tuple(_campaigns(surface, {"seeds": surfaces}))
+    lengths = {"roll_off": side * 0.5 / 16, "cutoff": 6 * 0.5, "rms_slope": SLOPE}
+    return tuple(_campaigns(scanned(side, 0.5, "um", 0.8, **lengths), {"seeds": surfaces}))
 
 
-def _history(evidence: Evidence, name: str) -> tuple[Field, Field, Field]:
-    """Times after the start, legs, and areas, shape (surfaces, times).
+@dataclass(frozen=True, eq=False)
+class History:
+    """Areas of one solid, shape (surfaces, times), with times after the start and legs.
 
     Counted sites overestimate small contacts at their rims, and their growth the less the smaller they are.
     """
-    data = evidence[name]
-    return data["time"].values, data["leg"].values, evidence.samples(name, "contact_area_corrected")
 
+    time: Field
+    leg: Field
+    area: Field
 
-def _at(history: tuple[Field, Field, Field], time: float, leg: int) -> Field:
-    """Areas at a time in a leg, shape (surfaces,)."""
-    times, legs, areas = history
-    (place,) = np.flatnonzero(np.isclose(times, time) & (legs == leg))
-    return areas[:, place]
+    @classmethod
+    def of(cls, evidence: Evidence, name: str) -> History:
+        """Read it from its campaign."""
+        data = evidence[name]
+        return cls(data["time"].values, data["leg"].values, evidence.samples(name, "contact_area_corrected"))
+
+    def at(self, time: float, leg: int) -> Field:
+        """Areas at a time in a leg, shape (surfaces,)."""
+        (place,) = np.flatnonzero(np.isclose(self.time, time) & (self.leg == leg))
+        return self.area[:, place]
 
 
 def over(found: Estimate, value: float, error: float) -> Estimate:
     """A number over one that was measured with a standard error; its interval has both errors."""
-    ratio = float(found.value) / value
-    half = math.hypot(float(found.high - found.low) / 2 / value, 1.96 * ratio * error / value)
-    numbers = (ratio, half / 1.96, ratio - half, ratio + half)
-    part, stderr, low, high = (np.asarray(one, dtype=np.float64)[()] for one in numbers)
-    return Estimate(part, stderr, low, high, found.runs)
+    part = float(found.value) / value
+    half = math.hypot(float(found.high - found.low) / 2 / value, 1.96 * part * error / value)
+    return estimate(part, half / 1.96, part - half, part + half, found.runs)
 
 
-def _ratio(series: str, time: float) -> tuple[float, float]:
+def _measured_ratio(series: str, time: float) -> tuple[float, float]:
     """A measured area over that after 10 s, and the standard error of that."""
     growth, data = (MEASURED.series[name] for name in ("growth", series))
     first, one = growth.sel(time=_KEPT[0]), data.sel(time=time)
-    ratio = float(one["area"] / first["area"])
-    parts = [float(each["area_error"] / each["area"]) for each in (first, one)]
-    return ratio, ratio * math.hypot(*parts)
+    found = float(one["area"] / first["area"])
+    return found, found * math.hypot(*(float(each["area_error"] / each["area"]) for each in (first, one)))
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Compare growth, and the drop, of each hypothesis with what was measured."""
-    first, last = _KEPT
-    grown, error = _ratio("growth", last)
-    dropped, drop_error = _ratio("drop", _DROP + 1)
-    histories = {name: _history(evidence, name) for name in HYPOTHESES}
-    growth, shares, drops, stays = {}, {}, {}, {}
+    histories = {name: History.of(evidence, name) for name in HYPOTHESES}
     rows: list[dict[str, Any]] = []
     for name, history in histories.items():
-        start = _at(history, first, 1)
-        growth[name] = jackknife(lambda a, b: b.mean() / a.mean(), (start, _at(history, last, 1)))
-        shares[name] = over(_less_one(growth[name]), grown - 1, error)
-        drops[name] = jackknife(lambda a, b: b.mean() / a.mean(), (start, _at(history, last, 2)))
-        stays[name] = jackknife(
-            lambda a, b: b.mean() / a.mean(), (_at(history, last, 2), _at(history, _END, 3))
-        )
-        for time, leg, areas in zip(history[0], history[1], history[2].T, strict=True):
+        start = history.at(_KEPT[0], 1)
+        for time, leg, areas in zip(history.time, history.leg, history.area.T, strict=True):
             if time > 0:
-                each = jackknife(lambda a, b: b.mean() / a.mean(), (start, areas))
-                row = {"solid": name, "time": time, "leg": leg, "area": each.value}
-                rows.append(row | {"low": each.low, "high": each.high})
+                row = {"solid": name, "time": time, "leg": leg}
+                rows.append(row | columns("area", ratio(areas, start), shared=True))
     pressed = evidence.samples("elastic", "contact_area_corrected")[..., 0]
-    equal = {
-        f"<i>A</i> over that of the elastic solid at {time:g} s": mean(_at(histories["fit"], time, 1) / areas)
-        for time, areas in zip(_KEPT, pressed.T, strict=True)
-    }
-    explains = "part of the measured growth from 10 to 1000 s"
-    after = "<i>A</i> just after the drop, over <i>A</i>(10 s)"
-    flat = "<i>A</i> 4000 s later, over that"
-    flatness = 0.015 / float(MEASURED.series["drop"]["area"][0])
-    within = Finding.within
-    findings = (
-        within(
-            (1.1741, 1.1751),
-            "effective",
-            "closed form",
-            "The effective load grows by 1.1746 from 10 to 1000 s",
-            {"(<i>J</i> * d<i>F</i>)(1000 s) over that at 10 s": exact(growth_of_effective_load())},
-        ),
-        within(
-            (1.165, 1.185),
-            "light",
-            "closed form",
-            "At light load the area grows like the effective load",
-            {"<i>A</i>(1000 s)/<i>A</i>(10 s)": growth["fit"]},
-        ),
-        within(
-            (0.999, 1.001),
-            "elastic",
-            "Lee and Radok 1960",
-            "The area is that of an elastic solid at the effective load",
-            equal,
-        ),
-        *(
-            within(
-                WHOLE,
-                f"growth {name}",
-                "Dillavou and Rubinstein 2018",
-                f"The growth of the area is that of {words}",
-                {explains: shares[name]},
-                note=f"Measured: A(1000 s)/A(10 s) = {grown:.3f} with a standard error of {error:.3f}. "
-                + _NEXT[name],
-            )
-            for name, words in HYPOTHESES.items()
-        ),
-        *(
-            within(
-                (dropped - 2 * drop_error, dropped + 2 * drop_error),
-                f"drop {name}",
-                "Dillavou and Rubinstein 2018",
-                f"After the drop to a quarter of the load the area is that of {words}",
-                {after: drops[name]},
-            )
-            for name, words in HYPOTHESES.items()
-        ),
-        *(
-            within(
-                (1 - flatness, 1 + flatness),
-                f"memory {name}",
-                "Dillavou and Rubinstein 2018",
-                f"It then stays as flat as that of {words}",
-                {flat: stays[name]},
-            )
-            for name, words in HYPOTHESES.items()
-        ),
-    )
+    findings = tuple(_findings(histories, pressed))
     return Outcome(findings, {"areas": pd.DataFrame(rows), "measured": _measured()})
 
 
-def _less_one(found: Estimate) -> Estimate:
-    return Estimate(found.value - 1, found.stderr, found.low - 1, found.high - 1, found.runs)
+def _findings(histories: Mapping[str, History], pressed: Field) -> Iterator[Finding]:
+    within, of, form = Finding.within, "Dillavou and Rubinstein 2018", "closed form"
+    first, last = _KEPT
+    growth = {name: ratio(one.at(last, 1), one.at(first, 1)) for name, one in histories.items()}
+    claim = "The effective load grows by 1.1746 from 10 to 1000 s"
+    numbers = {"(<i>J</i> * d<i>F</i>)(1000 s) over that at 10 s": exact(growth_of_effective_load())}
+    yield within((1.1741, 1.1751), "effective", form, claim, numbers)
+    claim = "At light load the area grows like the effective load"
+    yield within((1.165, 1.185), "light", form, claim, {"<i>A</i>(1000 s)/<i>A</i>(10 s)": growth["fit"]})
+    claim = "The area is that of an elastic solid at the effective load"
+    numbers = {
+        f"<i>A</i> over that of the elastic solid at {time:g} s": mean(histories["fit"].at(time, 1) / areas)
+        for time, areas in zip(_KEPT, pressed.T, strict=True)
+    }
+    yield within((0.999, 1.001), "elastic", "Lee and Radok 1960", claim, numbers)
+    grown, error = _measured_ratio("growth", last)
+    explains = "part of the measured growth from 10 to 1000 s"
+    measured = f"Measured: A(1000 s)/A(10 s) = {grown:.3f} with a standard error of {error:.3f}."
+    for name, words in HYPOTHESES.items():
+        one = growth[name]
+        one = Estimate(one.value - 1, one.stderr, one.low - 1, one.high - 1, one.runs)
+        claim, numbers = f"The growth of the area is that of {words}", {explains: over(one, grown - 1, error)}
+        yield within(WHOLE, f"growth {name}", of, claim, numbers, f"{measured} {_NEXT[name]}")
+    dropped, error = _measured_ratio("drop", _DROP + 1)
+    ends = dropped - 2 * error, dropped + 2 * error
+    for name, words in HYPOTHESES.items():
+        claim = f"After the drop to a quarter of the load the area is that of {words}"
+        found = ratio(histories[name].at(last, 2), histories[name].at(first, 1))
+        numbers = {"<i>A</i> just after the drop, over <i>A</i>(10 s)": found}
+        yield within(ends, f"drop {name}", of, claim, numbers)
+    flatness = 0.015 / float(MEASURED.series["drop"]["area"][0])
+    for name, words in HYPOTHESES.items():
+        found = ratio(histories[name].at(_END, 3), histories[name].at(last, 2))
+        claim, numbers = (
+            f"It then stays as flat as that of {words}",
+            {"<i>A</i> 4000 s later, over that": found},
+        )
+        yield within((1 - flatness, 1 + flatness), f"memory {name}", of, claim, numbers)
 
 
 def _measured() -> pd.DataFrame:
@@ -260,16 +218,9 @@ def _measured() -> pd.DataFrame:
     rows = []
     for series in ("growth", "drop"):
         for time in MEASURED.series[series]["time"].values.tolist():
-            ratio, error = _ratio(series, time)
-            rows.append(
-                {
-                    "series": series,
-                    "time": time,
-                    "area": ratio,
-                    "low": ratio - 1.96 * error,
-                    "high": ratio + 1.96 * error,
-                }
-            )
+            area, error = _measured_ratio(series, time)
+            ends = {"low": area - 1.96 * error, "high": area + 1.96 * error}
+            rows.append({"series": series, "time": time, "area": area, **ends})
     return pd.DataFrame(rows)
 
 

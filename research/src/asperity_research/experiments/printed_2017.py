@@ -14,14 +14,15 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.figures import Drawing
-from asperity.fits import Estimate, jackknife
+from asperity.fits import Estimate
 from asperity.solids import contact_modulus
 from asperity_research import style
-from asperity_research.experiments.library import load
-from asperity_research.studies.campaigns import Campaign, Tables
+from asperity_research.arrays import Field
+from asperity_research.experiments.record import load
+from asperity_research.studies.campaigns import Campaign, Tables, scanned
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, mean
+from asperity_research.studies.numbers import all_columns, mean, mean_of, ratio
 from asperity_research.studies.study import Outcome, Study
 
 MEASURED = load("printed-2017")
@@ -32,30 +33,19 @@ YOUNG, POISSON = 1e6, 0.495
 GAPS_AT = 0.164
 """Pressure, over Young's modulus, at which gaps were compared with simulations."""
 
-PRESSURES = tuple(
-    sorted(
-        [
-            0.0005,
-            GAPS_AT,
-            *np.geomspace(MEASURED["least_pressure"], MEASURED["greatest_pressure"], 10).tolist(),
-        ]
-    )
-)
+_MEASURED_AT = np.geomspace(MEASURED["least_pressure"], MEASURED["greatest_pressure"], 10).tolist()
+PRESSURES = tuple(sorted([0.0005, GAPS_AT, *_MEASURED_AT]))
 """Over Young's modulus."""
 
 SOLIDS = {"half_space": "a half-space", "layer": "the layer, bonded to a rigid base"}
 
 
 def _campaigns(surface: Tables, samples: Tables) -> Iterator[Campaign]:
-    modulus = contact_modulus(YOUNG, POISSON)
-    layer = {"poisson": [POISSON], "thickness": 1e-3 * MEASURED["thickness"]}
-    for kind, more in zip(SOLIDS, ({}, layer), strict=True):
+    layer = {"young": [YOUNG], "poisson": [POISSON], "thickness": 1e-3 * MEASURED["thickness"]}
+    for kind, table in (("half_space", {"modulus": contact_modulus(YOUNG, POISSON)}), ("layer", layer)):
         tables = {
             "surface": surface,
-            "solid": {
-                "kind": kind,
-                **({"modulus": modulus} if kind == "half_space" else {"young": [YOUNG], **more}),
-            },
+            "solid": {"kind": kind, **table},
             "contact": {"pressure": YOUNG * PRESSURES[0]},
             "aging": {"times": [0.0]},
             "output": {"maps_at": []},
@@ -66,16 +56,8 @@ def _campaigns(surface: Tables, samples: Tables) -> Iterator[Campaign]:
 
 def _made(side: int, surfaces: int) -> tuple[Campaign, ...]:
     spacing = MEASURED["side"] / side
-    surface = {
-        **{
-            "kind": "spectral",
-            "shape": [side, side],
-            "spacing": [spacing],
-            "unit": "mm",
-            "hurst": MEASURED["hurst"],
-        },
-        **{"roll_off": MEASURED["roll_off"], "cutoff": 8 * spacing, "rms_slope": MEASURED["rms_slope"]},
-    }
+    waves = {"roll_off": MEASURED["roll_off"], "cutoff": 8 * spacing, "rms_slope": MEASURED["rms_slope"]}
+    surface = scanned(side, spacing, "mm", MEASURED["hurst"], **waves)
     return tuple(_campaigns(surface, {"seeds": surfaces}))
 
 
@@ -89,66 +71,36 @@ def analyse(evidence: Evidence) -> Outcome:
     """Compare areas on the layer and on the half-space, and at the ends with what was measured."""
     nominal = (1e-3 * MEASURED["side"]) ** 2
     areas = {kind: evidence.samples(kind, "contact_area_corrected")[..., 0] / nominal for kind in SOLIDS}
-    gaps = {kind: evidence.samples(kind, "mean_gap")[..., 0] for kind in SOLIDS}
     rows, ratios = [], []
-    for at, pressure in enumerate(PRESSURES):
-        layer, half_space = (areas[kind][:, at] for kind in ("layer", "half_space"))
-        ratio = jackknife(lambda a, b: a.mean() / b.mean(), (layer, half_space))
-        row = {
-            "pressure": pressure,
-            **columns("layer", mean(layer)),
-            **columns("half_space", mean(half_space)),
-        }
-        rows.append(row | columns("ratio", ratio))
-        ratios.append(ratio)
+    for pressure, layer, half_space in zip(PRESSURES, areas["layer"].T, areas["half_space"].T, strict=True):
+        ratios.append(ratio(layer, half_space))
+        numbers = all_columns(layer=mean(layer), half_space=mean(half_space), ratio=ratios[-1])
+        rows.append({"pressure": pressure} | numbers)
     at = PRESSURES.index(GAPS_AT)
-    gap = jackknife(lambda a, b: a.mean() / b.mean(), (gaps["layer"][:, at], gaps["half_space"][:, at]))
-    (lightest, heaviest), error = MEASURED.series["area"]["fraction"].values.tolist(), MEASURED["gap_error"]
-    pressures = np.log(PRESSURES)
-    lightly = jackknife(
-        lambda some: np.exp(np.interp(np.log(lightest), np.log(some.mean(axis=0)), pressures)), areas["layer"]
-    )
-    part = "part of the nominal area, at a pressure of {:g} <i>E</i>"
-    findings = (
-        Finding.within(
-            (0.0, MEASURED["least_pressure"]),
-            "lightest",
-            "Bennett et al. 2017",
-            "Less than 0.1 % of the layer touches at a pressure below 0.001 <i>E</i>",
-            {"pressure over <i>E</i> at which 0.1 % touch": lightly},
-            note="The least pressure was below 0.001 E; by how much is not known.",
-        ),
-        Finding.within(
-            (heaviest, 1.0),
-            "heaviest",
-            "Bennett et al. 2017",
-            "At a pressure of <i>E</i> more than 60 % of the layer touches",
-            {part.format(PRESSURES[-1]): _of(areas["layer"], -1)},
-        ),
-        Finding.within(
-            (1 - error, 1 + error),
-            "area",
-            "Bennett et al. 2017",
-            "The area on a half-space is that on the layer within a tenth, as closely as gaps were compared",
-            {
-                f"layer over half-space, at {p:g} <i>E</i>": one
-                for p, one in zip(PRESSURES, ratios, strict=True)
-            },
-            note="The uncertainty of the measured area is not stated; that of the gap stands for it.",
-        ),
-        Finding.within(
-            (1 - error, 1 + error),
-            "gap",
-            "Bennett et al. 2017",
-            "The mean gap on a half-space is that on the layer within a tenth",
-            {f"layer over half-space, at {GAPS_AT:g} <i>E</i>": gap},
-        ),
-    )
+    gap = ratio(*(evidence.samples(kind, "mean_gap")[:, at, 0] for kind in ("layer", "half_space")))
+    findings = tuple(_findings(areas["layer"], ratios, gap))
     return Outcome(findings, {"areas": pd.DataFrame(rows)})
 
 
-def _of(areas: np.ndarray, at: int) -> Estimate:
-    return mean(areas[:, at])
+def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[Finding]:
+    place, error = "Bennett et al. 2017", MEASURED["gap_error"]
+    lightest, heaviest = MEASURED.series["area"]["fraction"].values.tolist()
+    pressures = np.log(PRESSURES)
+    claim = "Less than 0.1 % of the layer touches at a pressure below 0.001 <i>E</i>"
+    found = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
+    numbers = {"pressure over <i>E</i> at which 0.1 % touch": found}
+    note = "The least pressure was below 0.001 E; by how much is not known."
+    yield Finding.within((0.0, MEASURED["least_pressure"]), "lightest", place, claim, numbers, note)
+    claim = "At a pressure of <i>E</i> more than 60 % of the layer touches"
+    what = f"part of the nominal area, at a pressure of {PRESSURES[-1]:g} <i>E</i>"
+    yield Finding.within((heaviest, 1.0), "heaviest", place, claim, {what: mean(layer[:, -1])})
+    claim = "The area on a half-space is that on the layer within a tenth, as closely as gaps were compared"
+    over = "layer over half-space, at {:g} <i>E</i>".format
+    numbers = {over(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
+    note = "The uncertainty of the measured area is not stated; that of the gap stands for it."
+    yield Finding.within((1 - error, 1 + error), "area", place, claim, numbers, note)
+    claim = "The mean gap on a half-space is that on the layer within a tenth"
+    yield Finding.within((1 - error, 1 + error), "gap", place, claim, {over(GAPS_AT): gap})
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -163,22 +115,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     known = {"s": 60, "color": style.VERMILION, "zorder": 3}
     left.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
     left.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
-    left.set(
-        xscale="log",
-        yscale="log",
-        xlabel="pressure over Young's modulus",
-        ylabel="part of the area that touches",
-    )
-    left.legend(fontsize=7)
+    left.set(xscale="log", yscale="log", ylabel="part of the area that touches")
     error = MEASURED["gap_error"]
     style.points(right, rows, "pressure", "ratio", "o-", style.INK)
     right.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="a tenth")
-    right.set(
-        xscale="log",
-        xlabel="pressure over Young's modulus",
-        ylabel="area, layer over half-space",
-    )
-    right.legend(fontsize=7)
+    right.set(xscale="log", ylabel="area, layer over half-space")
+    for ax in (left, right):
+        ax.set_xlabel("pressure over Young's modulus")
+        ax.legend(fontsize=7)
     return figure
 
 

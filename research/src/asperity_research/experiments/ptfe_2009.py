@@ -19,7 +19,7 @@ from asperity.figures import Drawing
 from asperity.relaxation import PronySeries
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.experiments.library import load
+from asperity_research.experiments.record import load
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, exact
@@ -49,24 +49,18 @@ def _spheres(name: str, radius: float, side: int) -> Campaign:
     x = (np.arange(side) - side // 2) * width / side
     heights = -(x[:, np.newaxis] ** 2 + x**2) / (2 * radius)
     largest = 4 * SERIES.modulus * (0.05 * width) ** 3 / (3 * radius)
+    file = {"kind": "file", "path": "sphere.npy", "tilt": "none", "periodic": "wrap"}
+    branches = [list(branch) for branch in SERIES.branches]
     tables: dict[str, Any] = {
-        "surface": {
-            **{"kind": "file", "path": "sphere.npy", "tilt": "none", "periodic": "wrap"},
-            **{"file_unit": "m", "pixel_size": [width / side], "length_unit": "m"},
-        },
-        "solid": {
-            "kind": "half_space",
-            "modulus": SERIES.modulus,
-            "branches": [list(b) for b in SERIES.branches],
-        },
+        "surface": file | {"file_unit": "m", "pixel_size": [width / side], "length_unit": "m"},
+        "solid": {"kind": "half_space", "modulus": SERIES.modulus, "branches": branches},
         "contact": {"load": largest},
         "aging": {"times": _TIMES},
         "output": {"maps_at": []},
         "sweep": {"contact.load": [float(f"{largest * part:.4g}") for part in (0.25, 0.5, 1.0)]},
     }
-    return Campaign(
-        name, f"Spheres of radius {1e3 * radius:g} mm under three loads", tables, {"sphere.npy": heights}
-    )
+    purpose = f"Spheres of radius {1e3 * radius:g} mm under three loads"
+    return Campaign(name, purpose, tables, {"sphere.npy": heights})
 
 
 def growth_of(area: Field) -> Field:
@@ -84,17 +78,12 @@ def analyse(evidence: Evidence) -> Outcome:
         for load_, grown in zip(data["load"].values.tolist(), growth_of(data.values), strict=True):
             off = float(np.abs(grown / expected - 1).max()) + 1.0
             worst[f"greatest factor off the closed form, {1e3 * radius:g} mm, {load_:.3g} N"] = exact(off)
-            rows.append(
-                pd.DataFrame({"radius": radius, "load": load_, "time": time, "area": grown, "form": expected})
-            )
-    finding = Finding.within(
-        (1.0, 1.0 + _CLOSE),
-        "one curve",
-        "Ovcharenko et al. 2009",
-        "Spheres of different diameters and loads follow one dimensionless curve, that of Lee and Radok",
-        worst,
-        note="The measured curve waits for its numbers: " + "; ".join(MEASURED.missing) + ".",
-    )
+            course = {"radius": radius, "load": load_, "time": time, "area": grown, "form": expected}
+            rows.append(pd.DataFrame(course))
+    claim = "Spheres of different diameters and loads follow one dimensionless curve, that of Lee and Radok"
+    note = f"The measured curve waits for its numbers: {'; '.join(MEASURED.missing)}."
+    ends, place = (1.0, 1.0 + _CLOSE), "Ovcharenko et al. 2009"
+    finding = Finding.within(ends, "one curve", place, claim, worst, note)
     return Outcome((finding,), {"areas": pd.concat(rows, ignore_index=True)})
 
 

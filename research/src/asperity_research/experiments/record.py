@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,6 +14,7 @@ import xarray as xr
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, ValidationError, model_validator
 
 from asperity.errors import InputError
+from asperity_research import doors
 
 Words = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 Error = Annotated[float, Field(ge=0, allow_inf_nan=False)] | Literal["not stated"]
@@ -131,6 +133,27 @@ class Experiment:
     def __getitem__(self, name: str) -> float:
         """Return the value of an input."""
         return self.inputs[name].value
+
+
+_FOLDER = Path(str(files("asperity_research.experiments") / "data"))
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the experiments that come with the package, a file each."""
+    return tuple(sorted(path.stem for path in _FOLDER.glob("*.toml")))
+
+
+def load(name: str | Path) -> Experiment:
+    """Read an experiment by its name, or from a file of your own (.toml).
+
+    Raises
+    ------
+    InputError
+        There is none of that name; the nearest names are given. Or as `read`.
+    """
+    if isinstance(name, str | Path) and Path(name).suffix == ".toml":
+        return read(Path(name))
+    return read(doors.named("experiment", name, {one: _FOLDER / f"{one}.toml" for one in names()}))
 
 
 def read(path: Path) -> Experiment:

@@ -1,7 +1,4 @@
-"""The report of a reproduction: one page that needs no network, beside its figures, numbers and ledger.
-
-The page is written last: where it stands, all that it links to is there.
-"""
+"""The report of a reproduction: one page that needs no network, beside its figures, numbers and ledger."""
 
 from __future__ import annotations
 
@@ -13,21 +10,14 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+import asperity_research.studies.report as reporting
 from asperity.app.config import RunConfig
 from asperity.errors import InputError
 from asperity_research.paper.corrections import corrections
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure
 from asperity_research.paper.places import SECTIONS, numbered, section_of
 from asperity_research.studies.ledger import Finding, Measurement
-from asperity_research.studies.report import (
-    About,
-    file_name,
-    ledger_table,
-    templates,
-    write_drawing,
-    write_table,
-    write_text,
-)
+from asperity_research.studies.report import About, file_name, write_drawing, write_table
 from asperity_research.studies.typeset import interval, plain, rich
 
 _LARGEST_SVG = 1_500_000
@@ -53,21 +43,21 @@ def write_report(
     """Write figures, the numbers behind them, the ledger, and the page that explains them; return the page.
 
     ``figures/figure-N.svg``, ``.pdf`` and ``.png``, ``data/figure-N-TABLE.csv``, ``ledger.csv``,
-    ``ledger.md`` (the verdicts as one table) and, last, ``report.html``; what is there under these names
-    is replaced. Figures and findings come in any order; the page has them in the paper's, and findings of
-    one section as they come. `InputError` if two figures, two findings or two tables of a figure go by
-    one name, or a text has a tag that is not closed; nothing is written. `OutputError` if the disk
-    refused; every file that stands is whole.
+    ``ledger.md`` (the verdicts as one table) and, last, ``report.html``. The page has figures and findings in
+    the order of the paper. `InputError`, and nothing is written, if two figures, findings or tables of a
+    figure go by one name, or a text has a tag that is not closed.
     """
     _check(figures, findings)
     pictures = [_write_figure(folder, figure) for figure in sorted(figures, key=lambda one: one.number)]
     ordered = sorted(findings, key=lambda finding: list(SECTIONS).index(section_of(finding.place)))
-    write_table(folder, "ledger", ledger_table(ordered))
-    pages = templates(
+    return reporting.write_report(
+        folder,
         "asperity_research.paper",
+        ["ledger.md", "report.html"],
+        ordered,
+        spelled=rich_numbered,
         about=about,
         pictures=pictures,
-        findings=ordered,
         ledger={name: [f for f in ordered if section_of(f.place) == name] for name in SECTIONS},
         tally=Counter(finding.verdict for finding in ordered),
         corrections=corrections(),
@@ -75,10 +65,6 @@ def write_report(
         numbers=_numbers,
         SECTIONS=SECTIONS,
     )
-    pages.filters["rich"] = rich_numbered
-    for name in ("ledger.md", "report.html"):
-        write_text(folder / name, pages.get_template(name).render())
-    return folder / "report.html"
 
 
 def _check(figures: Sequence[PaperFigure], findings: Sequence[Finding]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
 from pathlib import Path
 
 import asperity_research.studies.campaigns as campaigns
@@ -14,45 +13,30 @@ from asperity_research.paper.report import write_report
 from asperity_research.paper.studies import Effort, studies
 from asperity_research.studies.campaigns import Home, Prepared
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
 from asperity_research.studies.report import About
+from asperity_research.studies.study import Concluded, Outcome
 
-STUDIES = "studies"
-"""Folder of the campaigns, in that of the reproduction."""
-
-
-HOME = Home("a reproduction", STUDIES)
+HOME = Home("a reproduction", "studies")
 """Whose folder it is."""
-
-
-@dataclass(frozen=True)
-class Reproduction:
-    """What came out: the page to read, and the lines of its ledger."""
-
-    report: Path
-    findings: tuple[Finding, ...]
 
 
 def prepared_in(
     directory: str | Path, effort: Effort, *, seed: int = 0
 ) -> AbstractContextManager[tuple[Prepared, ...]]:
-    """Write the campaign files of all studies, and keep other reproductions out of the folder.
-
-    Arguments and errors are those of `studies.campaigns.prepared_in`; `effort` says how much to compute.
-    """
+    """Write the campaign files of an effort; see `asperity_research.studies.campaigns.prepared_in`."""
     return campaigns.prepared_in(directory, studies(effort), HOME, seed=seed)
 
 
 def conclude(
     directory: str | Path, prepared: Sequence[Prepared], *, effort: Effort, command: str, seconds: float
-) -> Reproduction:
+) -> Concluded:
     """Draw the figures, judge the claims and write the report, from studies that are finished.
 
     The command and the seconds that it took are for the report. `AsperityError` if a study is not finished,
     or the disk refused; an earlier report stays.
     """
     folder = Path(directory)
-    evidence = Evidence(folder / STUDIES)
+    evidence = Evidence(folder / HOME.inside)
     about = About.of(evidence, prepared, effort.name, command, wall_seconds=seconds)
-    findings = ledger(evidence)
-    return Reproduction(write_report(folder, draw(evidence), findings, about), findings)
+    outcome = Outcome(ledger(evidence), {})
+    return Concluded(write_report(folder, draw(evidence), outcome.findings, about), outcome)

@@ -34,25 +34,12 @@ PEAK = 1e3
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is computed: the quick reproduction, or the full one.
+    """How much is computed: surfaces in an ensemble, loads, and sides of lattices.
 
-    Attributes
-    ----------
-    seeds
-        Surfaces in an ensemble, where nothing else is said.
-    aging_seeds, pressed_seeds, light_seeds
-        Surfaces of contacts whose growth is compared between loads; of contacts that are only pressed and
-        relaxed; and of contacts so light that few sites touch.
-    loads_per_decade
-        Points of the curves of area against load.
-    aging_loads
-        Loads per site, over k0, of the aging contacts of independent heights.
-    sizes, aging_sizes
-        Sides of the lattices on which self-affine surfaces are compared, pressed and aging.
-    maps_size
-        Side of the lattice whose contact is mapped.
-    side
-        Side of the lattices of independent heights.
+    Ensembles have a size of their own where growth is compared between loads (``aging_seeds``), where
+    contacts are only pressed and relaxed, and where they are so light that few sites touch. ``aging_loads``
+    are loads per site, over k0, on independent heights, whose lattices have the side ``side``; the other
+    sides are of self-affine surfaces: pressed, aging, and mapped.
     """
 
     name: str
@@ -100,39 +87,36 @@ def studies(effort: Effort) -> tuple[Campaign, ...]:
 def _campaign(
     name: str, purpose: str, *, heights: Mapping[str, Field] | None = None, **tables: Any
 ) -> Campaign:
-    """Return a campaign of these sections."""
     return Campaign(name, purpose, tables, heights or {})
 
 
 def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
-    square, small = [effort.side] * 2, [effort.side // 2] * 2
     sites, small_sites = effort.side**2, (effort.side // 2) ** 2
+    gaussian = {"kind": "gaussian", "shape": [effort.side] * 2}
+    small: dict[str, Any] = {
+        "surface": gaussian | {"shape": [effort.side // 2] * 2},
+        "contact": {"load": small_sites * 0.02},
+    }
+    pressed = [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)]
+    aging = [sites * p for p in effort.aging_loads]
     return (
         _campaign(
             "load",
             "Area against load, before creep and relaxed: independent Gaussian heights",
-            surface={"kind": "gaussian", "shape": square},
+            surface=gaussian,
             aging=_ONLY_ENDS,
-            sweep={
-                "k1": [0.01, 0.1, 1.0, 10.0, 100.0],
-                "load": [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)],
-                "seeds": effort.pressed_seeds,
-            },
+            sweep={"k1": [0.01, 0.1, 1.0, 10.0, 100.0], "load": pressed, "seeds": effort.pressed_seeds},
         ),
         _campaign(
             "aging",
             "Growth of the area at constant load: independent Gaussian heights",
-            surface={"kind": "gaussian", "shape": square},
-            sweep={
-                "k1": [1.0, 10.0],
-                "load": [sites * p for p in effort.aging_loads],
-                "seeds": effort.aging_seeds,
-            },
+            surface=gaussian,
+            sweep={"k1": [1.0, 10.0], "load": aging, "seeds": effort.aging_seeds},
         ),
         _campaign(
             "exponential",
             "Growth of the area of few contacts: exponential heights, with and without viscous creep",
-            surface={"kind": "exponential", "shape": square},
+            surface=gaussian | {"kind": "exponential"},
             contact={"load": sites * 3e-3},
             aging={"last": 1e3},
             sweep={"k1": [1.0, 3.0], "R_viscous": [0.0, 1.0], "seeds": effort.light_seeds},
@@ -140,22 +124,20 @@ def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
         _campaign(
             "mobility",
             "Growth of the area for several mobilities R",
-            surface={"kind": "gaussian", "shape": small},
-            contact={"load": small_sites * 0.02},
+            **small,
             sweep={"R": [0.01, 1.0, 100.0], "seeds": effort.seeds},
         ),
         _campaign(
             "separation",
             "The load under a rigid body that is held in place, with and without viscous creep",
-            surface={"kind": "gaussian", "shape": small},
-            contact={"load": small_sites * 0.02},
+            **small,
             aging={"hold": "separation"},
             sweep={"R_viscous": [0.0, 0.1, 1.0], "seeds": effort.seeds},
         ),
         _campaign(
             "no_lateral",
             "Creep without springs between neighbors",
-            surface={"kind": "gaussian", "shape": [64, 64]},
+            surface=gaussian | {"shape": [64, 64]},
             solid={"k0": 0.0, "k1": 1.0},
             aging={"last": 1e8},
             sweep={"load": [4.0, 40.0, 400.0], "seeds": effort.seeds},
@@ -163,7 +145,7 @@ def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
         _campaign(
             "sketch",
             "A line contact, to be drawn",
-            surface={"kind": "gaussian", "shape": [32]},
+            surface=gaussian | {"shape": [32]},
             solid={"k1": 1.0},
             contact={"load": 10.0},
             aging={"times": [1.0, 10.0, 100.0]},
@@ -174,8 +156,10 @@ def _uncorrelated(effort: Effort) -> tuple[Campaign, ...]:
 
 
 def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
-    surface = {"kind": "self_affine", "hurst": HURST, "delta": DELTA}
-    stiff = {"k1": SELF_AFFINE_RATIO}
+    surface, stiff = {"kind": "self_affine", "hurst": HURST, "delta": DELTA}, {"k1": SELF_AFFINE_RATIO}
+    mapped, loads = surface | {"size": effort.maps_size}, [5.0, 20.0, 80.0]
+    sizes = {"size": list(effort.sizes), "load": _decades(1.0, 1e4, effort.loads_per_decade)}
+    aging = {"size": list(effort.aging_sizes), "k1": [3.0, 10.0], "load": loads}
     return (
         _campaign(
             "self_affine_load",
@@ -183,34 +167,25 @@ def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
             surface=surface,
             solid=stiff,
             aging=_ONLY_ENDS,
-            sweep={
-                "size": list(effort.sizes),
-                "load": _decades(1.0, 1e4, effort.loads_per_decade),
-                "seeds": effort.pressed_seeds,
-            },
+            sweep=sizes | {"seeds": effort.pressed_seeds},
         ),
         _campaign(
             "self_affine_aging",
             "Growth of the area at constant load: self-affine surfaces of several sizes",
             surface=surface,
-            sweep={
-                "size": list(effort.aging_sizes),
-                "k1": [3.0, 10.0],
-                "load": [5.0, 20.0, 80.0],
-                "seeds": effort.aging_seeds,
-            },
+            sweep=aging | {"seeds": effort.aging_seeds},
         ),
         _campaign(
             "hurst",
             "Area against load, and its growth, for several Hurst exponents",
             surface={"kind": "self_affine", "size": effort.aging_sizes[0], "delta": DELTA},
             solid=stiff,
-            sweep={"hurst": [0.3, 0.5, 0.8], "load": [5.0, 20.0, 80.0], "seeds": effort.seeds},
+            sweep={"hurst": [0.3, 0.5, 0.8], "load": loads, "seeds": effort.seeds},
         ),
         _campaign(
             "maps",
             "Where a self-affine surface touches as the contact ages",
-            surface=surface | {"size": effort.maps_size},
+            surface=mapped,
             solid=stiff,
             contact={"load": 10.0},
             aging={"first": 1e-2, "last": 1e6, "per_decade": 1},
@@ -220,7 +195,7 @@ def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
         _campaign(
             "load_maps",
             "Where a self-affine surface touches as the load grows",
-            surface=surface | {"size": effort.maps_size},
+            surface=mapped,
             solid=stiff,
             aging=_ONLY_ENDS,
             output={"maps_at": [0.0]},
@@ -232,20 +207,19 @@ def _self_affine(effort: Effort) -> tuple[Campaign, ...]:
 def _points() -> tuple[Campaign, ...]:
     """One asperity: the engine beside the closed form of the compliance."""
     alone = {"kind": "file", "path": "asperity.npy", "tilt": "none", "periodic": "wrap"}
+    pressed: dict[str, Any] = {"surface": alone, "contact": {"load": 1.0}}
     return (
         _campaign(
             "point",
             "Indentation of the plane by one asperity under constant load",
-            surface=alone,
-            contact={"load": 1.0},
+            **pressed,
             sweep={"k1": [1.0, 3.0, 10.0], "R_viscous": [0.0, 0.1, 1.0]},
             heights=_asperity(128, 128),
         ),
         _campaign(
             "line_point",
             "Indentation of the line by one asperity under constant load",
-            surface=alone,
-            contact={"load": 1.0},
+            **pressed,
             aging={"last": 1e9},
             sweep={"k1": [1.0, 10.0]},
             heights=_asperity(4096),

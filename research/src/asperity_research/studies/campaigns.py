@@ -26,8 +26,7 @@ Tables = Mapping[str, Any]
 class Campaign:
     """One campaign: the name of its folder, what it is for, and its file, section by section.
 
-    Of the sections ``protocol`` is a list of legs; ``heights`` are surfaces that it reads, by the names of
-    their files (.npy), none for surfaces that are made.
+    ``heights`` are surfaces that it reads, by the names of their files (.npy).
     """
 
     name: str
@@ -59,13 +58,13 @@ class Campaign:
         """
         if first < 0:
             raise InputError("seed", expected="0 or more", got=first)
-        if "seeds" not in self.tables["sweep"]:  # a surface from a file
+        sweep = self.tables["sweep"]
+        if "seeds" not in sweep:  # a surface from a file
             return self
-        count = self.tables["sweep"]["seeds"]
-        if not isinstance(count, int):
+        if not isinstance(count := sweep["seeds"], int):
             raise InputError(f"seeds of {self.name}", expected="a number of surfaces", got=count)
-        sweep = {**self.tables["sweep"], "seeds": list(range(first, first + count))}
-        return replace(self, tables={**self.tables, "sweep": sweep})
+        seeds = list(range(first, first + count))
+        return replace(self, tables={**self.tables, "sweep": {**sweep, "seeds": seeds}})
 
 
 @dataclass(frozen=True)
@@ -103,6 +102,12 @@ def waves(side: int, roll_off: float, cutoff: float = 4.0, **more: float) -> dic
     return {**shape, "hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **more}
 
 
+def scanned(side: int, spacing: float, unit: str, hurst: float, **more: float) -> dict[str, Any]:
+    """Return the table of a square surface of waves with lengths, as a scan has."""
+    shape = {"kind": "spectral", "shape": [side, side], "spacing": [spacing], "unit": unit}
+    return {**shape, "hurst": hurst, **more}
+
+
 def hold(duration: float, **more: Any) -> dict[str, Any]:
     """Return the table of a hold."""
     return {"kind": "hold", "duration": duration, **more}
@@ -123,14 +128,11 @@ def after_waits(
 ) -> dict[str, Any]:
     """Return the tables of a hold for each waiting time, a step as in a leg, and a hold; times over waits.
 
-    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep. The duration
-    of the second hold is over the waiting time.
+    Creep t_w times as fast for a time of 1 is creep for t_w: waiting times are factors on creep.
     """
+    legs = [hold(1.0), {"kind": "step", **step}, hold(duration)]
     factors = {f"protocol.{leg}.mobility": waits for leg in (0, 2)}
-    return {
-        "protocol": [hold(1.0), {"kind": "step", **step}, hold(duration)],
-        "sweep": zipped(surfaces, **factors),
-    }
+    return {"protocol": legs, "sweep": zipped(surfaces, **factors)}
 
 
 @dataclass(frozen=True)
@@ -154,23 +156,15 @@ class Home:
         if folder.exists() and not folder.is_dir():
             raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
         if folder.exists() and any(folder.iterdir()) and not (folder / self.inside / "seed").is_file():
-            raise InputError(
-                "--out",
-                expected=f"a new folder, or that of {self.owner}",
-                got=f"{folder}, which holds something else and is kept",
-                advice="another name",
-            )
+            got = f"{folder}, which holds something else and is kept"
+            raise _other_folder(f"a new folder, or that of {self.owner}", got)
 
     def claim(self, folder: Path, seed: int) -> None:
         """Mark the folder as one of this seed, or find that it is another's, of other surfaces."""
         mark = folder / self.inside / "seed"
         if mark.exists() and (other := mark.read_text(encoding="utf-8").strip()) != str(seed):
-            raise InputError(
-                "--out",
-                expected=f"a new folder, or that of {self.owner} with this seed",
-                got=f"{folder}, which is that of --seed {other}",
-                advice="another name",
-            )
+            got = f"{folder}, which is that of --seed {other}"
+            raise _other_folder(f"a new folder, or that of {self.owner} with this seed", got)
         with whole_file(mark) as part:
             part.write_text(f"{seed}\n", encoding="utf-8")
 
@@ -183,18 +177,21 @@ class Home:
             lock.acquire(blocking=False)
         except Timeout as error:
             kind = self.owner.removeprefix("a ").removeprefix("the ")
-            raise InputError(
-                "--out",
-                expected="a folder that nothing is at work on",
-                got=f"{folder}, which another {kind} is writing",
-                advice="waiting, or another name",
-            ) from error
+            expected, got = (
+                "a folder that nothing is at work on",
+                f"{folder}, which another {kind} is writing",
+            )
+            raise _other_folder(expected, got, "waiting, or another name") from error
         except OSError as error:
             raise OutputError(f"cannot write {folder / self.inside}: {error.strerror or error}") from error
         try:
             yield
         finally:
             lock.release()
+
+
+def _other_folder(expected: str, got: str, advice: str = "another name") -> InputError:
+    return InputError("--out", expected=expected, got=got, advice=advice)
 
 
 @contextmanager
@@ -234,8 +231,7 @@ def run_campaigns(
     for one in prepared:
         before = asp.campaign.tally(one.plan, one.folder)
         # A finished campaign is swept too, which takes no time: its folder may hold another plan.
-        silent = watch is None or before.done == before.total
-        with nullcontext() if silent or watch is None else watch(one) as progress:
+        with nullcontext() if watch is None or before.done == before.total else watch(one) as progress:
             now = asp.campaign.sweep(
                 one.plan,
                 one.folder,

@@ -15,19 +15,13 @@ from asperity_research.arrays import Field
 
 @dataclass(frozen=True)
 class Evidence:
-    """The finished campaigns of a study, or of a reproduction.
-
-    Attributes
-    ----------
-    folder
-        Where they lie, one folder each.
-    """
+    """The finished campaigns of a study, or of a reproduction, one folder each."""
 
     folder: Path
     _opened: dict[str, xr.Dataset] = field(default_factory=dict, compare=False, repr=False)
 
     def __getitem__(self, study: str) -> xr.Dataset:
-        """Return the Dataset of a study, as `asperity.app.campaign.open` gives it.
+        """Return the Dataset of a campaign, as `asperity.app.campaign.open` gives it.
 
         Scans count as seeds: each is a sample of the surface.
         """
@@ -42,11 +36,11 @@ class Evidence:
         return campaign.fields(self.folder / study, **where)
 
     def values(self, study: str, name: str) -> list[float]:
-        """Return the values of a swept parameter."""
+        """Return the values of a swept parameter, or the times."""
         return [float(value) for value in self[study][name].values]
 
     def sites(self, study: str) -> float:
-        """Return the nominal area of a study of one size, in sites."""
+        """Return the nominal area of a campaign of one size, in sites."""
         return float(self[study]["sites"].max())
 
     def samples(self, study: str, name: str, **where: float) -> Field:
@@ -54,8 +48,7 @@ class Evidence:
 
         What is left of the parameters and the time follows in the order of the Dataset.
         """
-        chosen = self[study][name].sel(where)
-        return np.asarray(chosen.transpose("seed", ...), dtype=np.float64)
+        return _seeds_first(self[study][name].sel(where))
 
     def waits(self, study: str, name: str = "area") -> Iterator[tuple[float, Around]]:
         """Give each waiting time of a campaign of `campaigns.after_waits`, and a quantity around the step."""
@@ -67,16 +60,10 @@ class Evidence:
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """A quantity before and after a step, which is the second leg, on all surfaces.
+    """A quantity around a step, which is the second leg, on all surfaces.
 
-    Attributes
-    ----------
-    time
-        Since the step; 0 is just after it; shape (n,).
-    first, before
-        The quantity at the beginning and just before the step, shape (surfaces,).
-    after
-        After it, shape (surfaces, n).
+    Time since the step, 0 just after it, shape (n,); the quantity at the beginning and just before the step,
+    shape (surfaces,); and after it, (surfaces, n).
     """
 
     time: Field
@@ -87,7 +74,11 @@ class Around:
     @classmethod
     def step(cls, runs: xr.Dataset, name: str = "area") -> Around:
         """Read it from runs that differ in their seeds only."""
-        values = np.asarray(runs[name].transpose("seed", ...), dtype=np.float64)
+        values = _seeds_first(runs[name])
         leg, time = (runs[key].values.reshape(-1, values.shape[1])[0] for key in ("leg", "time"))
         since, held = leg >= 1, np.flatnonzero(leg == 0)[-1]
         return cls(time[since] - time[held], values[:, 0], values[:, held], values[:, since])
+
+
+def _seeds_first(values: xr.DataArray) -> Field:
+    return np.asarray(values.transpose("seed", ...), dtype=np.float64)

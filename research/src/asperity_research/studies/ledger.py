@@ -33,14 +33,8 @@ class Verdict(StrEnum):
 class Measurement:
     """One number of a claim, and the range in which it bears the claim out.
 
-    Attributes
-    ----------
-    what
-        What was measured, in words; plain text with the tags i, sub and sup of HTML.
-    estimate
-        The number with its 95 % interval; without one (`exact`) where nothing is random.
-    low, high
-        The range; infinite where it has one side only.
+    What was measured, in plain text with the tags i, sub and sup of HTML; the number with its 95 % interval,
+    or without one (`exact`) where nothing is random; and the range, infinite where it has one side only.
     """
 
     what: str
@@ -78,24 +72,10 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Finding:
-    """A line of the ledger.
+    """A line of the ledger: a claim, in our words, and where in the literature it stands.
 
-    Attributes
-    ----------
-    key
-        A short name.
-    place
-        Where in the paper the claim stands.
-    claim
-        The claim, in our words.
-    measured
-        The numbers that decide it as it stands.
-    corrected
-        The numbers that decide it once corrected (`correction`), if it has to be; empty otherwise.
-    correction
-        What the correction is.
-    note
-        What a reader should know to judge the verdict: true whichever it is.
+    The numbers that decide it as it stands and, if it has to be corrected, once it is; what the correction
+    is; and what a reader should know to judge the verdict, true whichever it is.
     """
 
     key: str
@@ -154,8 +134,7 @@ def together(measured: Sequence[Measurement]) -> Verdict:
 
 def exact(value: float) -> Estimate:
     """Return a number in which nothing is random, as an estimate."""
-    number, none = (np.asarray(one, dtype=np.float64)[()] for one in (value, 0.0))
-    return Estimate(number, none, number, number, runs=1)
+    return estimate(value, 0.0, value, value, runs=1)
 
 
 def proportion(count: int, runs: int) -> Estimate:
@@ -163,6 +142,10 @@ def proportion(count: int, runs: int) -> Estimate:
     found = binomtest(count, runs)
     ends = found.proportion_ci(0.95, method="exact")
     share = found.statistic
-    numbers = (share, math.sqrt(share * (1 - share) / runs), ends.low, ends.high)
-    value, stderr, low, high = (np.asarray(one, dtype=np.float64)[()] for one in numbers)
-    return Estimate(value, stderr, low, high, runs)
+    return estimate(share, math.sqrt(share * (1 - share) / runs), ends.low, ends.high, runs)
+
+
+def estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
+    """Return an estimate of these numbers."""
+    found, error, least, most = (np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high))
+    return Estimate(found, error, least, most, runs)

@@ -14,7 +14,7 @@ and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -71,9 +71,9 @@ def equal_compliance(share: float, times: tuple[float, ...] = _TIMES) -> PronySe
     return from_retardation(1.0, [(share, time) for time in times])
 
 
-def equal_modulus(share: float, times: tuple[float, ...] = _TIMES) -> PronySeries:
+def equal_modulus(share: float) -> PronySeries:
     """E = 1 less a share at every one of the relaxation times."""
-    return PronySeries(1.0, tuple((share, time) for time in times))
+    return PronySeries(1.0, tuple((share, time) for time in _TIMES))
 
 
 _COMPLIANCES, _MODULI = (0.01, 0.02, 0.03, 0.1), (0.01, 0.02, 0.05)
@@ -134,10 +134,7 @@ def straightness(time: Field, growth: Field) -> float:
 
 
 def share_for(shares: Field, slopes: Field, wanted: float = WANTED) -> float:
-    """Share a decade at which B has a value: ln B linear in ln share between neighbors.
-
-    Shares, increasing, and B at them, increasing too, of shape (n,).
-    """
+    """Share a decade at which B has a value: ln B linear in ln share between neighbors, both increasing."""
     return float(np.exp(np.interp(math.log(wanted), np.log(slopes), np.log(shares))))
 
 
@@ -152,61 +149,62 @@ def predicted(loads: Field, areas: Field, series: PronySeries, time: Field) -> F
     return np.exp([np.interp(at, np.log(loads), one) for one in ratios])
 
 
-def _growth(evidence: Evidence, name: str, **where: float) -> tuple[Field, Field]:
-    """Times and A/A(0), one row a seed."""
-    folder = name.replace(".", "_")
-    area = evidence.samples(folder, "area", **where)
-    return np.asarray(evidence[folder]["time"].values, dtype=np.float64), area / area[:, :1]
+def _growth(evidence: Evidence, name: str, **where: float) -> Field:
+    """A/A(0), one row a seed."""
+    area = evidence.samples(name.replace(".", "_"), "area", **where)
+    return area / area[:, :1]
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Find B and the straightness of all relaxations, and the share for a given B."""
-    elastic = evidence["elastic"]
-    loads = np.asarray(elastic["load"].values, dtype=np.float64)
-    areas = evidence.samples("elastic", "area")[..., 0]
+    loads, areas = np.array(evidence.values("elastic", "load")), evidence.samples("elastic", "area")[..., 0]
+    time = np.array(evidence.values("loads", "time"))
     rows: list[dict[str, Any]] = []
-    curves, grown, straight, ratios = [], {}, {}, {}
+    curves, grown, straight, ratios, wanted = [], {}, {}, {}, {}
 
-    def noted(number: str, relaxation: str, at: float, found: Estimate) -> Estimate:
+    def over(one: Field, other: Field) -> float:
+        return rate(time, one) / rate(time, other)
+
+    def noted(
+        number: str, relaxation: str, at: float, statistic: Callable[..., float], *samples: Field
+    ) -> Estimate:
+        found = jackknife(statistic, samples)
         row = {"number": number, "relaxation": relaxation, "at": at}
         rows.append(row | columns("value", found, shared=True) | {"runs": found.runs})
         return found
 
     for name, relaxing in RELAXATIONS.items():
-        time, growth = _growth(evidence, name)
-        grown[name] = growth
-        bent = jackknife(partial(straightness, time), growth)
-        straight[name] = noted("straightness", name, relaxing.share, bent)
-        noted("B", name, relaxing.share, jackknife(partial(rate, time), growth))
+        growth, share = _growth(evidence, name), relaxing.share
         forecast = predicted(loads / loads[0], areas, relaxing.series, time)
-        if not math.isnan(relaxing.share):
-            over = jackknife(partial(_over, time), (growth, forecast))
-            ratios[relaxing.what] = noted("B over prediction", name, relaxing.share, over)
+        grown[name] = growth
+        straight[name] = noted("straightness", name, share, partial(straightness, time), growth)
+        noted("B", name, share, partial(rate, time), growth)
+        if not math.isnan(share):
+            ratios[relaxing.what] = noted("B over prediction", name, share, over, growth, forecast)
         course = {"relaxation": name, "time": time, "growth": growth.mean(axis=0)}
         course |= {"predicted": forecast.mean(axis=0), "compliance": relaxing.series.compliance_at(time)}
         curves.append(pd.DataFrame(course))
-    wanted = {}
     for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
-        samples = tuple(grown[f"{kind}_{share:g}"] for share in shares)
-        found = jackknife(partial(_share_wanted, time, np.array(shares)), samples)
-        wanted[kind] = noted("share for B = 0.01", kind, WANTED, found)
+        samples = (grown[f"{kind}_{share:g}"] for share in shares)
+        share_of = partial(_share_wanted, time, np.array(shares))
+        wanted[kind] = noted("share for B = 0.01", kind, WANTED, share_of, *samples)
     near = loads <= 2.001 * loads[0]
-    exponent = jackknife(lambda some: power(loads[near], some.mean(axis=0)[near]), areas)
-    noted("d ln A/d ln F", "elastic", _PRESSURE, exponent)
-    by_load = [_growth(evidence, "loads", load=load)[1] for load in evidence["loads"]["load"].values.tolist()]
+    elastic = partial(_exponent, loads[near])
+    noted("d ln A/d ln F", "elastic", _PRESSURE, elastic, areas[:, near])
+    by_load = [_growth(evidence, "loads", load=load) for load in evidence.values("loads", "load")]
     for pressure, growth in zip(_PRESSURES, by_load, strict=True):
-        noted("B of a load", _OF_LOADS, pressure, jackknife(partial(rate, time), growth))
-    of_loads = jackknife(partial(_over, time), (by_load[-1], by_load[0]))
+        noted("B of a load", _OF_LOADS, pressure, partial(rate, time), growth)
+    of_loads = jackknife(over, (by_load[-1], by_load[0]))
     findings = tuple(_findings(straight, ratios, wanted, of_loads))
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
 
 
-def _over(time: Field, one: Field, other: Field) -> float:
-    return rate(time, one) / rate(time, other)
-
-
 def _share_wanted(time: Field, shares: Field, *grown: Field) -> float:
     return share_for(shares, np.array([rate(time, one) for one in grown]))
+
+
+def _exponent(loads: Field, areas: Field) -> float:
+    return power(loads, areas.mean(axis=0))
 
 
 def _findings(
@@ -215,25 +213,23 @@ def _findings(
     wanted: Mapping[str, Estimate],
     of_loads: Estimate,
 ) -> Iterator[Finding]:
+    here, what = "this study", "slope in the last two decades over that in the first two"
     for key, words in (
         ("one_time", "one relaxation time"),
         ("power", "a compliance like a power of time"),
         ("modulus", "equal parts of the modulus in each decade"),
         ("compliance", "equal parts of compliance in each decade"),
     ):
-        numbers = {
-            f"slope in the last two decades over that in the first two: {RELAXATIONS[name].what}": bent
-            for name, bent in straight.items()
-            if name.startswith(key)
-        }
+        own = {name: bent for name, bent in straight.items() if name.startswith(key)}
+        numbers = {f"{what}: {RELAXATIONS[name].what}": bent for name, bent in own.items()}
         claim = f"With {words} the area grows like a logarithm over six decades"
-        yield Finding.within(STRAIGHT, key, "this study", claim, numbers)
+        yield Finding.within(STRAIGHT, key, here, claim, numbers)
     proportional = math.log(10) * WANTED
     ends = 0.8 * proportional, 1.2 * proportional
     share = "share of {} in each decade that gives <i>B</i> = 0.01".format
     numbers = {share(kind): found for kind, found in wanted.items()}
     claim = "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth"
-    yield Finding.within(ends, "share", "this study", claim, numbers)
+    yield Finding.within(ends, "share", here, claim, numbers)
     numbers = {f"<i>B</i> over that from <i>J</i>(<i>t</i>): {what}": over for what, over in ratios.items()}
     claim = "B follows from the compliance and the elastic area against load"
     yield Finding.within((0.95, 1.05), "prediction", "Lee and Radok 1960", claim, numbers)
@@ -248,6 +244,7 @@ _LOOKS = {
     "compliance_0.1": ("compliance, 0.1", "o", style.INK),
     "compliance_0.03": ("compliance, 0.03", "D", style.INK),
 }
+_KINDS = {"compliance": ("o", style.INK, "compliance"), "modulus": ("s", style.BLUE, "modulus")}
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -261,9 +258,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
     left.set(xscale="log", xlabel=r"time $t$", ylabel=r"area $A/A(0)$")
     left.legend(fontsize=7, loc="upper left")
-    for kind, mark, color in (("compliance", "o", style.INK), ("modulus", "s", style.BLUE)):
-        own = numbers[(numbers["number"] == "B") & numbers["relaxation"].str.startswith(kind)]
-        style.points(right, own, "at", "value", mark, color, label=kind, linewidth=None)
+    rates = numbers[numbers["number"] == "B"]
+    rates = rates.assign(kind=rates["relaxation"].str.partition("_")[0])
+    style.families(right, rates, "kind", "at", "value", _KINDS, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
     right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
     right.axhline(WANTED, color="0.7", linewidth=0.8)

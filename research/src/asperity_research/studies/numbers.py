@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,17 @@ from asperity_research.arrays import Field
 
 def mean(sample: Field) -> Estimate:
     """Return the mean over surfaces, the first axis of a sample."""
-    return jackknife(lambda some: some.mean(axis=0), sample)
+    return mean_of(lambda some: some, sample)
+
+
+def mean_of(statistic: Callable[..., float | Field], *samples: Field) -> Estimate:
+    """Estimate a statistic of means over surfaces, the first axis of each sample."""
+    return jackknife(lambda *some: statistic(*(one.mean(axis=0) for one in some)), samples)
+
+
+def ratio(one: Field, other: Field) -> Estimate:
+    """Estimate the ratio of two means over surfaces."""
+    return mean_of(lambda a, b: a / b, one, other)
 
 
 def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[str, Any]:
@@ -24,6 +35,11 @@ def columns(name: str, found: Estimate | None, *, shared: bool = False) -> dict[
     head = "" if shared else f"{name}_"
     ends = (found.value, found.low, found.high) if found is not None else (math.nan,) * 3
     return dict(zip((name, f"{head}low", f"{head}high"), ends, strict=True))
+
+
+def all_columns(**found: Estimate | None) -> dict[str, Any]:
+    """Return the columns of several numbers."""
+    return {key: end for name, one in found.items() for key, end in columns(name, one).items()}
 
 
 def slope(time: Field, values: Field, first: float = 0.0, last: float = math.inf) -> float:

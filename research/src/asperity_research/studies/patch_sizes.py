@@ -28,6 +28,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -107,16 +108,10 @@ def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Cam
 
 @dataclass(frozen=True)
 class Law:
-    """A law of sizes that was fitted.
+    """A law of sizes that was fitted: tau, or a of the lognormal law, and 1/s_c or b.
 
-    Attributes
-    ----------
-    exponent
-        tau, or a of the lognormal law.
-    second
-        1/s_c or b; 0 where the likelihood is greatest without that factor.
-    likelihood
-        Mean over the patches of the logarithm of p(s).
+    The second is 0 where the likelihood, the mean over the patches of the logarithm of p(s), is greatest
+    without that factor.
     """
 
     exponent: float
@@ -138,15 +133,9 @@ def fit(means: Field, support: Field) -> Law:
         norm = float(logsumexp(exponent))
         return float(theta @ wanted) + norm, wanted - scaled @ np.exp(exponent - norm)
 
+    how: dict[str, Any] = {"method": "L-BFGS-B", "options": {"ftol": 1e-15, "gtol": 1e-11}}
     bounds = [(None, None), (0.0, None)][: len(means)]
-    found = minimize(
-        lack,
-        np.zeros(len(means)),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=bounds,
-        options={"ftol": 1e-15, "gtol": 1e-11},
-    )
+    found = minimize(lack, np.zeros(len(means)), jac=True, bounds=bounds, **how)
     exponent, second = [*(found.x / unit), 0.0][:2]
     return Law(float(exponent), float(second), -float(found.fun))
 
@@ -173,13 +162,10 @@ def _moments(sizes: Field) -> Field:
 
 
 def sums_of(sizes: NDArray[np.int64]) -> Field:
-    """Sums over the patches of one surface.
+    """Sums over the patches of one surface, shape (6,).
 
-    Returns
-    -------
-    ndarray, shape (6,)
-        Number of those of SMALLEST sites and more, sums of ln s, s and ln(s)^2 over these; sums of s and s^2
-        over all.
+    The number of those of SMALLEST sites and more, sums of ln s, s and ln(s)^2 over these; sums of s and s^2
+    over all.
     """
     fitted = sizes[sizes >= SMALLEST].astype(np.float64)
     return np.array([fitted.size, *_moments(fitted).sum(axis=1), sizes.sum(), (sizes**2).sum()], dtype=float)
@@ -191,17 +177,10 @@ def overlap(heights: Field, sites: int) -> NDArray[np.bool_]:
 
 
 def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Field, int]:
-    """By how much each patch has grown from one map to another.
+    """Sizes of patches before, and by how many sites each has grown from map to map, shape (patches,).
 
-    Returns
-    -------
-    ndarray of int, shape (patches,)
-        Their sizes before.
-    ndarray, shape (patches,)
-        By how many sites each has grown, below 0 where it has shrunk.
-    int
-        Sites of patches that share none with a patch before. With these the growths add up to the change of
-        the area.
+    And the sites of patches that share none with a patch before: with these the growths add up to the change
+    of the area.
     """
     links = link_patches(before, after)
     one, other = (links.pairs - 1).T
@@ -344,7 +323,11 @@ def _ratio(sample: Field) -> Field:
 
 
 _KINDS = {"contact": "o-", "overlap": "s:"}
-_LOOKS = {"half_space": ("D", style.SKY), "conserved": ("^", style.VERMILION), "viscous": ("o", style.INK)}
+_LOOKS = {
+    "half_space": ("D-", style.SKY, "half-space"),
+    "conserved": ("^-", style.VERMILION, "conserved"),
+    "viscous": ("o-", style.INK, "viscous"),
+}
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -369,10 +352,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
     exponent.tick_params(axis="x", which="minor", labelbottom=False)
     exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
-    for name, own in tables["growth"].groupby("solid", sort=False):
-        mark, color = _LOOKS[str(name)]
-        label = str(name).replace("_", "-")
-        style.points(held, own[own["from"] > 0], "from", "growth", f"{mark}-", color, label=label)
+    grown = tables["growth"][tables["growth"]["from"] > 0]
+    style.families(held, grown, "solid", "from", "growth", _LOOKS)
     held.axhline(0.0, color="0.7", linewidth=0.8)
     held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
     held.set_yscale("symlog", linthresh=0.5)

@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 from scipy.constants import Boltzmann
 
 from asperity.figures import Drawing
-from asperity.fits import jackknife
+from asperity.fits import Estimate, jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.studies.campaigns import Campaign
+from asperity_research.studies.campaigns import Campaign, scanned
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, power, slope
+from asperity_research.studies.numbers import all_columns, columns, power, slope
 from asperity_research.studies.study import Outcome, Study
 
 SHEAR_VOLUME = 8.2e-27 * 0.078**0.6
@@ -72,6 +72,15 @@ def energy(hardness: float) -> float:
     return float(f"{thermal * math.log(PREFACTOR / (2 * _INDENTED)) + hardness * VOLUME:.4g}")
 
 
+ACTIVATED = {
+    "creep": "eyring",
+    "creep_energy": energy(4e8),
+    "creep_volume": float(f"{VOLUME:.4g}"),
+    "creep_prefactor": PREFACTOR,
+    "temperature": ROOM,
+}
+"""Flow under a hardness of 0.4 GPa, as keys of a solid."""
+
 _FAMILIES: Mapping[str, tuple[str, tuple[float, ...]]] = {
     "hardness": ("creep_energy", tuple(energy(one) for one in _HARDNESSES)),
     "temperature": ("temperature", _TEMPERATURES),
@@ -81,27 +90,13 @@ _FAMILIES: Mapping[str, tuple[str, tuple[float, ...]]] = {
 
 
 def _campaigns(surfaces: int) -> Iterator[Campaign]:
+    surface = scanned(
+        _SIDE, _SPACING, "um", 0.8, roll_off=_SIDE * _SPACING / 2, cutoff=8 * _SPACING, rms_slope=0.5
+    )
     for name, (parameter, values) in _FAMILIES.items():
         tables = {
-            "surface": {
-                "kind": "spectral",
-                "shape": [_SIDE, _SIDE],
-                "spacing": [_SPACING],
-                "unit": "um",
-                "hurst": 0.8,
-                "roll_off": _SIDE * _SPACING / 2,
-                "cutoff": 8 * _SPACING,
-                "rms_slope": 0.5,
-            },
-            "solid": {
-                "kind": "half_space",
-                "modulus": MODULUS,
-                "creep": "eyring",
-                "creep_energy": energy(4e8),
-                "creep_volume": float(f"{VOLUME:.4g}"),
-                "creep_prefactor": PREFACTOR,
-                "temperature": ROOM,
-            },
+            "surface": surface,
+            "solid": {"kind": "half_space", "modulus": MODULUS, **ACTIVATED},
             "contact": {"pressure": PRESSURE},
             "aging": {"first": 1.0, "last": 1e5, "per_decade": 4, "rtol": 5e-3},
             "output": {"maps_at": []},
@@ -143,8 +138,7 @@ def analyse(evidence: Evidence) -> Outcome:
     rows: list[dict[str, Any]] = []
     courses, shares, grown = [], {}, {}
     for family, (parameter, _) in _FAMILIES.items():
-        time = np.asarray(evidence[family]["time"].values, dtype=np.float64)
-        values = evidence.values(family, parameter)
+        time, values = np.array(evidence.values(family, "time")), evidence.values(family, parameter)
         grown[family] = tuple(evidence.samples(family, "area", **{parameter: value}) for value in values)
         for value, area in zip(values, grown[family], strict=True):
             kelvin = value if parameter == "temperature" else ROOM
@@ -156,7 +150,7 @@ def analyse(evidence: Evidence) -> Outcome:
             }
             shares[family, value] = found["share"]
             row = {"family": family, "at": value, "s0": stress, "runs": area.shape[0]}
-            rows.append(row | {key: one for name in found for key, one in columns(name, found[name]).items()})
+            rows.append(row | all_columns(**found))
             course = {"family": family, "at": value, "time": time, "area": area.mean(axis=0) / _SIDE**2}
             courses.append(pd.DataFrame(course))
     both = jackknife(partial(rate_at, time, HARDNESS), grown["hardness"])
@@ -164,43 +158,35 @@ def analyse(evidence: Evidence) -> Outcome:
     rows.append({"family": "B = 0.02", "at": WANTED[1], **columns("pressure", softest), "runs": both.runs})
     growing = jackknife(partial(_power, time, np.array(_TEMPERATURES)), grown["temperature"])
     rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])
-    findings = (
-        Finding.within(
-            WANTED,
-            "friction",
-            "Baumberger and Caroli 2006",
-            "B of a contact with the activation volume of PMMA is that of its friction",
-            {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": at_hardness},
-        ),
-        Finding.within(
-            (0.8, 1.2),
-            "flow",
-            "this study",
-            "Contacts that flow bear all of the load: B is s0/s within a fifth",
-            {
-                f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
-                for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
-            },
-        ),
-        Finding.within(
-            (0.8, 1.2),
-            "temperature",
-            "this study",
-            "B is in proportion to the temperature",
-            {"power of <i>T</i> in <i>B</i>, 250 to 350 K": growing},
-        ),
-        Finding.within(
-            (0.8, 1.2),
-            "roughness",
-            "this study",
-            "Where contacts flow, B does not depend on the roughness",
-            {f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}": rough},
-        ),
-    )
+    findings = tuple(_findings(at_hardness, shares, growing, rough))
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
 
 
-_LOOKS = {"hardness": ("o", style.INK), "temperature": ("s", style.VERMILION), "roughness": ("D", style.BLUE)}
+def _findings(
+    at_hardness: Estimate, shares: Mapping[tuple[str, float], Estimate], growing: Estimate, rough: Estimate
+) -> Iterator[Finding]:
+    here, near = "this study", (0.8, 1.2)
+    claim = "B of a contact with the activation volume of PMMA is that of its friction"
+    numbers = {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": at_hardness}
+    yield Finding.within(WANTED, "friction", "Baumberger and Caroli 2006", claim, numbers)
+    claim = "Contacts that flow bear all of the load: B is s0/s within a fifth"
+    numbers = {
+        f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
+        for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
+    }
+    yield Finding.within(near, "flow", here, claim, numbers)
+    numbers = {"power of <i>T</i> in <i>B</i>, 250 to 350 K": growing}
+    yield Finding.within(near, "temperature", here, "B is in proportion to the temperature", numbers)
+    claim = "Where contacts flow, B does not depend on the roughness"
+    numbers = {f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}": rough}
+    yield Finding.within(near, "roughness", here, claim, numbers)
+
+
+_LOOKS = {
+    "hardness": ("o", style.INK, "hardness varied"),
+    "temperature": ("s", style.VERMILION, "temperature varied"),
+    "roughness": ("D", style.BLUE, "roughness varied"),
+}
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -218,9 +204,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     left.yaxis.set_minor_formatter("{x:g}")
     left.legend(title="hardness", fontsize=7, title_fontsize=7)
     numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
-    for family, (mark, color) in _LOOKS.items():
-        rows = numbers[numbers["family"] == family]
-        style.points(right, rows, "x", "B", mark, color, label=f"{family} varied", linewidth=None)
+    style.families(right, numbers, "family", "x", "B", _LOOKS, linewidth=None)
     ends = np.array([0.0, 1.1 * numbers["x"].max()])
     right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
     right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")

@@ -64,30 +64,21 @@ _HELD = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf}
 _SPRINGS = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0}
 _WHITE = {"kind": "gaussian", "shape": [96, 96]}
 
+
+def _half_space(words: str, branches: list[list[float]], *moves: float) -> Solid:
+    return Solid(f"half-space with {words}", _HELD | {"branches": branches}, 0.5, steps=moves)
+
+
+def _lattice(words: str, *moves: float, **mobilities: float) -> Solid:
+    return Solid(f"lattice of springs, {words}", _SPRINGS | mobilities, 2.5, steps=moves)
+
+
 _SOLIDS = {
-    name: Solid(words, solid, 0.5 if "modulus" in solid else 2.5, steps=moves)
-    for name, words, solid, moves in (
-        (
-            "logarithm",
-            "half-space with a modulus that falls like ln t",
-            _HELD | {"branches": _LOGARITHMIC},
-            (0.1, 0.2),
-        ),
-        (
-            "power",
-            "half-space with a modulus that falls like a power of t",
-            _HELD | {"branches": _POWER},
-            (0.1,),
-        ),
-        ("one_time", "half-space with one relaxation time, 10", _HELD | {"branches": [[0.75, 10.0]]}, (0.1,)),
-        ("conserved", "lattice of springs, conserved creep (R = 1)", _SPRINGS | {"R": 1.0}, (0.05, 0.1)),
-        (
-            "viscous",
-            "lattice of springs, viscous creep (R_viscous = 1, R = 0)",
-            _SPRINGS | {"R": 0.0, "R_viscous": 1.0},
-            (0.1,),
-        ),
-    )
+    "logarithm": _half_space("a modulus that falls like ln t", _LOGARITHMIC, 0.1, 0.2),
+    "power": _half_space("a modulus that falls like a power of t", _POWER, 0.1),
+    "one_time": _half_space("one relaxation time, 10", [[0.75, 10.0]], 0.1),
+    "conserved": _lattice("conserved creep (R = 1)", 0.05, 0.1, R=1.0),
+    "viscous": _lattice("viscous creep (R_viscous = 1, R = 0)", 0.1, R=0.0, R_viscous=1.0),
 }
 """By name, with the separation at first, and by how much they are brought apart."""
 
@@ -141,16 +132,14 @@ def _runs(evidence: Evidence) -> pd.DataFrame:
             each = zip(seeds, forces.after, forces.before, forces.first, strict=True)
             for seed, force, before, first in each:
                 fall = float(before - force[0]) / float(first)
-                rows.append(
-                    {
-                        **{"solid": name, "move": move, "waiting": waiting, "seed": seed},
-                        "before": float(before / first),
-                        "released": float(force[0] / first),
-                        "greatest": float(force[1:].max() / first),
-                        "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
-                        "superposed": superposed(series, waiting, fall) if branches else math.nan,
-                    }
-                )
+                found = {
+                    "before": float(before / first),
+                    "released": float(force[0] / first),
+                    "greatest": float(force[1:].max() / first),
+                    "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
+                    "superposed": superposed(series, waiting, fall) if branches else math.nan,
+                }
+                rows.append({"solid": name, "move": move, "waiting": waiting, "seed": seed} | found)
     return pd.DataFrame(rows)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -58,8 +58,7 @@ class Simulated:
 class About:
     """Where a report comes from: effort, command, what was simulated, version and date.
 
-    Seconds are those of all runs together, and from the last start of the command to its end; NaN where
-    unknown.
+    Seconds of all runs together, and from the last start of the command to its end; NaN where unknown.
     """
 
     effort: str
@@ -89,8 +88,21 @@ class About:
         return sum(one.runs for one in self.studies)
 
 
-def templates(package: str, **more: Any) -> jinja2.Environment:
-    """Return the pages of a package, with the filters of `typeset`, and what more they know."""
+def write_report(
+    folder: Path,
+    package: str,
+    pages: Sequence[str],
+    findings: Sequence[Finding],
+    *,
+    spelled: Callable[[str], Markup] = rich,
+    **facts: Any,
+) -> Path:
+    """Write ``ledger.csv``, and pages of findings and facts by the templates of a package; return the last.
+
+    The pages come after all that they link to: where they stand, it is there. ``spelled`` makes HTML of a
+    text. `OutputError` if the disk refused; every file that stands is whole.
+    """
+    write_table(folder, "ledger", _ledger_table(findings))
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(package, "templates"),
         autoescape=jinja2.select_autoescape(),
@@ -100,15 +112,17 @@ def templates(package: str, **more: Any) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {
-        "rich": rich,
+        "rich": spelled,
         "plain": plain,
         "number": number,
         "interval": interval,
         "duration": duration,
         "file_name": lambda path: Path(path).name,
     }
-    environment.globals |= {"bounds": bounds, "Verdict": Verdict, **more}
-    return environment
+    environment.globals |= {"bounds": bounds, "Verdict": Verdict, "findings": findings, **facts}
+    for name in pages:
+        write_text(folder / name, environment.get_template(name).render())
+    return folder / pages[-1]
 
 
 def write_text(path: Path, text: str) -> None:
@@ -148,7 +162,7 @@ def file_name(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")
 
 
-def ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
+def _ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
     """Return the ledger with one row a measurement, in plain text and full precision."""
     return pd.DataFrame(
         {

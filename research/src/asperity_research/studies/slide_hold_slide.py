@@ -36,7 +36,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, mean
+from asperity_research.studies.numbers import all_columns, columns, mean, mean_of
 from asperity_research.studies.sliding import (
     HALF_SPACE,
     LATTICE,
@@ -154,16 +154,10 @@ class Records:
             ends = [steady_area(one, leg) for leg in slides]
             slow = np.mean(ends[: -len(VELOCITIES)])
             steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
-            unit = float(one["friction"].values[0] / one["area"].values[0] * slow)
-            record = friction.Record.of_displacement(
-                one["time"].values,
-                one["displacement"].values,
-                one["friction"].values / unit,
-                strength_at_rest=True,
-                a=0.0,
-                si=False,
-            )
-            records.append(record)
+            time, place, force = (one[name].values for name in ("time", "displacement", "friction"))
+            over = force / float(force[0] / one["area"].values[0] * slow)
+            of = friction.Record.of_displacement
+            records.append(of(time, place, over, strength_at_rest=True, a=0.0, si=False))
         return cls(solid, load / _SIDE**2, records, np.array(steady))
 
     @property
@@ -207,19 +201,10 @@ class Records:
             found = friction.compare_state_laws(self.records, events=events)
             for law, estimates in found.estimates.items():
                 fit = found.fits[law]
-                rows.append(
-                    {
-                        "solid": self.solid,
-                        "load": self.load,
-                        "events": events,
-                        "law": law,
-                        **columns("b", estimates["b"]),
-                        **columns("D_c", estimates["D_c"]),
-                        "determined": fit.determined,
-                        "misfit": float(np.sqrt(np.mean(fit.residual**2))),
-                        "runs": found.runs,
-                    }
-                )
+                head = {"solid": self.solid, "load": self.load, "events": events, "law": law}
+                misfit = float(np.sqrt(np.mean(fit.residual**2)))
+                how = {"determined": fit.determined, "misfit": misfit, "runs": found.runs}
+                rows.append(head | all_columns(b=estimates["b"], D_c=estimates["D_c"]) | how)
         return rows
 
     def points(self) -> pd.DataFrame:
@@ -266,7 +251,7 @@ def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Find
     aging, same = "Dieterich 1979", (0.8, 1.25)
     claim = "Static friction grows with the logarithm of the hold time"
     what = "growth in the last decade over that in the first"
-    numbers = each(what, lambda one: jackknife(_bend, one.rest))
+    numbers = each(what, lambda one: mean_of(_bend, one.rest))
     yield Finding.within(same, "logarithm", aging, claim, numbers)
     claim = "The aging law describes rests and steps of the velocity by one b and one D_c"
     numbers = each("explained part of the variance", Records.explained)
@@ -286,8 +271,7 @@ def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Find
 
 def _bend(rest: Field) -> float:
     """Growth in the last decade of hold time over that in the first."""
-    mean = rest.mean(axis=0)
-    return float((mean[-1] - mean[-2]) / (mean[1] - mean[0]))
+    return float((rest[-1] - rest[-2]) / (rest[1] - rest[0]))
 
 
 def _slips(name: str, data: xr.Dataset) -> Slips:
@@ -306,6 +290,7 @@ def _slips(name: str, data: xr.Dataset) -> Slips:
     return Slips(name, np.array(lengths), tuple(excesses), slip_of_memory)
 
 
+_COLORS = {"waves_lattice": style.INK, "longest": style.INK, "waves_half_space": style.BLUE}
 _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^", "waves_half_space": "s"}
 
 
@@ -321,22 +306,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         shown = values[values["what"] == what].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
-            style.points(
-                axis,
-                part,
-                "at",
-                "value",
-                f"{_MARKS[str(solid)]}-",
-                style.INK if solid == "lattice" else style.BLUE,
-                markerfacecolor=None if heavy else "white",
-                label=f"{str(solid).replace('_', '-')}, load {load:g}",
-            )
+            color = style.INK if solid == "lattice" else style.BLUE
+            look: dict[str, Any] = {"label": f"{str(solid).replace('_', '-')}, load {load:g}"}
+            look["markerfacecolor"] = None if heavy else "white"
+            style.points(axis, part, "at", "value", f"{_MARKS[str(solid)]}-", color, **look)
         axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
     rest.legend(fontsize=7)
-    for name, part in slips.groupby("family", sort=False):
-        color = style.BLUE if name == "waves_half_space" else style.INK
-        label = FAMILIES[str(name)]
-        style.points(memory, part, "length", "slip", f"{_MARKS[str(name)]}-", color, label=label)
+    looks = {name: (f"{_MARKS[name]}-", _COLORS[name], words) for name, words in FAMILIES.items()}
+    style.families(memory, slips, "family", "length", "slip", looks)
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)

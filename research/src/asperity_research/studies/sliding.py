@@ -59,16 +59,8 @@ def correlation_length(roll_off: float, cutoff: float, shape: tuple[int, ...] = 
 class Slips:
     """What a rest adds to the area of surfaces of several correlation lengths, and the slip that forgets it.
 
-    Attributes
-    ----------
-    name
-        Of the family.
-    length
-        Correlation lengths, sites, shape (n,).
-    excess
-        At slips of 0, 1, 2 and so on; for each length, shape (surfaces, slips).
-    slip
-        Reads the slip off the mean excess.
+    Correlation lengths in sites, shape (n,); for each the excess at slips of 0, 1, 2 and so on, shape
+    (surfaces, slips); and what reads the slip off the mean excess.
     """
 
     name: str

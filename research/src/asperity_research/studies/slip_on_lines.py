@@ -47,14 +47,10 @@ Waves = tuple[tuple[float, float], ...]
 """Longest and shortest wavelengths."""
 
 _ALL = ((64.0, 16.0), (128.0, 32.0), (256.0, 64.0))
+_LONGEST = ((64.0, 32.0), (128.0, 32.0), (256.0, 32.0))
 FAMILIES: Mapping[str, tuple[str, str, Waves, str]] = {
     "line_half_space": ("all waves longer, half-space", "half_space", _ALL, "s-"),
-    "line_longest": (
-        "only the longest waves longer, half-space",
-        "half_space",
-        ((64.0, 32.0), (128.0, 32.0), (256.0, 32.0)),
-        "^-",
-    ),
+    "line_longest": ("only the longest waves longer, half-space", "half_space", _LONGEST, "^-"),
     "line_lattice": ("all waves longer, lattice of springs", "lattice", _ALL, "o-"),
 }
 """By name: words, solid, longest and shortest wavelengths, and marks."""
@@ -94,13 +90,7 @@ def slip_to_one_over_e(excess: Field) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Lines(Slips):
-    """All lines of one family.
-
-    Attributes
-    ----------
-    patch
-        Mean length of a contact by site, before the rest, one array for each length, shape (lines,).
-    """
+    """All lines of one family; for each length the mean length of a contact by site, before the rest."""
 
     slip: Callable[[Field], float] = slip_to_one_over_e
     patch: tuple[Field, ...] = ()
@@ -158,9 +148,8 @@ def findings(every: list[Lines]) -> Iterator[Finding]:
 
 def draw(ax: Axes, table: pd.DataFrame) -> None:
     """Draw D_c against the correlation length."""
-    for name, own in table.groupby("family", sort=False):
-        words, solid, _, mark = FAMILIES[str(name)]
-        style.points(ax, own, "length", "slip", mark, SOLIDS[solid][2], label=words)
+    looks = {name: (mark, SOLIDS[solid][2], words) for name, (words, solid, _, mark) in FAMILIES.items()}
+    style.families(ax, table, "family", "length", "slip", looks)
     ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
     for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
         axis.set_ticks(marks, [f"{mark}" for mark in marks])

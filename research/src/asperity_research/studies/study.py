@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import tomli_w
@@ -21,14 +22,7 @@ from asperity.base.checks import instance
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.report import (
-    About,
-    ledger_table,
-    templates,
-    write_drawing,
-    write_table,
-    write_text,
-)
+from asperity_research.studies.report import About, write_drawing, write_report, write_table, write_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +104,6 @@ def conclude(
     about = About.of(evidence, prepared, "quick" if quick else "full", command)
     outcome = study.analyse(evidence)
     write_drawing(folder, "figure", study.draw(outcome.tables))
-    write_table(folder, "ledger", ledger_table(outcome.findings))
     for name, table in outcome.tables.items():
         write_table(folder / "data", name, table)
     origin = {
@@ -124,6 +117,6 @@ def conclude(
         "cpu_seconds": round(about.run_seconds),
     }
     write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
-    page = templates("asperity_research.studies", study=study, origin=origin, outcome=outcome, about=about)
-    write_text(folder / "report.md", page.get_template("report.md").render())
-    return Concluded(folder / "report.md", outcome)
+    facts: dict[str, Any] = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
+    page = write_report(folder, "asperity_research.studies", ["report.md"], outcome.findings, **facts)
+    return Concluded(page, outcome)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,7 @@ from asperity.fits import Estimate
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
-from asperity_research.studies.ledger import Finding, proportion
+from asperity_research.studies.ledger import Finding, estimate, proportion
 from asperity_research.studies.numbers import mean, slope
 from asperity_research.studies.study import Outcome, Study
 
@@ -28,7 +28,9 @@ RATIOS = (0.2, 0.5)
 """Load after the step over that before."""
 
 _BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
-_COATED = {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
+_FILM = {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
+_COATED = _FILM | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES}
+_SPRINGS = {"k0": 1.0, "k1": 3.0}
 _WAITS = (5.0, 30.0, 200.0)
 _END = 1e4
 _MOST = 0.1
@@ -41,20 +43,12 @@ SOLIDS = {
         0.05,
         (10.0,),
     ),
-    "coated": Solid(
-        "elastic film on a half-space that relaxes",
-        _COATED | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES},
-        0.05,
-        (10.0,),
-    ),
+    "coated": Solid("elastic film on a half-space that relaxes", _COATED, 0.05, (10.0,)),
     "conserved": Solid(
-        "lattice of springs, creep that conserves the mean (R)", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.2, _WAITS
+        "lattice of springs, creep that conserves the mean (R)", _SPRINGS | {"R": 1.0}, 0.2, _WAITS
     ),
     "viscous": Solid(
-        "lattice of springs, viscous creep (R_viscous)",
-        {"k0": 1.0, "k1": 3.0, "R": 0.0, "R_viscous": 1.0},
-        0.2,
-        _WAITS,
+        "lattice of springs, viscous creep (R_viscous)", _SPRINGS | {"R": 0.0, "R_viscous": 1.0}, 0.2, _WAITS
     ),
 }
 """The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
@@ -65,20 +59,21 @@ SEPARABLE = ("half_space",)
 
 def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
     """Return the campaigns, one for each solid: so many surfaces, of so many sites along a side."""
-    return tuple(_campaign(name, solid, surfaces, side) for name, solid in SOLIDS.items())
+    return tuple(_campaigns(surfaces, side))
 
 
-def _campaign(name: str, solid: Solid, surfaces: int, side: int) -> Campaign:
-    loads = [ratio * (solid.load * side**2) for ratio in RATIOS]
-    return solid.campaign(
-        name,
-        "Area after a fall of the load",
-        waves(side, side / 2, rms_slope=1.0),
-        aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
-        protocol=[hold(solid.waits[0]), {"kind": "step", "load": loads[0]}, hold(_END)],
-        output={},
-        sweep={WAIT: list(solid.waits), LOAD: loads, "seeds": surfaces},
-    )
+def _campaigns(surfaces: int, side: int) -> Iterator[Campaign]:
+    for name, solid in SOLIDS.items():
+        loads = [ratio * (solid.load * side**2) for ratio in RATIOS]
+        yield solid.campaign(
+            name,
+            "Area after a fall of the load",
+            waves(side, side / 2, rms_slope=1.0),
+            aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
+            protocol=[hold(solid.waits[0]), {"kind": "step", "load": loads[0]}, hold(_END)],
+            output={},
+            sweep={WAIT: list(solid.waits), LOAD: loads, "seeds": surfaces},
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +90,6 @@ class After:
     area: Field
 
     @property
-    def head(self) -> dict[str, object]:
-        """What it is of, as columns."""
-        return {"solid": self.solid, "waiting_time": self.wait, "load_ratio": self.ratio}
-
-    @property
     def depth(self) -> Field:
         """Lost area over the area just after the step, one a surface."""
         return np.asarray(1 - self.area.min(axis=1) / self.area[:, 0])
@@ -107,33 +97,27 @@ class After:
     @property
     def log_time(self) -> Field:
         """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
-        middle = np.full(len(self.area), np.nan)
-        for row, area in enumerate(self.area):
-            at = self.time[area == area.min()]
-            if at[0] > 0:
-                middle[row] = np.log(at[[0, -1]]).mean()
-        return middle
+        at = [self.time[area == area.min()] for area in self.area]
+        return np.array([np.log(some[[0, -1]]).mean() if some[0] > 0 else math.nan for some in at])
 
-    def row(self) -> dict[str, object]:
-        """Return depth and time of the minimum."""
+    def tables(self) -> tuple[dict[str, object], pd.DataFrame]:
+        """Return depth and time of the minimum, a row; and the mean area over that just after the step."""
+        head = {"solid": self.solid, "waiting_time": self.wait, "load_ratio": self.ratio}
         depth, log_time = self.depth, self.log_time[np.isfinite(self.log_time)]
-        lost, time = mean(depth), mean(log_time) if log_time.size else None
-        return self.head | {
+        lost, time = mean(depth), mean(log_time) if log_time.size else _UNKNOWN
+        dip = head | {
             "surfaces": depth.size,
             "with_a_dip": int((depth > 0).sum()),
             "depth": float(lost.value),
             "depth_stderr": float(lost.stderr),
             "deepest": float(depth.max()),
-            "time_of_minimum": np.nan if time is None else float(np.exp(time.value)),
-            "log_time_stderr": np.nan if time is None else float(time.stderr),
+            "time_of_minimum": float(np.exp(time.value)),
+            "log_time_stderr": float(time.stderr),
             "area_after_step": float(self.area[:, 0].mean()),
         }
-
-    def curve(self) -> pd.DataFrame:
-        """Return the mean area over that just after the step."""
         relative = mean(self.area / self.area[:, :1])
         course = {"time": self.time, "area": relative.value, "area_stderr": relative.stderr}
-        return pd.DataFrame(self.head | course)
+        return dip, pd.DataFrame(head | course)
 
 
 def _after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
@@ -148,13 +132,11 @@ def _after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what is claimed of the area after a fall of the load."""
     found = {name: list(_after_the_step(evidence, name)) for name in SOLIDS}
-    every = [one for some in found.values() for one in some]
     early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
-    tables = {
-        "dips": pd.DataFrame([one.row() for one in every]),
-        "curves": pd.concat([one.curve() for one in every]),
-    }
-    return Outcome(tuple(_findings(found, early)), tables)
+    dips, curves = zip(*(one.tables() for some in found.values() for one in some), strict=True)
+    return Outcome(
+        tuple(_findings(found, early)), {"dips": pd.DataFrame(list(dips)), "curves": pd.concat(curves)}
+    )
 
 
 def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[Finding]:
@@ -176,11 +158,10 @@ def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[
     yield Finding.within(few, "any-linear-solid", place, claim, lost(separable=False), note)
     waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
     what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
+    by_ratio = {ratio: [one for one in early if one.ratio == ratio] for ratio in RATIOS}
     numbers = {
-        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(
-            [one for one in early if one.ratio == ratio]
-        )
-        for ratio in RATIOS
+        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(some)
+        for ratio, some in by_ratio.items()
     }
     place = "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)"
     claim = "The time of the minimum is proportional to the waiting time."
@@ -189,6 +170,9 @@ def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[
         "relaxation time of the longest waves of the surface; longer ones find it relaxed."
     )
     yield Finding.within((0.8, 1.2), "time-of-minimum", place, claim, numbers, note)
+
+
+_UNKNOWN = estimate(math.nan, math.nan, math.nan, math.nan, 0)
 
 
 def _surfaces_that_lose(every: list[After]) -> Estimate:
@@ -209,8 +193,7 @@ def _exponent(every: list[After]) -> Estimate:
     times = np.array([one.log_time for one in every] or [np.empty(0)])
     times = times[:, np.isfinite(times).all(axis=0)].T
     if wait.size < 2 or not len(times):
-        unknown = np.full((), np.nan)
-        return Estimate(unknown, unknown, unknown, unknown, len(times))
+        return replace(_UNKNOWN, runs=len(times))
     return mean(np.array([slope(wait, one) for one in times]))
 
 
@@ -252,10 +235,8 @@ UNLOADING = Study(
     full=campaigns(surfaces=64, side=32),
     analyse=analyse,
     draw=draw,
-    caption=(
-        "Left: area after the load has fallen, over that just after the step; mean over all surfaces. "
-        "Middle: lost area over the area just after the step. Right: time of the minimum, geometric mean "
-        "over the surfaces that have one. Bars: standard errors."
-    ),
+    caption="Left: area after the load has fallen, over that just after the step; mean over all surfaces. "
+    "Middle: lost area over the area just after the step. Right: time of the minimum, geometric mean "
+    "over the surfaces that have one. Bars: standard errors.",
     page="docs/studies/unloading.md",
 )

@@ -74,10 +74,9 @@ def over_seeds(
 ) -> pd.DataFrame:
     """Estimate a statistic of the surfaces for every value of the swept parameters of a study.
 
-    Of a variable with the dimension ``seed``; the statistic, as in `asperity.fits.jackknife`, keeps the
-    time, where there is one. The table has a row for each value of the swept parameters, and time: these,
-    the statistic as it is called, the ends ``_low`` and ``_high`` of its 95 % interval (NaN for one
-    surface), and ``seeds``, the number of surfaces. Values without a finished run have no row.
+    The statistic, as in `asperity.fits.jackknife`, keeps the time, where there is one. The table has a row
+    for each value of the swept parameters, and time: these, the statistic as it is called, the ends ``_low``
+    and ``_high`` of its 95 % interval, and ``seeds``. Values without a finished run have no row.
     """
     values = evidence[study][name]
     swept = [str(dim) for dim in values.dims if dim not in ("seed", "time")]

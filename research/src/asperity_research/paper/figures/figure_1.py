@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from asperity.base.words import power
 from asperity_research import style
 from asperity_research.arrays import Field
+from asperity_research.paper.figures.marks import mark
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
@@ -38,29 +40,16 @@ def figure_1(evidence: Evidence) -> PaperFigure:
 def _sites(fields: xr.Dataset) -> pd.DataFrame:
     """One row a site and state: r, xi, u, u0, and whether it is in contact."""
     heights = np.asarray(fields["heights"], dtype=np.float64)
-    above = np.full_like(heights, heights.max() + 0.12 * np.ptp(heights))
-    parts = [_state(_BEFORE, np.nan, heights, above, above, np.zeros(heights.shape, dtype=bool))]
+    above = heights.max() + 0.12 * np.ptp(heights)
+    site = {"r": np.arange(heights.size), "xi": heights}
+    free = {"u": above, "u0": above, "in_contact": False}
+    parts = [pd.DataFrame({"state": _BEFORE, "time": np.nan} | site | free)]
     times = np.asarray(fields["field_time"], dtype=np.float64)
     for index in sorted({0, len(times) - 1}):
         kept = fields.isel(field_time=index)
-        touching = np.asarray(kept["in_contact"], dtype=bool)
-        u, u0 = (np.asarray(kept[name], dtype=np.float64) for name in ("u", "u0"))
-        parts.append(_state(f"{times[index]:g}", times[index], heights, u, u0, touching))
+        held = {name: kept[name].values for name in ("u", "u0", "in_contact")}
+        parts.append(pd.DataFrame({"state": f"{times[index]:g}", "time": times[index]} | site | held))
     return pd.concat(parts, ignore_index=True)
-
-
-def _state(state: str, time: float, xi: Field, u: Field, u0: Field, touching: np.ndarray) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "state": state,
-            "time": time,
-            "r": np.arange(xi.size),
-            "xi": xi,
-            "u": u,
-            "u0": u0,
-            "in_contact": touching,
-        }
-    )
 
 
 def _drawn(sites: pd.DataFrame, states: list[str]) -> Figure:
@@ -109,24 +98,13 @@ def _draw_state(axes: Axes, here: pd.DataFrame, rest: float) -> None:
     axes.add_collection(LineCollection(lateral, colors="0.35", linewidths=0.8, zorder=4))
     axes.plot(r, anchors, "o", color="white", markeredgecolor=style.BLUE, markersize=4, zorder=5)
     axes.plot(r[~touching], u[~touching], "o", color=style.INK, markersize=4, zorder=6)
-    axes.plot(
-        r[touching],
-        u[touching],
-        "D",
-        color=style.VERMILION,
-        markeredgecolor=style.INK,
-        markersize=5,
-        zorder=7,
-    )
+    diamonds: dict[str, Any] = {"color": style.VERMILION, "markeredgecolor": style.INK, "markersize": 5}
+    axes.plot(r[touching], u[touching], "D", zorder=7, **diamonds)
     mean = float(anchors.mean())
     edge = len(r) + 0.1
     axes.plot([-0.5, edge + 0.6], [mean, mean], "--", color=style.INK, linewidth=0.8, zorder=4)
-    axes.annotate(
-        "",
-        xy=(edge, mean),
-        xytext=(edge, floor),
-        arrowprops={"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0},
-    )
+    arrow = {"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=(edge, mean), xytext=(edge, floor), arrowprops=arrow)
     axes.text(edge + 0.2, (mean + floor) / 2, r"$\overline{u^0}$", fontsize=_TEXT + 1, va="center")
 
 
@@ -156,36 +134,19 @@ def _name_symbols(axes: Axes, here: pd.DataFrame, rest: float) -> None:
         (r"$k_0$", (at - 0.5, level), (at - 0.5, low)),
         (r"$\xi(r)$", (at + 2, xi[(at + 2) % len(r)]), (at + 2, low)),
     ]
+    look: dict[str, Any] = {"fontsize": _TEXT + 1, "ha": "center", "zorder": 9}
+    look["arrowprops"] = {"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1, "shrinkB": 2}
     for text, point, place in named:
-        axes.annotate(
-            text,
-            xy=point,
-            xytext=place,
-            fontsize=_TEXT + 1,
-            ha="center",
-            va="bottom" if place[1] > point[1] else "top",
-            arrowprops={"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 1, "shrinkB": 2},
-            zorder=9,
-        )
+        side = "bottom" if place[1] > point[1] else "top"
+        axes.annotate(text, xy=point, xytext=place, va=side, **look)
 
 
 def _add_legend(figure: Figure) -> None:
-    figure.legend(
-        handles=[
-            _dot("o", "white", style.BLUE, "anchors $u^0$"),
-            _dot("o", style.INK, style.INK, "elastic surface $u$"),
-            _dot("D", style.VERMILION, style.INK, "in contact"),
-            Patch(color=_BAR, label=r"rigid rough surface $\xi$"),
-            Patch(color=_BULK, label="bulk"),
-        ],
-        loc="outside lower center",
-        ncols=5,
-        fontsize=_TEXT,
-        frameon=False,
-    )
-
-
-def _dot(marker: str, color: str, edge: str, label: str) -> Line2D:
-    return Line2D(
-        [], [], ls="", marker=marker, markersize=4.5, color=color, markeredgecolor=edge, label=label
-    )
+    handles = [
+        mark("o", "white", style.BLUE, "anchors $u^0$", 4.5),
+        mark("o", style.INK, style.INK, "elastic surface $u$", 4.5),
+        mark("D", style.VERMILION, style.INK, "in contact", 4.5),
+        Patch(color=_BAR, label=r"rigid rough surface $\xi$"),
+        Patch(color=_BULK, label="bulk"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize=_TEXT, frameon=False)

@@ -15,6 +15,7 @@ from asperity_research import style
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.numbers import all_columns
 
 _SLOPE = 0.5
 """The paper's beta, of q against the load."""
@@ -59,11 +60,8 @@ def _fit(evidence: Evidence, k1: float, load: float) -> EnsembleFit[SaturationFi
 
 
 def _numbers(fit: EnsembleFit[SaturationFit]) -> dict[str, float]:
-    row = {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)}
-    for name in _PARAMETERS:
-        found = fit.parameters[name]
-        row |= {name: float(found.value), f"{name}_low": float(found.low), f"{name}_high": float(found.high)}
-    return row
+    parameters = all_columns(**{name: fit.parameters[name] for name in _PARAMETERS})
+    return {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs), **parameters}
 
 
 def _draw(tables: Mapping[str, pd.DataFrame]) -> Figure:

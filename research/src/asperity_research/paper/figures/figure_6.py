@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -128,17 +129,14 @@ def _relative(axes: Axes, growth: pd.DataFrame) -> None:
     styles = _styles(growth)
     for at, ((load, size), (look, filled)) in enumerate(styles.items()):
         for _, part in growth[(growth["load"] == load) & (growth["size"] == size)].groupby("k1"):
-            axes.plot(
-                part["time"].to_numpy(np.float64),
-                part["area_ratio"].to_numpy(np.float64),
-                marker=look.marker,
-                markevery=(at, len(styles)),
-                color=look.color,
-                linewidth=0.6,
-                markersize=3.5,
-                markerfacecolor=look.color if filled else "white",
-                markeredgewidth=0.7,
-            )
+            face = {"markerfacecolor": look.color if filled else "white", "markeredgewidth": 0.7}
+            how: dict[str, Any] = {
+                "markevery": (at, len(styles)),
+                "linewidth": 0.6,
+                "markersize": 3.5,
+                **face,
+            }
+            axes.plot(part["time"], part["area_ratio"], marker=look.marker, color=look.color, **how)
 
 
 def _explain(axes: Axes, table: pd.DataFrame) -> None:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from scipy.special import stdtrit
@@ -17,7 +17,14 @@ from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, 
 from asperity.base.words import power, thousands
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.figures.marks import COLORS, draw_marks, show_lattice, site_side, width_in_words
+from asperity_research.paper.figures.marks import (
+    COLORS,
+    draw_marks,
+    mark,
+    show_lattice,
+    site_side,
+    width_in_words,
+)
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
@@ -78,20 +85,10 @@ def _statistics(seed: int, maps: ContactMaps, box: int) -> pd.DataFrame:
     rows = []
     for time, now in zip(maps.times, touching, strict=True):
         found, change = patches(now), turnover(touching[0], now)
-        rows.append(
-            {
-                "seed": seed,
-                "time": time,
-                "area": int(now.sum()),
-                "patches": found.count,
-                "mean_size": found.mean_size,
-                "largest": found.largest,
-                "gained_attached": change.gained_attached,
-                "gained_detached": change.gained_detached,
-                "lost": change.lost,
-                "dispersion": clustering(now, box),
-            }
-        )
+        row = {"seed": seed, "time": time, "area": int(now.sum()), "patches": found.count}
+        row |= {name: getattr(found, name) for name in ("mean_size", "largest")}
+        row |= {name: getattr(change, name) for name in ("gained_attached", "gained_detached", "lost")}
+        rows.append(row | {"dispersion": clustering(now, box)})
     return pd.DataFrame(rows)
 
 
@@ -150,17 +147,13 @@ def _counted(marked: pd.DataFrame) -> str:
 
 def _add_legend(figure: SubFigure) -> None:
     handles = [
-        _mark("s", COLORS[SiteState.KEPT], COLORS[SiteState.KEPT], "in contact then and at $t$ = 0"),
-        _mark("s", COLORS[SiteState.NEW], COLORS[SiteState.NEW], "new since $t$ = 0"),
-        _mark("o", "none", _LOST, "lost since $t$ = 0"),
+        mark("s", COLORS[SiteState.KEPT], COLORS[SiteState.KEPT], "in contact then and at $t$ = 0"),
+        mark("s", COLORS[SiteState.NEW], COLORS[SiteState.NEW], "new since $t$ = 0"),
+        mark("o", "none", _LOST, "lost since $t$ = 0"),
     ]
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3, fontsize=_TEXT, frameon=False, handletextpad=0.1
     )
-
-
-def _mark(marker: str, face: str, edge: str, label: str) -> Line2D:
-    return Line2D([], [], ls="", marker=marker, markersize=5, color=face, markeredgecolor=edge, label=label)
 
 
 def _draw_curves(figure: SubFigure, ensemble: pd.DataFrame, letter: str) -> None:
@@ -201,20 +194,17 @@ def _draw_curve(axes: Axes, curve: pd.DataFrame, quantity: str) -> None:
     place = _places(time)
     drawn = mean > 0
     axes.plot(place[drawn], mean[drawn], line, color=color, linewidth=1.0, zorder=2)
+    look: dict[str, Any] = {
+        "fmt": marker,
+        "color": color,
+        "markersize": 3.5,
+        "elinewidth": 0.9,
+        "capsize": 1.5,
+        "zorder": 3,
+    }
     for here, face in ((drawn & np.isfinite(time), color), (drawn & np.isinf(time), "white")):
-        axes.errorbar(
-            place[here],
-            mean[here],
-            yerr=None if np.isnan(error).all() else error[here],
-            fmt=marker,
-            color=color,
-            markerfacecolor=face,
-            markersize=3.5,
-            elinewidth=0.9,
-            capsize=1.5,
-            zorder=3,
-            label=label if face == color else "",
-        )
+        bars, said = None if np.isnan(error).all() else error[here], label if face == color else ""
+        axes.errorbar(place[here], mean[here], yerr=bars, markerfacecolor=face, label=said, **look)
 
 
 def _places(times: Field) -> Field:

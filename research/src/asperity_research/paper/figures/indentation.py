@@ -64,17 +64,10 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
     """Depth to which the lone asperity of the study ``point`` has sunk in, beside what theory says.
 
     The body comes down by the depth at time 0 and by its rigid approach since; with viscous creep the mean
-    of u0, which flows through the body, does not tell how far.
-
-    Returns
-    -------
-    DataFrame
-        For each ``k1``, ``R_viscous`` and ``time`` (k0 = R = 1): ``depth``, k0 u(0, t)/f0 as simulated;
-        ``lattice``, the closed form for the same periodic lattice, `asperity.theory.torus_compliance` with
-        what the mode q = 0 adds with viscous creep, R_viscous t / N0; ``deviation``, of ``depth`` from
-        ``lattice``, relative; ``plane``, the paper's G, for an endless lattice; ``sites``, N0; and whether
-        the point is to be ``drawn`` beside ``plane``: not at time 0, nor once the two closed forms have
-        differed by more than 1 %.
+    of u0, which flows through the body, does not tell how far. ``depth`` is k0 u(0, t)/f0 as simulated;
+    ``lattice`` the closed form for the same periodic lattice, with what the mode q = 0 adds with viscous
+    creep, R_viscous t / N0; ``plane`` the paper's G, for an endless lattice. A point is ``drawn`` beside it
+    but at time 0, and once the two closed forms have differed by more than 1 %.
     """
     dataset = evidence["point"]
     time = dataset["time"].to_numpy()

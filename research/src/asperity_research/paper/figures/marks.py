@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from asperity.analysis import SiteState
@@ -36,16 +39,14 @@ def draw_marks(axes: Axes, states: NDArray[np.int8], side: float) -> None:
         rows, columns = np.nonzero(states == state)
         if rows.size:
             # A color each and no snapping: else marks move to whole pixels, and gaps open between them.
-            axes.scatter(
-                columns,
-                rows,
-                s=side**2,
-                c=[color] * rows.size,
-                marker="s",
-                linewidths=0,
-                rasterized=True,
-                snap=False,
-            )
+            look: dict[str, Any] = {"marker": "s", "linewidths": 0, "rasterized": True, "snap": False}
+            axes.scatter(columns, rows, s=side**2, c=[color] * rows.size, **look)
+
+
+def mark(marker: str, face: str, edge: str, label: str, size: float = 5) -> Line2D:
+    """Return a mark for a legend."""
+    look: dict[str, Any] = {"color": face, "markeredgecolor": edge, "markersize": size}
+    return Line2D([], [], ls="", marker=marker, label=label, **look)
 
 
 def site_side(axes: Axes, sites: int) -> float:

@@ -94,11 +94,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         axis.set_ylabel(rf"time of {words} over $t_\mathrm{{w}}$")
         axis.set_ylim(top=axis.get_ylim()[1] * (1e3 if name == "growth" else 1))
         axis.legend(fontsize=6, ncols=2, loc="upper right")
-    for name, mark, color, label in (
-        ("rest", "o", style.INK, "at rest, B"),
-        ("steady", "s", style.BLUE, "in steady sliding, b"),
-    ):
-        style.points(rest, rests, "kT", name, mark, color, label=label, linewidth=None)
+    shared = {"linewidth": None}
+    style.points(rest, rests, "kT", "rest", "o", style.INK, label="at rest, B", **shared)
+    style.points(rest, rests, "kT", "steady", "s", style.BLUE, label="in steady sliding, b", **shared)
     rest.plot(rests["kT"], rests["s0_over_s"], "--", color="0.5", label="$s_0/s$")
     rest.set(xlabel="$kT$ over the activation volume", ylabel="friction per e-fold")
     rest.set(xlim=(0, None), ylim=(0, None))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from asperity_research.studies.activated_creep.steps import LOAD, PROPORTIONAL, 
 from asperity_research.studies.campaigns import Campaign, hold, slide, zipped
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, power
+from asperity_research.studies.numbers import all_columns, power
 from asperity_research.studies.sliding import before_shifts, steady_area
 
 TEMPERATURES = (0.015, 0.03, 0.06)
@@ -30,7 +30,7 @@ _VELOCITIES = (1.0, 1.0, 100.0, 0.01)
 def sliding(surfaces: int, temperatures: tuple[float, ...]) -> Campaign:
     """Return the campaign."""
     slides = [slide(*one) for one in zip(_SLIDES, _VELOCITIES, strict=True)]
-    solid = eyring_lattice("lattice of springs", temperatures[0], (), ())
+    solid = replace(eyring_lattice(temperatures[0]), what="lattice of springs")
     rates = [_PREFACTOR * math.exp(-_BARRIER / kT) for kT in temperatures]
     return solid.campaign(
         "sliding",
@@ -45,18 +45,10 @@ def sliding(surfaces: int, temperatures: tuple[float, ...]) -> Campaign:
 
 @dataclass(frozen=True, eq=False)
 class Rests:
-    """Slide, hold, slide at several temperatures.
+    """Slide, hold, slide at several temperatures: kT over the activation volume, shape (temperatures,).
 
-    Attributes
-    ----------
-    temperature
-        kT over the activation volume, shape (temperatures,).
-    time
-        At rest, shape (times,).
-    rest
-        Area at rest over that just before, shape (surfaces, temperatures, times).
-    steady
-        Area in steady sliding at each of `_VELOCITIES` but the first, shape (surfaces, temperatures, 3).
+    Times at rest, shape (times,); area then over that just before, shape (surfaces, temperatures, times); and
+    area in steady sliding at each of `_VELOCITIES` but the first, shape (surfaces, temperatures, 3).
     """
 
     temperature: Field
@@ -121,10 +113,7 @@ class Rests:
 
     def table(self) -> pd.DataFrame:
         """B at rest and in steady sliding, and s0/s, at each temperature."""
-        head = {
-            "kT": self.temperature,
-            "s0_over_s": self.temperature / self.force(self.steady, self.rest),
-            "surfaces": len(self.rest),
-        }
+        stress = self.temperature / self.force(self.steady, self.rest)
+        head = {"kT": self.temperature, "s0_over_s": stress, "surfaces": len(self.rest)}
         rest, steady = jackknife(self.growth, self.rest), jackknife(self.fall, self.steady)
-        return pd.DataFrame(head | columns("rest", rest) | columns("steady", steady))
+        return pd.DataFrame(head | all_columns(rest=rest, steady=steady))

@@ -19,7 +19,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -30,7 +29,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import columns, crossing, mean, slope, vertex
+from asperity_research.studies.numbers import all_columns, columns, crossing, mean, slope, vertex
 
 _STEPS = (1e-6, 1e-4, 1e-2, 1.0)
 _DECADES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
@@ -54,19 +53,25 @@ def _eyring(stress: float, stiffness: float) -> dict[str, Any]:
     return {"creep": "eyring", "creep_rate": stress / stiffness, "creep_stress": stress}
 
 
+def _springs(words: str, waits: tuple[float, ...], ratios: tuple[float, ...], **table: Any) -> Solid:
+    return Solid(words, _FLAT | table, LOAD, waits, ratios)
+
+
 def eyring_lattice(
-    words: str, stress: float, waits: tuple[float, ...], ratios: tuple[float, ...], k0: float = 1.0
+    stress: float, waits: tuple[float, ...] = (), ratios: tuple[float, ...] = (), k0: float = 1.0
 ) -> Solid:
-    """Return a lattice of springs with Eyring's law of this stress s0."""
-    return Solid(words, _FLAT | {"k0": k0} | _eyring(stress, 3.0), LOAD, waits, ratios)
+    """Return a lattice of springs, or a bed of them without k0, with Eyring's law of this stress s0."""
+    words = f"{'lattice of' if k0 else 'independent'} springs, s0 = {stress:g}"
+    return _springs(words, waits, ratios, k0=k0, **_eyring(stress, 3.0))
 
 
+_LOGARITHM = [[0.06, 10.0**decade] for decade in range(-7, 6)]
 SOLIDS = {
-    "lattice": eyring_lattice("lattice of springs, s0 = 0.05", 0.05, _DECADES, (0.2, 0.5)),
-    "lighter": eyring_lattice("lattice of springs, s0 = 0.05", 0.05, _STEPS, (0.8,)),
-    "cold": eyring_lattice("lattice of springs, s0 = 0.025", 0.025, _STEPS, (0.5,)),
-    "warm": eyring_lattice("lattice of springs, s0 = 0.1", 0.1, _STEPS, (0.5,)),
-    "bed": eyring_lattice("independent springs, s0 = 0.05", 0.05, _STEPS, (0.5,), k0=0.0),
+    "lattice": eyring_lattice(0.05, _DECADES, (0.2, 0.5)),
+    "lighter": eyring_lattice(0.05, _STEPS, (0.8,)),
+    "cold": eyring_lattice(0.025, _STEPS, (0.5,)),
+    "warm": eyring_lattice(0.1, _STEPS, (0.5,)),
+    "bed": eyring_lattice(0.05, _STEPS, (0.5,), k0=0.0),
     "half_space": Solid(
         "half-space in series with creep, s0 = 0.05",
         _HALF_SPACE | _eyring(0.05, 1.0),
@@ -74,11 +79,11 @@ SOLIDS = {
         _STEPS,
         (0.5, 0.8),
     ),
-    "viscous": Solid("linear lattice, R_viscous = 1/3", _FLAT | {"R_viscous": 1 / 3}, LOAD, _LINEAR, (0.2,)),
-    "conserved": Solid("linear lattice, R = 1", _FLAT | {"R": 1.0}, LOAD, _LINEAR, (0.2,)),
+    "viscous": _springs("linear lattice, R_viscous = 1/3", _LINEAR, (0.2,), R_viscous=1 / 3),
+    "conserved": _springs("linear lattice, R = 1", _LINEAR, (0.2,), R=1.0),
     "logarithm": Solid(
         "linear half-space, E(t) like ln t",
-        _HALF_SPACE | {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]},
+        _HALF_SPACE | {"branches": _LOGARITHM},
         LOAD,
         (1e-3, 1e-2, 0.1, 1.0),
         (0.5,),
@@ -112,16 +117,14 @@ RISE = 1.03
 PROPORTIONAL = (0.8, 1.2)
 """Powers of the waiting time that bear out that a time is proportional to it."""
 
-
 Reading = Callable[[Field, Field], float]
-"""What is read off times and areas, shapes (n,)."""
+"""What is read off times since the step, the first 0, and areas, shape (n,)."""
 
 
 def time_of_minimum(time: Field, area: Field) -> float:
     """Time at which an area is smallest: that of the parabola in ln t through it and its neighbors.
 
-    Times since the step, the first 0, and areas, shape (n,). NaN where the area does not fall by a part
-    `FELL`, or is smallest at the end.
+    NaN where the area does not fall by a part `FELL`, or is smallest at the end.
     """
     at = int(np.argmin(area))
     if area[at] > (1 - FELL) * area[0] or at == area.size - 1:
@@ -130,7 +133,7 @@ def time_of_minimum(time: Field, area: Field) -> float:
 
 
 def time_of_growth(time: Field, area: Field) -> float:
-    """Time at which an area first exceeds the smallest one so far by 3 %; times and areas as above."""
+    """Time at which an area first exceeds the smallest one so far by 3 %."""
     over = area / np.minimum.accumulate(area)
     at = int(np.argmax(over > RISE))
     if not over[at] > RISE:
@@ -140,22 +143,10 @@ def time_of_growth(time: Field, area: Field) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """All histories of a load that falls: one solid, one ratio of loads.
+    """All histories of a load that falls: one solid, one ratio of the load after the step over that before.
 
-    Attributes
-    ----------
-    name, ratio
-        Of the solid; load after the step over that before.
-    wait
-        Waiting times, shape (waits,).
-    load
-        Before the step.
-    time
-        Since the step, over the waiting time; 0 is just after it.
-    before
-        Area just before the step, shape (surfaces, waits).
-    area
-        Area after it, shape (surfaces, waits, times).
+    Waiting times, shape (waits,); the load before the step; times since the step over the waiting time, of
+    which the first is 0; areas before it, shape (surfaces, waits), and after it, (surfaces, waits, times).
     """
 
     name: str
@@ -170,9 +161,8 @@ class Steps:
     def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
         """Read them from a campaign."""
         wait, some = zip(*evidence.waits(f"{name}_{ratio:g}"), strict=True)
-        before, area = (
-            np.stack(one, axis=1) for one in zip(*((a.before, a.after) for a in some), strict=True)
-        )
+        before = np.stack([one.before for one in some], axis=1)
+        area = np.stack([one.after for one in some], axis=1)
         return cls(name, ratio, np.array(wait), LOAD * SIDE**2, some[0].time, before, area)
 
     @property
@@ -232,12 +222,10 @@ class Steps:
 
     def rows(self) -> pd.DataFrame:
         """Return areas, lost area and times, a row each waiting time."""
-        times = {
-            name: jackknife(partial(self.times, of), self.area)
-            for name, of in (("minimum", time_of_minimum), ("growth", time_of_growth))
-        }
-        logarithms = columns("minimum", times["minimum"]) | columns("growth", times["growth"])
-        logarithms["growth_estimated"] = self.estimated(self.before, self.area)
+        logarithms = all_columns(
+            minimum=jackknife(partial(self.times, time_of_minimum), self.area),
+            growth=jackknife(partial(self.times, time_of_growth), self.area),
+        ) | {"growth_estimated": self.estimated(self.before, self.area)}
         areas = {
             "waiting_time": self.wait,
             "surfaces": len(self.area),
@@ -249,14 +237,13 @@ class Steps:
 
     def powers(self) -> dict[str, object]:
         """Return the lost area and the powers of the waiting time."""
-        found = {
-            "depth": self.deepest(),
-            "minimum": self.power(time_of_minimum),
-            "growth": self.power(time_of_growth),
-            "estimated": self.estimated_power(),
-        }
-        ends = [columns(name, one).items() for name, one in found.items()]
-        return self.head | {"surfaces": len(self.area)} | dict(chain(*ends))
+        head = self.head | {"surfaces": len(self.area)}
+        return head | all_columns(
+            depth=self.deepest(),
+            minimum=self.power(time_of_minimum),
+            growth=self.power(time_of_growth),
+            estimated=self.estimated_power(),
+        )
 
     def curves(self) -> pd.DataFrame:
         """Return the mean area over that just after the step, for each waiting time."""
@@ -285,8 +272,7 @@ def findings(every: list[Steps]) -> Iterator[Finding]:
     numbers = deepest(in_series=True)
     yield Finding.within((-math.inf, FELL), "series", "the proof on this page", claim, numbers)
     claim = "With activated creep beside permanent springs, the area falls before it rises"
-    numbers = deepest(in_series=False)
-    note = "The largest over the waiting times."
+    numbers, note = deepest(in_series=False), "The largest over the waiting times."
     yield Finding.within((FELL, math.inf), "falls", dillavou, claim, numbers, note)
     in_time = "power of the waiting time in the time of"
     claim = "The time of the minimum is proportional to the waiting time"

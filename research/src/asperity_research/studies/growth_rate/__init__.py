@@ -103,13 +103,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         part = ends[ends["load"] == value]
         over.plot(part["time"] * part["area"] ** 2, part["over_closed"], "-", color=color, label=f"{value:g}")
     over.axhline(END, color="0.7", linewidth=0.8)
-    over.set(
-        xscale="log",
-        xlim=(1e-7, 1e3),
-        ylim=(0.6, 1.03),
-        xlabel=r"$k_0 R t\,(A/N_0)^2$",
-        ylabel="area over closed form",
-    )
+    over.set(xscale="log", xlim=(1e-7, 1e3), ylim=(0.6, 1.03))
+    over.set(xlabel=r"$k_0 R t\,(A/N_0)^2$", ylabel="area over closed form")
     over.legend(title="load a site", fontsize=7, title_fontsize=7)
     for ax in (viscous, ratio, load, wave, side):
         ax.legend(fontsize=7)
@@ -120,8 +115,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 GROWTH_RATE = Study(
     name="growth-rate",
     question="How does the growth rate B depend on R_viscous/R, k1/k0, load, roughness and size?",
-    quick=campaigns(seeds=3),
-    full=campaigns(seeds=5, light=8),
+    quick=tuple(campaigns(seeds=3)),
+    full=tuple(campaigns(seeds=5, light=8)),
     analyse=analyse,
     draw=draw,
     caption="<i>B</i> = d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> for <i>k</i><sub>0</sub><i>Rt</i> from 10 to "

@@ -65,13 +65,9 @@ Key = tuple[str, str, float]
 """What is varied, on which surfaces or under which load, and its value."""
 
 
-def campaigns(*, seeds: int, light: int | None = None) -> tuple[Campaign, ...]:
-    """Return the campaigns, with so many surfaces each; where all loads are light, another number."""
-    return tuple(_campaigns(seeds, light or seeds))
-
-
-def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
-    sites = SIDE**2
+def campaigns(*, seeds: int, light: int | None = None) -> Iterator[Campaign]:
+    """Give the campaigns, with so many surfaces each; where all loads are light, another number."""
+    light, sites = light or seeds, SIDE**2
 
     def campaign(
         name: str,
@@ -105,9 +101,8 @@ def _campaigns(seeds: int, light: int) -> Iterator[Campaign]:
     several = "on surfaces of several Hurst exponents and shortest wavelengths"
     yield campaign("waves", several, sweep, side=_WAVE_SIDE, load=SIZE_LOAD, surface=rough)
     for side in SIZES[:-1]:
-        yield campaign(
-            f"side_{side}", f"on independent heights, {side} along a side", side=side, load=SIZE_LOAD
-        )
+        words = f"on independent heights, {side} along a side"
+        yield campaign(f"side_{side}", words, side=side, load=SIZE_LOAD)
     for side in _WAVE_SIZES:
         words = f"on surfaces with waves, {side} sites along a side"
         yield campaign(f"waves_{side}", words, side=side, load=SIZE_LOAD, surface=rough)
@@ -154,20 +149,9 @@ def closed_area(heights: theory.HeightLaw, load: float, time: Field, x1: float, 
 class Grown:
     """Areas of several surfaces against time, and those of the closed form.
 
-    Attributes
-    ----------
-    load
-        Load a site.
-    sites
-        Of the surface.
-    time
-        Reduced times k0 R t, the first of which is 0, shape (n,).
-    area
-        Shape (runs, n), as a part of all sites.
-    closed
-        The same by the dilute theory with the heights of each surface; NaN where it has none.
-    endless
-        The same on a surface without end, shape (n,).
+    Load a site; sites; reduced times k0 R t, the first of which is 0, shape (n,); areas as a part of all
+    sites, shape (runs, n); the same by the dilute theory with the heights of each surface, NaN where it has
+    none; and on a surface without end, shape (n,).
     """
 
     load: float
@@ -196,15 +180,15 @@ def _grown(evidence: Evidence, name: str, **at: float) -> Grown:
     tables = next(one.tables for one in campaigns(seeds=1) if one.name == name)
     surface, plotted = tables["surface"], math.prod(tables["surface"]["shape"])
     load = at.get("load", tables["contact"]["load"] / plotted)
-    dataset = evidence[name].sel(at | ({"load": load * plotted} if "load" in at else {}))
-    sites = int(dataset["sites"].max())
-    time = np.asarray(dataset["time"].values, dtype=np.float64)
-    area = dataset["area"].transpose("seed", "time").values.astype(np.float64) / sites
+    where = at | ({"load": load * plotted} if "load" in at else {})
+    sites = int(evidence[name].sel(where)["sites"].max())
+    time = np.array(evidence.values(name, "time"))
+    area = evidence.samples(name, "area", **where) / sites
     closed, endless = np.full_like(area, np.nan), np.full_like(time, np.nan)
     if surface["kind"] in HEIGHTS:
         numbers, rms = (at.get("k1", RATIO), at.get("R_viscous", 0.0)), surface.get("rms", 1.0)
         endless = closed_area(HEIGHTS[surface["kind"]][1](rms), load, time, *numbers)
-        for row, seed in enumerate(dataset["seed"].values.tolist()):
+        for row, seed in enumerate(evidence[name]["seed"].values.tolist()):
             law = _empirical(surface["kind"], math.isqrt(sites), rms, seed)
             closed[row] = closed_area(law, load, time, *numbers)
     return Grown(load, sites, time, area, closed, endless)
