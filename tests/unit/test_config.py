@@ -16,8 +16,7 @@ from asperity.app.cli.flags import flags_for, given
 from asperity.app.config.mistakes import ORDER, flag_of, models_of
 from asperity.app.config.models import (
     Aging,
-    Exponential,
-    Gaussian,
+    Independent,
     MeasuredSurface,
     Output,
     RunConfig,
@@ -252,8 +251,8 @@ def test_a_flag_for_another_measure_of_roughness_replaces_the_first(tmp_path: Pa
 @pytest.mark.parametrize(
     ("surface", "law"),
     [
-        (Gaussian(shape=[4, 6], rms=2.0), GaussianHeights(2.0)),
-        (Exponential(shape=[9], rms=0.5), ExponentialHeights(0.5)),
+        (Independent(shape=[4, 6], rms=2.0), GaussianHeights(2.0)),
+        (Independent(kind="exponential", shape=[9], rms=0.5), ExponentialHeights(0.5)),
         (SelfAffine(size=8), None),
         (Spectral(shape=[8, 4], spacing=[0.5, 0.25], unit="nm"), None),
     ],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 from asperity.errors import InputError, OutputError
@@ -31,6 +30,8 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 
 def try_writing(flag: str, target: Path, folder: Path) -> None:
     """Write and remove something: permissions do not tell of read-only disks and full quotas."""
+    import tempfile  # for which the help does not wait
+
     try:
         with tempfile.TemporaryDirectory(prefix=".asperity-", dir=folder):
             pass
