@@ -144,15 +144,27 @@ def data_size(count: float) -> str:
 
 
 def closest(word: str, known: Iterable[str]) -> str | None:
-    """Find the name that was probably meant; capital letters count as small ones. None if no name is close.
+    """Find the name that was probably meant: at most one letter in three is wrong, missing, or swapped.
 
-    Close is what has one wrong letter of three, or fewer.
+    Capital letters count as small ones. None if no name is that close.
     """
-    from difflib import get_close_matches  # for which the help does not wait
+    wanted, most = word.casefold(), len(word) // 3
+    near = [name for name in known if abs(len(word) - len(name)) <= most]  # others need not be compared
+    nearest, name = min(((_distance(wanted, name.casefold()), name) for name in near), default=(most + 1, ""))
+    return name if nearest <= most else None
 
-    folded = {name.casefold(): name for name in known}
-    near = get_close_matches(word.casefold(), folded, n=1, cutoff=0.66)
-    return folded[near[0]] if near else None
+
+def _distance(one: str, other: str) -> int:
+    """Count the letters to change, add, remove, or swap with their neighbors."""
+    before: list[int] = []
+    row = list(range(len(other) + 1))
+    for i, a in enumerate(one):
+        before, last, row = row, before, [i + 1]
+        for j, b in enumerate(other):
+            row.append(min(before[j + 1] + 1, row[j] + 1, before[j] + (a != b)))
+            if i and j and a == other[j - 1] and one[i - 1] == b:
+                row[-1] = min(row[-1], last[j - 1] + 1)
+    return row[-1]
 
 
 def reason_of(error: BaseException) -> str:

@@ -44,11 +44,18 @@ def compute_into(
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         check_free(out, overwrite=results.overwrite)  # again: hours may have passed
-        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        with folder_of_results(out, rows, results) as folder:
             save_within(found.dataset, folder)
-            (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
             remarks = write(found, folder) or ()
     tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
+
+
+@contextmanager
+def folder_of_results(out: Path, rows: Sequence[Row], results: Results) -> Iterator[Path]:
+    """The folder to write to, with a summary: it appears when all is written; what may be replaced goes."""
+    with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
+        yield folder
 
 
 @contextmanager

@@ -88,7 +88,7 @@ def infer(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
-    from asperity.app.cli.computing import place_beside, tell_results
+    from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
     from asperity.app.config.reading import read_tables
@@ -97,7 +97,6 @@ def infer(
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
     from asperity.progress import listener
-    from asperity.results.store import whole_folder
 
     libraries()
     check_free(out, overwrite=results.overwrite)
@@ -118,9 +117,9 @@ def infer(
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = inference_report(found, str(file))
         progress.stage("writing the results")
-        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        with folder_of_results(out, rows, results) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(found, folder, rows, source=file.name, command=typed)
+            write_inference(found, folder, source=file.name, command=typed)
     tell_results(rows, out, results)
 
 

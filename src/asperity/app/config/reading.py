@@ -29,19 +29,9 @@ _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
 
 
 def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
-    """Read a configuration, lay the flags over it, and check the whole.
+    """Read a configuration or the defaults, lay flags by section and key over it, and check the whole.
 
-    Parameters
-    ----------
-    path
-        TOML file, or None for the defaults. A relative path of a surface in it is relative to it.
-    flags
-        Values by section and key.
-
-    Raises
-    ------
-    ConfigError
-        With one line for each mistake.
+    A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
     """
     path = None if path is None else Path(path)
     return config_from({} if path is None else read_tables(path), flags, path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from pathlib import Path
 
 import xarray as xr
@@ -30,13 +29,6 @@ def records_at(
         return [read_record(path, columns=columns, strength_at_rest=strength_at_rest)]
     histories = _surfaces(path) if (path / "plan.json").exists() else [path]
     return [record_of(history, shear_strength=strength) for history in histories]
-
-
-def number_or_text(word: str | None) -> float | str | None:
-    """A flag's quantity: a number where it has no unit."""
-    with suppress(TypeError, ValueError):
-        return float(word or "")
-    return word
 
 
 def _surfaces(path: Path) -> list[xr.Dataset]:
