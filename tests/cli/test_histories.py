@@ -126,14 +126,8 @@ def test_units_of_legs_may_stand_apart() -> None:
 
 
 def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> None:
-    flags = (
-        "--leg",
-        "hold 1",
-        "--leg",
-        "slide distance=3 velocity=2",
-        "--leg",
-        "slide distance=2 velocity=inf",
-    )
+    legs = ("hold 1", "slide distance=3 velocity=2", "slide distance=2 velocity=inf")
+    flags = [word for leg in legs for word in ("--leg", leg)]
     status, _, error = asperity("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")
     assert status == 0, error
     data = results.load(tmp_path / "out")

@@ -37,17 +37,18 @@ class Quantity(float):
 
 HIGHEST = ROUGH.max() == ROUGH
 SEPARATED, HANGING = (asp.press(ROUGH, SOLID, separation=one) for one in (1.0, ROUGH.max() + 1))
-HEIGHTS = [
+HEIGHTS: list[Any] = [
     *(np.where(HIGHEST, np.nan, ROUGH), np.where(HIGHEST, np.inf, ROUGH), ROUGH + 1j),
     *(np.zeros((0, 4)), np.zeros((2, 2, 2)), 1.0, Quantity(3.0), 1e200 * ROUGH),
 ]
-LOADS = [
+LOADS: list[Any] = [
     *(-3.0, 1e-300, 1e308),
     xr.DataArray([[1.0, 2.0]], dims=["leg", "time"]),
     xr.Dataset({"load": 1.0}).load,
     *(np.timedelta64(3, "s"), np.float32("nan"), 10**400, 10**5000, [[1.0] * 1000], Quantity(3.0)),
 ]
-TIMES = [[1.0, 0.5], [1.0, 1.0], [-1.0, 1.0], [], [timedelta(hours=1)]]
+SOLIDS: list[Any] = [None, {}, ROUGH, Solid]
+TIMES: list[Any] = [[1.0, 0.5], [1.0, 1.0], [-1.0, 1.0], [], [timedelta(hours=1)]]
 WRONG: list[tuple[str, Callable[..., Any], list[dict[str, Any]]]] = [
     ("heights", partial(asp.press, solid=SOLID, load=1.0), [{"heights": one} for one in HEIGHTS]),
     ("load", partial(asp.press, ROUGH, SOLID), [{"load": one} for one in LOADS]),
@@ -56,7 +57,7 @@ WRONG: list[tuple[str, Callable[..., Any], list[dict[str, Any]]]] = [
         partial(asp.press, ROUGH, SOLID),
         [{"load": 1.0, "separation": 0.0}, {}],
     ),
-    ("solid", partial(asp.press, ROUGH, load=1.0), [{"solid": one} for one in (None, {}, ROUGH, Solid)]),
+    ("solid", partial(asp.press, ROUGH, load=1.0), [{"solid": one} for one in SOLIDS]),
     *(
         ("solver", call, [{"solver": one} for one in ("fast", asp.Multigrid, object())])
         for call in (

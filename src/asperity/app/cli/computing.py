@@ -5,18 +5,21 @@ from __future__ import annotations
 import hashlib
 import sys
 import time as clock
+import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from asperity.app.cli.opening import open_results
 from asperity.app.cli.options import Results
 from asperity.app.cli.output import check_free, save_within
 from asperity.app.cli.report import Row, aligned
 from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
+
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
+"""What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
 
 
 def compute_into(
@@ -82,3 +85,11 @@ def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
         sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
     if results.show:
         open_results(out)
+
+
+def open_results(out: Path) -> None:
+    """Open the page of a prediction or the picture of a run; where nothing can show it, say where it is."""
+    here = [found for name in _SHOWN for found in sorted(out.glob(f"{name}*")) if found.is_file()]
+    shown = next((path for path in here if path.suffix not in (".csv", ".toml")), out).resolve()
+    if not webbrowser.open(shown.as_uri()):
+        print(f"remark: nothing here opens {shown}", file=sys.stderr)

@@ -141,13 +141,12 @@ class SurfaceSection(Section):
             return found
         return Surface(found, provenance=self.model_dump(exclude={"edges"}))
 
-    def heights_or_surface(self) -> Heights | Surface:
+    def heights_or_surface(self) -> Any:
         """What the function of `asperity.surfaces` gives that is called like the kind."""
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        found: Heights | Surface = getattr(surfaces, self.kind)(lattice, **facts)
-        return found
+        return getattr(surfaces, self.kind)(lattice, **facts)
 
 
 class Independent(SurfaceSection):
