@@ -1,6 +1,5 @@
 """What a contact carries, as columns: in Python, files, flags, campaigns and predictions."""
 
-import csv
 import shlex
 from typing import Any
 
@@ -13,6 +12,7 @@ from asperity.app.config import config_from
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError
 from asperity.figures import carried_figure
+from tests.cli.conftest import rows_of
 from tests.refusals import refuses
 
 P = asp.protocols
@@ -93,8 +93,7 @@ def test_a_run_has_the_columns_and_says_them(history, tmp_path):
     data = asp.results.load(out)
     for name in NAMES:
         np.testing.assert_allclose(data[name], history.dataset[name], rtol=1e-6)
-    with (out / "aging.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(out / "aging.csv")
     assert [float(row["resistance_ohm"]) for row in rows] == data["resistance"].values.tolist()
     said = (out / "summary.txt").read_text("utf-8")
     assert "thermal resistance" in said
@@ -130,8 +129,7 @@ def test_a_prediction_shows_them(tmp_path):
     data = asp.results.load(out)
     assert (data["normal_stiffness"] > 0).all()
     assert "What the contact carries" in (out / "prediction.html").read_text("utf-8")
-    with (out / "history.csv").open(newline="") as stream:
-        row = next(csv.DictReader(stream))
+    row = rows_of(out / "history.csv")[0]
     assert float(row["resistance [ohm]"]) > 0
 
 

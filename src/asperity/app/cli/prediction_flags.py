@@ -129,7 +129,7 @@ def _shift(temperature: float | None, wanted: dict[str, Any]) -> float:
         expected, got = "an activation energy, or the constants of WLF", "both" if energy else "neither"
         raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
     if constants is not None:
-        return wlf(*constants, *kelvin)
+        return wlf(constants[0], constants[1], *kelvin)
     return arrhenius(_with_unit("--activation-energy", energy, "J/mol"), *kelvin)
 
 

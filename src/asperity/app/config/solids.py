@@ -35,7 +35,7 @@ from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
 
 if TYPE_CHECKING:  # these need scipy, for which the help does not wait
-    from asperity.relaxation import Fit, PronySeries
+    from asperity.relaxation import Fit
     from asperity.solids import Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
@@ -267,7 +267,7 @@ class Continuum(SolidSection):
             if len(self.young or [1]) > 1:
                 raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
             try:
-                self._series()
+                _ = self.fit
             except InputError as error:
                 raise ValueError(f"relaxation: {error}") from None
         return self
@@ -292,14 +292,10 @@ class Continuum(SolidSection):
         """What is assumed beyond the table."""
         return "" if self.fit is None else self.fit.assumed
 
-    def _series(self) -> PronySeries | None:
-        return None if self.fit is None else self.fit.series
-
     @property
     def maxwell(self) -> list[Branch]:
         """Shares and relaxation times of all branches."""
-        series = self._series()
-        return self.branches if series is None else list(series.branches)
+        return self.branches if (fit := self.fit) is None else list(fit.series.branches)
 
     @property
     def contact_modulus(self) -> float:
@@ -308,8 +304,7 @@ class Continuum(SolidSection):
 
         if self.modulus is not None:
             return self.modulus
-        series = self._series()
-        young = self.young or ([] if series is None else [series.modulus])
+        young = self.young or ([] if (fit := self.fit) is None else [fit.series.modulus])
         return contact_modulus(young, self.poisson or [])
 
     @property
@@ -334,8 +329,7 @@ class Continuum(SolidSection):
     @property
     def known(self) -> tuple[float, float] | None:
         """First and last time that a table knows of, or that are assumed beyond it; None without."""
-        series = self._series()
-        return None if series is None else series.span
+        return None if (fit := self.fit) is None else fit.series.span
 
     def resolved(self) -> Self:
         """The same solid with the branches and the modulus that a table gives."""
