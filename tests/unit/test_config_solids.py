@@ -175,7 +175,8 @@ def test_a_flag_switches_the_creep_of_a_file_off_or_to_another():
     solid |= {"creep_energy": 2e-19, "creep_volume": 5e-28, "creep_prefactor": 1.0}
     law: dict[str, object] = {"creep_rate": 2.0, "creep_stress": 3.0}
     norton = law | {"creep": "norton", "creep_exponent": 4.0}
-    for flags, left in (({"creep": "none"}, {}), (law, law | {"creep": "eyring"}), (norton, norton)):
+    none: dict[str, object] = {"creep": "none"}
+    for flags, left in ((none, {}), (law, law | {"creep": "eyring"}), (norton, norton)):
         found = config_from({"solid": solid}, {"solid": flags}, None).solid.model_dump(exclude_none=True)
         assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left
 

@@ -16,10 +16,8 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
     replaced; `OutputError` if nothing can be written there.
     """
     if target.suffix.lower() not in suffixes:
-        advice = f"{flag} {target}{suffixes[0]}"
-        raise InputError(
-            flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target, advice=advice
-        )
+        expected, advice = f"a name that ends in {', '.join(suffixes)}", f"{flag} {target}{suffixes[0]}"
+        raise InputError(flag, expected=expected, got=target, advice=advice)
     if target.is_dir() or not target.parent.is_dir():
         raise InputError(flag, expected="a file in a folder that exists", got=target)
     if target.exists() and not overwrite:
