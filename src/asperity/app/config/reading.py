@@ -77,9 +77,7 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
             tables["aging"].pop(rival, None)
-    if config.protocol:
-        tables["aging"].pop("last", None)
-    else:
+    if not config.protocol:
         del tables["protocol"]
     if not tables["friction"]:
         del tables["friction"]
