@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import subprocess
 import sys
@@ -80,6 +81,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("finished") / "out"
     assert main(["run", *SMALL, "--seed", "7", "--quiet", "--out", str(out)]) == 0
     return out
+
+
+def rows_of(table: Path) -> list[dict[str, str]]:
+    """Rows of a table that a command wrote, by the names of its columns."""
+    with table.open(newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
 
 
 def process(*words: str | Path, before: str = "") -> subprocess.Popen[str]:

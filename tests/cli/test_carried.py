@@ -1,6 +1,6 @@
 """What a contact carries, as columns: in Python, files, flags, campaigns and predictions."""
 
-import csv
+import shlex
 from typing import Any
 
 import numpy as np
@@ -9,27 +9,19 @@ import pytest
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.config import config_from
+from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError
 from asperity.figures import carried_figure
+from tests.cli.conftest import rows_of
 from tests.refusals import refuses
 
 P = asp.protocols
-FLAGS = [
-    *["--surface", "sphere", "--shape", "32", "32", "--radius", "1mm", "--pixel-size", "1um"],
-    *["--solid", "half_space", "--young", "3GPa", "--poisson", "0.3"],
-]
-ASKED = [
-    "--stiffness",
-    "--resistivity",
-    "17 nOhm m",
-    "--conductivity",
-    "0.2 W/m/K",
-    "--shear",
-    "0.2mN",
-    "--friction-coefficient",
-    "0.4",
-]
-RUN = [*FLAGS, "--branch", "0.5 1s", "--load", "1mN", *ASKED]
+RUN = """--surface sphere --shape 32 32 --radius 1mm --pixel-size 1um --solid half_space --young 3GPa
+    --poisson 0.3 --branch '0.5 1s' --load 1mN --times 0.1 1 10 --stiffness --resistivity '17 nOhm m'
+    --conductivity '0.2 W/m/K' --shear 0.2mN --friction-coefficient 0.4"""
+PREDICT = """--surface scan.npy --file-unit m --pixel-size 1e-6 --length-unit m --young 3GPa --branch '0.5 1s'
+    --first 0.1s --last 100s --pressure 1kPa --stiffness --resistivity '17 nOhm m' --conductivity '0.2 W/m/K'
+    --shear 0.1nN --friction-coefficient 0.4"""
 NAMES = ["normal_stiffness", "tangential_stiffness", "resistance", "thermal_resistance", "stick_fraction"]
 
 
@@ -97,12 +89,11 @@ def test_the_figure_draws_what_was_recorded(history):
 
 def test_a_run_has_the_columns_and_says_them(history, tmp_path):
     out = tmp_path / "out"
-    assert main(["run", *RUN, "--times", "0.1", "1", "10", "--quiet", "--out", str(out)]) == 0
+    assert main(["run", *shlex.split(RUN), "--quiet", "--out", str(out)]) == 0
     data = asp.results.load(out)
     for name in NAMES:
         np.testing.assert_allclose(data[name], history.dataset[name], rtol=1e-6)
-    with (out / "aging.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(out / "aging.csv")
     assert [float(row["resistance_ohm"]) for row in rows] == data["resistance"].values.tolist()
     said = (out / "summary.txt").read_text("utf-8")
     assert "thermal resistance" in said
@@ -114,27 +105,16 @@ def test_a_run_has_the_columns_and_says_them(history, tmp_path):
 
 
 def test_a_campaign_gathers_the_columns(tmp_path):
-    table = """
-    [surface]
-    kind = "sphere"
-    shape = [16, 16]
-    radius = "1 mm"
-    pixel_size = "1 um"
-    [solid]
-    kind = "half_space"
-    modulus = "3 GPa"
-    branches = [[0.5, 1.0]]
-    [contact]
-    load = "0.1 mN"
-    [aging]
-    times = [1.0]
-    [carried]
-    resistivity = 1e-8
-    [sweep]
-    load = ["0.1 mN", "0.2 mN"]
-    """
+    tables = {
+        "surface": {"kind": "sphere", "shape": [16, 16], "radius": "1 mm", "pixel_size": "1 um"},
+        "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.5, 1.0]]},
+        "contact": {"load": "0.1 mN"},
+        "aging": {"times": [1.0]},
+        "carried": {"resistivity": 1e-8},
+        "sweep": {"load": ["0.1 mN", "0.2 mN"]},
+    }
     plan, out = tmp_path / "plan.toml", tmp_path / "out"
-    plan.write_text(table)
+    plan.write_text(tables_to_toml(tables))
     assert main(["sweep", str(plan), "--out", str(out), "--workers", "1", "--quiet"]) == 0
     assert main(["gather", str(out)]) == 0
     gathered = asp.results.load(out / "gathered.zarr")
@@ -143,29 +123,13 @@ def test_a_campaign_gathers_the_columns(tmp_path):
 
 
 def test_a_prediction_shows_them(tmp_path):
-    surface = 1e-9 * asp.surfaces.spectral((32, 32), hurst=0.8, seed=1)
-    np.save(tmp_path / "scan.npy", surface)
+    np.save("scan.npy", 1e-9 * asp.surfaces.spectral((32, 32), hurst=0.8, seed=1))
     out = tmp_path / "out"
-    words = [
-        "--file-unit",
-        "m",
-        "--pixel-size",
-        "1e-6",
-        "--length-unit",
-        "m",
-        "--young",
-        "3GPa",
-        "--branch",
-        "0.5 1s",
-    ]
-    words += ["--first", "0.1s", "--last", "100s", "--pressure", "1kPa", "--quiet", "--out", str(out)]
-    asked = [*ASKED[:5], "--shear", "0.1nN", "--friction-coefficient", "0.4"]
-    assert main(["predict", "--surface", str(tmp_path / "scan.npy"), *words, *asked]) == 0
+    assert main(["predict", *shlex.split(PREDICT), "--quiet", "--out", str(out)]) == 0
     data = asp.results.load(out)
     assert (data["normal_stiffness"] > 0).all()
     assert "What the contact carries" in (out / "prediction.html").read_text("utf-8")
-    with (out / "history.csv").open(newline="") as stream:
-        row = next(csv.DictReader(stream))
+    row = rows_of(out / "history.csv")[0]
     assert float(row["resistance [ohm]"]) > 0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from asperity.app.runs.pipeline import recorded_times
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
-from tests.cli.conftest import Asperity
+from tests.cli.conftest import Asperity, rows_of
 
 LEGS = ("--leg", "hold 1", "--leg", "step load=8", "--leg", "ramp 2 load=30", "--leg", "hold 4 mobility=2")
 SMALL = ("--shape", "32x32", "--load", "20", "--first", "0.1", "--per-decade", "2")
@@ -74,8 +73,7 @@ def test_the_configuration_runs_again_to_the_same(out: Path, tmp_path: Path) -> 
 
 
 def test_the_table_and_the_summary_name_legs(out: Path) -> None:
-    with (out / "aging.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(out / "aging.csv")
     data = results.load(out)
     np.testing.assert_array_equal([int(row["leg"]) for row in rows], data["leg"])
     np.testing.assert_array_equal([float(row["load"]) for row in rows], data["load"])
@@ -126,21 +124,14 @@ def test_units_of_legs_may_stand_apart() -> None:
 
 
 def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> None:
-    flags = (
-        "--leg",
-        "hold 1",
-        "--leg",
-        "slide distance=3 velocity=2",
-        "--leg",
-        "slide distance=2 velocity=inf",
-    )
+    legs = ("hold 1", "slide distance=3 velocity=2", "slide distance=2 velocity=inf")
+    flags = [word for leg in legs for word in ("--leg", leg)]
     status, _, error = asperity("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")
     assert status == 0, error
     data = results.load(tmp_path / "out")
     assert data["displacement"].values[-6:].tolist() == [2, 2, 3, 3, 4, 5]
     np.testing.assert_allclose(data["friction"], 4 * data["area"] / data["load"], rtol=1e-14)
-    with (tmp_path / "out" / "aging.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(tmp_path / "out" / "aging.csv")
     assert [float(row["friction"]) for row in rows] == data["friction"].values.tolist()
     assert (tmp_path / "out" / "sliding.png").is_file()
     config = read_config(tmp_path / "out" / "config.toml", {})

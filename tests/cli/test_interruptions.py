@@ -144,15 +144,8 @@ def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
 
 @pytest.mark.slow
 def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
-    words = [
-        sys.executable,
-        "-m",
-        "asperity",
-        "fit",
-        str(finished / "aging.csv"),
-        "--out",
-        str(tmp_path / "a.png"),
-    ]
+    table, figure = str(finished / "aging.csv"), str(tmp_path / "a.png")
+    words = [sys.executable, "-m", "asperity", "fit", table, "--out", figure]
     ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
     done = subprocess.run(words, env=ascii_only, check=False, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stderr) == (0, "")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from asperity.app.cli.opening import open_results
+from asperity.app.cli.computing import open_results
 from tests.cli.conftest import SMALL, Asperity, Refused
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from pathlib import Path
@@ -13,23 +12,15 @@ import pytest
 from asperity import age, observe, press, relax, results
 from asperity.solids import spring_lattice
 from asperity.surfaces import exponential, gaussian, read, self_affine, spectral
-from tests.cli.conftest import SMALL, Asperity, told
+from tests.cli.conftest import SMALL, Asperity, rows_of, told
 
 BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
 """One time, no map, no word."""
 
 
 def test_all_files_are_there(finished: Path) -> None:
-    assert sorted(p.name for p in finished.iterdir()) == [
-        "aging.csv",
-        "aging.png",
-        "config.toml",
-        "contacts.png",
-        "history.zarr",
-        "patches.csv",
-        "patches.png",
-        "summary.txt",
-    ]
+    names = "aging.csv aging.png config.toml contacts.png history.zarr patches.csv patches.png summary.txt"
+    assert sorted(p.name for p in finished.iterdir()) == names.split()
     assert list(finished.parent.iterdir()) == [finished]
 
 
@@ -52,8 +43,7 @@ def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
 
 def test_the_table_of_patches_has_a_row_a_map(finished: Path) -> None:
     dataset = results.load(finished / "history.zarr")
-    with (finished / "patches.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(finished / "patches.csv")
     assert [float(row["time"]) for row in rows] == dataset["field_time"].values.tolist()
     for name in ("patches", "perimeter", "births", "gained_by_expansion", "mean_contact_age"):
         np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
@@ -65,8 +55,7 @@ def test_the_table_of_patches_has_a_row_a_map(finished: Path) -> None:
 
 def test_the_table_holds_the_history(finished: Path) -> None:
     dataset = results.load(finished / "history.zarr")
-    with (finished / "aging.csv").open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
+    rows = rows_of(finished / "aging.csv")
     assert list(rows[0])[:6] == ["time", "area", "area_ratio", "load", "separation", "energy"]
     assert list(rows[0])[6:] == ["approach", "contact_fraction", "residual", "rms_gap"]
     for name in set(rows[0]) - {"area_ratio"}:
@@ -193,12 +182,8 @@ def test_results_are_replaced_only_where_overwriting_is_asked_for(asperity: Aspe
     words = ("run", "--shape", "8,8", *BRIEF, "--out", "out")
     Path("out").mkdir()
     assert asperity(*words, "--figures", "") == (0, "", "")  # an empty folder is as good as none
-    assert sorted(path.name for path in Path("out").iterdir()) == [
-        "aging.csv",
-        "config.toml",
-        "history.zarr",
-        "summary.txt",
-    ]
+    names = "aging.csv config.toml history.zarr summary.txt"
+    assert sorted(path.name for path in Path("out").iterdir()) == names.split()
     before = Path("out/config.toml").read_text()
     assert asperity(*words, "--k1", "4")[0] == 2
     assert Path("out/config.toml").read_text() == before

@@ -123,10 +123,8 @@ def test_oblong_pixels_are_refused_or_averaged(asperity: Asperity, refused: Refu
     status, text, _ = asperity("surface", "oblong.xyz", "--resample", "--overwrite")
     assert status == 0
     assert "remark" not in text
-    assert [words.split()[::2] for words in row(text, "sites").split("  ") if words] == [
-        ["10", "12"],
-        ["20", "8"],
-    ]
+    sites = [words.split()[::2] for words in row(text, "sites").split("  ") if words]
+    assert sites == [["10", "12"], ["20", "8"]]
     assert "pixels            averaged to 3 x 3 (no unit)\n" in text
     Path("run.toml").write_text('[surface]\npath = "oblong.xyz"\nresample = true\n[aging]\nlast = 0.1\n')
     assert asperity("run", "run.toml", "--quiet")[0] == 0
@@ -179,14 +177,8 @@ def test_a_figure_that_cannot_be_is_refused_before_anything_is_computed(
     np.save("rough.npy", gaussian((8, 8)))
     Path("rough.png").write_text("mine")
     Path("folder").mkdir()
-    for words in (
-        (),
-        ("--out", "folder"),
-        ("--out", "a.docx"),
-        ("--out", "no/folder.png"),
-        ("--max-undefined", "2"),
-    ):
-        refused("surface", "rough.npy", *words)
+    for line in ("", "--out folder", "--out a.docx", "--out no/folder.png", "--max-undefined 2"):
+        refused("surface", "rough.npy", *line.split())
 
 
 def test_lengths_in_units_that_people_use(asperity: Asperity) -> None:

@@ -16,8 +16,7 @@ from asperity.app.cli.flags import flags_for, given
 from asperity.app.config.mistakes import ORDER, flag_of, models_of
 from asperity.app.config.models import (
     Aging,
-    Exponential,
-    Gaussian,
+    Independent,
     MeasuredSurface,
     Output,
     RunConfig,
@@ -59,11 +58,10 @@ def flags_of(section: str, **words: str | list[str]) -> dict[str, dict[str, obje
 
 def test_without_a_file_the_conditions_are_the_papers() -> None:
     config = read_config(None, {})
-    assert config == RunConfig()
-    assert config.surface.kind == "gaussian"
-    assert config.surface.shape == [200, 200]
-    assert config.solid == SpringLattice(k0=1.0, k1=3.0, R=1.0)
-    assert config.contact.load is None
+    assert config == RunConfig(
+        surface=Independent(kind="gaussian", shape=[200, 200], rms=1.0),
+        solid=SpringLattice(k0=1.0, k1=3.0, R=1.0),
+    )
 
 
 def test_every_mistake_has_its_line(tmp_path: Path) -> None:
@@ -176,7 +174,10 @@ def test_a_mistake_is_one_line() -> None:
         assert problem.startswith(line)
 
 
-def test_files_that_are_no_configuration(tmp_path: Path) -> None:
+def test_files_that_are_no_configuration_and_one_that_is(tmp_path: Path) -> None:
+    path = tmp_path / "notepad.toml"
+    path.write_text("[solid]\nk1 = 4.0\n", encoding="utf-8-sig")  # a mark before the first letter
+    assert read_config(path, {}).solid == SpringLattice(k1=4.0)
     assert "No such file" in problems_of(tmp_path / "none.toml")[0]
     assert "directory" in problems_of(tmp_path)[0]
     assert "not a TOML file" in problems_of(written(tmp_path, "a = ["))[0]
@@ -186,12 +187,6 @@ def test_files_that_are_no_configuration(tmp_path: Path) -> None:
     digits = written(tmp_path, f"[surface]\nseed = 1{'0' * 5000}")
     assert "not a TOML file: a number has too many digits" in problems_of(digits)[0]
     assert "too many brackets within each other" in problems_of(written(tmp_path, f"a = {'[' * 5000}"))[0]
-
-
-def test_a_mark_before_the_first_letter_is_skipped(tmp_path: Path) -> None:
-    path = tmp_path / "notepad.toml"
-    path.write_text("[solid]\nk1 = 4.0\n", encoding="utf-8-sig")
-    assert read_config(path, {}).solid == SpringLattice(k1=4.0)
 
 
 def test_a_mistake_in_a_flag_is_named_as_the_flag(tmp_path: Path) -> None:
@@ -249,20 +244,18 @@ def test_a_flag_for_another_measure_of_roughness_replaces_the_first(tmp_path: Pa
         made.build()
 
 
-@pytest.mark.parametrize(
-    ("surface", "law"),
-    [
-        (Gaussian(shape=[4, 6], rms=2.0), GaussianHeights(2.0)),
-        (Exponential(shape=[9], rms=0.5), ExponentialHeights(0.5)),
+def test_surfaces_know_their_lattice_their_law_and_where_they_come_from() -> None:
+    surfaces: list[tuple[Any, Any]] = [
+        (Independent(shape=[4, 6], rms=2.0), GaussianHeights(2.0)),
+        (Independent(kind="exponential", shape=[9], rms=0.5), ExponentialHeights(0.5)),
         (SelfAffine(size=8), None),
         (Spectral(shape=[8, 4], spacing=[0.5, 0.25], unit="nm"), None),
-    ],
-)
-def test_surfaces_know_their_lattice_their_law_and_where_they_come_from(surface: Any, law: Any) -> None:
-    built = surface.build()
-    assert built.shape == surface.lattice
-    assert repr(surface.law) == repr(law)
-    assert surface.model_dump(exclude_none=True).items() <= built.provenance.items()
+    ]
+    for surface, law in surfaces:
+        built = surface.build()
+        assert built.shape == surface.lattice
+        assert repr(surface.law) == repr(law)
+        assert surface.model_dump(exclude_none=True).items() <= built.provenance.items()
 
 
 def test_a_spectral_surface_has_lengths_where_they_have_a_unit() -> None:
@@ -301,21 +294,18 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path, config: Run
     assert pickle.loads(pickle.dumps(config)) == config  # as it goes to other processes
 
 
-def test_commas_between_numbers() -> None:
-    assert read_config(None, flags_of("aging", times=["0.1,1,10"])).aging.times == [0.1, 1.0, 10.0]
+def test_words_of_flags_become_numbers_or_are_left_to_the_check() -> None:
+    for word in ("0.1,1,10", "0.1 1 10"):
+        assert read_config(None, flags_of("aging", times=[word])).aging.times == [0.1, 1.0, 10.0]
     assert read_config(None, flags_of("aging", times=["1,2,3"])).aging.times == [1.0, 2.0, 3.0]
-
-
-@pytest.mark.parametrize("words", [["0,5"], ["1", "2,5e3"]])
-def test_a_comma_that_may_be_a_decimal_mark_is_refused(words: list[str]) -> None:
-    (problem, *_) = problems_of(None, flags_of("aging", times=words))
-    assert "--times: expected a number, got" in problem
-    assert "for two values" in problem
-
-
-def test_whole_numbers_are_not_rounded() -> None:
+    for words in (["0,5"], ["1", "2,5e3"]):  # a comma that may be a decimal mark
+        (problem, *_) = problems_of(None, flags_of("aging", times=words))
+        assert "--times: expected a number, got" in problem
+        assert "for two values" in problem
     (problem,) = problems_of(None, flags_of("aging", per_decade="2.7"))
     assert problem == "--per-decade: expected a whole number, got 2.7"
+    (problem,) = problems_of(None, flags_of("surface", shape=["20,twenty"]))
+    assert problem == "--shape: expected a whole number, got 'twenty'"
 
 
 def test_every_key_has_one_flag_and_its_help() -> None:
@@ -330,23 +320,15 @@ def test_every_key_has_one_flag_and_its_help() -> None:
             assert all(field.description for key, field in model.model_fields.items() if key != "kind")
 
 
-@pytest.mark.parametrize(
-    ("word", "known", "meant"),
-    [
+def test_only_what_is_close_is_suggested() -> None:
+    for word, known, meant in (
         ("rnu", ["run", "fit"], "run"),
         ("K1", ["k0", "k1"], "k1"),
         ("gausian", ["gaussian"], "gaussian"),
         ("pressure", ["surface", "load"], None),
         ("E", ["R", "k0"], None),
-    ],
-)
-def test_only_what_is_close_is_suggested(word: str, known: list[str], meant: str | None) -> None:
-    assert closest(word, known) == meant
-
-
-def test_words_that_are_no_numbers_are_left_to_the_check() -> None:
-    (problem,) = problems_of(None, flags_of("surface", shape=["20,twenty"]))
-    assert problem == "--shape: expected a whole number, got 'twenty'"
+    ):
+        assert closest(word, known) == meant
 
 
 @pytest.mark.parametrize("text", ["[solid]\n{keys}", "{sections}", "[[protocol]]\nkind = 'hold'\n{keys}"])

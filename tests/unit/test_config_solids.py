@@ -120,12 +120,16 @@ def test_times_follow_the_relaxation_times():
     assert flagged("aging", first="1 ms", last="10").span == (1e-3, 10.0)
 
 
-def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path):
-    times = np.geomspace(1e-2, 1e4, 40)
-    series = asp.relaxation.PronySeries(3e9, ((0.2, 0.1), (0.3, 10.0)))
+def with_a_table(folder, last):
+    """A half-space of which a table up to a last time is known."""
+    series, times = asp.relaxation.PronySeries(3e9, ((0.2, 0.1), (0.3, 10.0))), np.geomspace(0.01, last, 40)
     rows = "\n".join(f"{t:.6e},{e / 1e6:.10g}" for t, e in zip(times, series.modulus_at(times), strict=True))
-    (tmp_path / "pmma.csv").write_text(f"time_s,E_MPa\n{rows}\n")
-    text = "[solid]\nkind = 'half_space'\nrelaxation = 'pmma.csv'\npoisson = 0.5\nper_decade = 2.0"
+    (folder / "pmma.csv").write_text(f"time_s,E_MPa\n{rows}\n")
+    return "[solid]\nkind = 'half_space'\nrelaxation = 'pmma.csv'\npoisson = 0.5\n"
+
+
+def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path):
+    text = f"{with_a_table(tmp_path, 1e4)}per_decade = 2.0"
     config = configured(tmp_path, text)
     fitted = asp.relaxation.fit(asp.relaxation.read(tmp_path / "pmma.csv"), per_decade=2).series
     assert config.solid.maxwell == list(fitted.branches)
@@ -166,34 +170,19 @@ def test_a_zero_with_a_unit_has_a_unit(tmp_path):
         execute(config, Progress())
 
 
-@pytest.mark.parametrize(
-    ("flags", "left"),
-    [
-        ({"creep": "none"}, {}),
-        (
-            {"creep_rate": 2.0, "creep_stress": 3.0},
-            {"creep": "eyring", "creep_rate": 2.0, "creep_stress": 3.0},
-        ),
-        (
-            {"creep": "norton", "creep_rate": 2.0, "creep_stress": 3.0, "creep_exponent": 4.0},
-            {"creep": "norton", "creep_rate": 2.0, "creep_stress": 3.0, "creep_exponent": 4.0},
-        ),
-    ],
-)
-def test_a_flag_switches_the_creep_of_a_file_off_or_to_another(
-    flags: dict[str, object], left: dict[str, object]
-) -> None:
+def test_a_flag_switches_the_creep_of_a_file_off_or_to_another():
     solid = {"kind": "half_space", "modulus": 4e9, "creep": "eyring", "temperature": 300.0}
     solid |= {"creep_energy": 2e-19, "creep_volume": 5e-28, "creep_prefactor": 1.0}
-    found = config_from({"solid": solid}, {"solid": flags}, None).solid.model_dump(exclude_none=True)
-    assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left
+    law: dict[str, object] = {"creep_rate": 2.0, "creep_stress": 3.0}
+    norton = law | {"creep": "norton", "creep_exponent": 4.0}
+    none: dict[str, object] = {"creep": "none"}
+    for flags, left in ((none, {}), (law, law | {"creep": "eyring"}), (norton, norton)):
+        found = config_from({"solid": solid}, {"solid": flags}, None).solid.model_dump(exclude_none=True)
+        assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left
 
 
 def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path):
-    series, times = asp.relaxation.PronySeries(3e9, ((0.2, 0.1), (0.3, 10.0))), np.geomspace(0.01, 100.0, 25)
-    rows = "\n".join(f"{t:.6e},{e / 1e6:.10g}" for t, e in zip(times, series.modulus_at(times), strict=True))
-    (tmp_path / "pmma.csv").write_text(f"time_s,E_MPa\n{rows}\n")
-    text = "[solid]\nkind = 'half_space'\nrelaxation = 'pmma.csv'\npoisson = 0.5\n"
+    text = with_a_table(tmp_path, 100.0)
     with pytest.raises(ConfigError, match='try extrapolate = "plateau"'):
         configured(tmp_path, f"{text}[aging]\nlast = 500.0")
     text += "extrapolate = 'plateau'\n"

@@ -109,6 +109,6 @@ def test_what_is_slow_or_optional_is_imported_late():
 )
 def test_other_distributions_are_asked_for_commands_where_they_may_have_one(words, others, monkeypatch):
     looked = Mock(return_value=())
-    monkeypatch.setattr("asperity.app.cli.app.entry_points", looked)
+    monkeypatch.setattr("importlib.metadata.entry_points", looked)
     answer(words.split())
     assert looked.call_count == others

@@ -20,13 +20,9 @@ _ARGUMENT = r"t|time|omega|ω|w|f|q"
 class Roles:
     """What columns can hold.
 
-    Attributes
-    ----------
-    patterns
-        Roles, each with what is found in a name without its unit, in small letters; the first that matches
-        counts. The role "" is for columns to leave alone.
-    units
-        The units of each role, in Pint's spelling; "1" for a pure number.
+    `patterns` are roles, each with what is found in a name without its unit, in small letters; the first that
+    matches counts, and the role "" is for columns to leave alone. `units` are those of each role, in Pint's
+    spelling; "1" for a pure number.
     """
 
     patterns: tuple[tuple[str, str], ...]

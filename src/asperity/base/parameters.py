@@ -37,14 +37,8 @@ _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "l
 class Parameter:
     """A field of a class as its annotation has it.
 
-    Attributes
-    ----------
-    kinds
-        What it may be: types, or words.
-    facts
-        What the annotation says besides: bounds, and what it is.
-    default
-        What it is where it is not given, or `dataclasses.MISSING`.
+    `kinds` are the types or words that it may be, `facts` what the annotation says besides: bounds, and what
+    it is. Without a default it is `dataclasses.MISSING`.
     """
 
     kinds: tuple[Any, ...]

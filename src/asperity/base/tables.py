@@ -44,20 +44,11 @@ def with_unit(name: str, unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The numbers of a text file.
+    """The numbers of a text file, whose `name` is for messages.
 
-    Attributes
-    ----------
-    name
-        The file, for messages.
-    names
-        Names of the columns in the file's header; "" where it has none.
-    values
-        Shape (rows, columns); NaN where a cell is missing or no number.
-    lines
-        The line of each row: its number, from 1, and its text without comments.
-    separator
-        What separates cells; " " for any blanks.
+    `names` of columns are "" where it has no header; `values`, shape (rows, columns), are NaN where a cell is
+    missing or no number; `lines` are the number, from 1, and the text of each row without comments;
+    `separator` is " " for any blanks.
     """
 
     name: str

@@ -11,7 +11,6 @@ import logging
 import sys
 import warnings
 from collections.abc import Sequence
-from importlib.metadata import entry_points
 from typing import Any, Literal
 
 from cyclopts import App
@@ -50,6 +49,8 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
 
 def with_others() -> App:
     """The command with those of other distributions, which are looked for when this is called."""
+    from importlib.metadata import entry_points  # takes as long as all else that most commands import
+
     for found in entry_points(group="asperity.commands"):
         found.load()
     return app

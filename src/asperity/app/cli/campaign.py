@@ -121,15 +121,9 @@ def tally_shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
     if quiet:
         yield lambda _: None
     elif sys.stderr.isatty():
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-        )
-        with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        counts = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+        times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
+        with Bar(*counts, *times, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("runs", total=None)
             yield lambda now: bar.update(
                 task, total=now.total, completed=now.done + now.failed, description=_words(now)

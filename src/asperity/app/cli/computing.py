@@ -5,18 +5,21 @@ from __future__ import annotations
 import hashlib
 import sys
 import time as clock
+import webbrowser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from asperity.app.cli.opening import open_results
 from asperity.app.cli.options import Results
 from asperity.app.cli.output import check_free, save_within
 from asperity.app.cli.report import Row, aligned
 from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import whole_folder
+
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
+"""What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
 
 
 def compute_into(
@@ -44,11 +47,18 @@ def compute_into(
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         check_free(out, overwrite=results.overwrite)  # again: hours may have passed
-        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        with folder_of_results(out, rows, results) as folder:
             save_within(found.dataset, folder)
-            (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
             remarks = write(found, folder) or ()
     tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
+
+
+@contextmanager
+def folder_of_results(out: Path, rows: Sequence[Row], results: Results) -> Iterator[Path]:
+    """The folder to write to, with a summary: it appears when all is written; what may be replaced goes."""
+    with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
+        yield folder
 
 
 @contextmanager
@@ -75,3 +85,11 @@ def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
         sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
     if results.show:
         open_results(out)
+
+
+def open_results(out: Path) -> None:
+    """Open the page of a prediction or the picture of a run; where nothing can show it, say where it is."""
+    here = [found for name in _SHOWN for found in sorted(out.glob(f"{name}*")) if found.is_file()]
+    shown = next((path for path in here if path.suffix not in (".csv", ".toml")), out).resolve()
+    if not webbrowser.open(shown.as_uri()):
+        print(f"remark: nothing here opens {shown}", file=sys.stderr)

@@ -92,13 +92,8 @@ def fit(
         error.args = (f"{file}: {error}",)  # what computes does not know where the numbers came from
         raise
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
-    figure = fit_figure(
-        growth,
-        quantity=quantity or f"{named}  [unit of the table]",
-        unit_time=unit,
-        window=window is not None,
-    )
-    write_figure(figure, out)
+    label = quantity or f"{named}  [unit of the table]"
+    write_figure(fit_figure(growth, quantity=label, unit_time=unit, window=window is not None), out)
     written = f"figure written: {out}"
     if json is not None:
         write_numbers(growth, json, file=str(file), quantity=named, unit_time=unit)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Out, Switch, of_flags
 from asperity.app.cli.options import Results
+from asperity.base.words import number
 from asperity.errors import InputError
 
 _RESULTS = Results()
@@ -62,26 +63,26 @@ def friction(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
-    from asperity.app.cli.computing import tell_results
+    from asperity.app.cli.computing import folder_of_results, tell_results
     from asperity.app.cli.output import check_free, write_figure
-    from asperity.app.cli.report import aligned
-    from asperity.app.cli.reports.friction import friction_report, number_or_text, records_at
+    from asperity.app.cli.reports.friction import friction_report, records_at
     from asperity.figures import rate_and_state_figure
     from asperity.friction import compare_state_laws, save_parameters
-    from asperity.results.store import whole_folder
 
     check_free(out, overwrite=results.overwrite)
     reading: dict[str, Any] = {"columns": columns, "strength_at_rest": strength_at_rest}
-    strength, reference = number_or_text(shear_strength), number_or_text(reference_velocity)
+    strength, reference = (
+        None if word is None else cast(float | str, number(word))
+        for word in (shear_strength, reference_velocity)
+    )
     try:
         several = [record for path in records for record in records_at(path, strength, **reading)]
         found = compare_state_laws(several, a=a, V_0=reference, events=events)
     except InputError as error:
         raise of_flags(error, _FLAGS) from error
     rows = friction_report(found, str(records[0]))
-    with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+    with folder_of_results(out, rows, results) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
-        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         write_figure(rate_and_state_figure(found), folder / "friction.png")
     tell_results(rows, out, results)

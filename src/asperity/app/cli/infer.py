@@ -15,6 +15,7 @@ from asperity.app.cli.flags import Out, of_flags
 from asperity.app.cli.options import Results
 from asperity.errors import InputError
 
+_Words = dict[str, str | None]
 _RESULTS = Results()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
 _FLAGS["absolute"] = "--unit-area"
@@ -88,7 +89,7 @@ def infer(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
-    from asperity.app.cli.computing import place_beside, tell_results
+    from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
     from asperity.app.config.reading import read_tables
@@ -97,7 +98,6 @@ def infer(
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
     from asperity.progress import listener
-    from asperity.results.store import whole_folder
 
     libraries()
     check_free(out, overwrite=results.overwrite)
@@ -118,18 +118,14 @@ def infer(
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = inference_report(found, str(file))
         progress.stage("writing the results")
-        with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+        with folder_of_results(out, rows, results) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(found, folder, rows, source=file.name, command=typed)
+            write_inference(found, folder, source=file.name, command=typed)
     tell_results(rows, out, results)
 
 
 def _data(
-    file: Path,
-    columns: dict[str, str | None],
-    units: dict[str, str | None],
-    error: float | str | None,
-    model: str,
+    file: Path, columns: _Words, units: _Words, error: float | str | None, model: str
 ) -> tuple[Any, ...]:
     """Times in s, values and errors, and remarks on how they were read."""
     import numpy as np
@@ -163,11 +159,8 @@ def _data(
 
 def _errors_beside(names: Sequence[str]) -> str | None:
     """The column whose name says that it has standard errors of the values."""
-    found = [
-        name
-        for name in names
-        if re.search("std|err|sigma|uncert", name, re.I) and not re.match("t(ime)?\\b|hold", name, re.I)
-    ]
+    error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
+    found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
     if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
         raise InputError(
             "--column-stderr",
@@ -195,7 +188,7 @@ def _error(error: float | str | None, value: Any, unit: float) -> Any:
     return amount / 100 * value if text.endswith("%") else np.full_like(value, amount * unit)
 
 
-def _factors(given: dict[str, str | None], time_name: str, model: str) -> tuple[float, float]:
+def _factors(given: _Words, time_name: str, model: str) -> tuple[float, float]:
     """The unit of the times over s, and that of the areas over m^2."""
     from asperity.base import units
     from asperity.base.columns import Roles
@@ -210,9 +203,8 @@ def _factors(given: dict[str, str | None], time_name: str, model: str) -> tuple[
         raise InputError("--unit-time", expected="a unit of time, such as min", got=got)
     area = given["unit-area"] or "1"
     square = 1.0 if area == "1" else units.factor(area, "m^2")
-    if square is None or (model == "lattice" and area != "1"):
-        expected = (
-            "1, for areas over the nominal one" if model == "lattice" else "a unit of area, such as mm^2"
-        )
+    nominal = model == "lattice"
+    if square is None or (nominal and area != "1"):
+        expected = "1, for areas over the nominal one" if nominal else "a unit of area, such as mm^2"
         raise InputError("--unit-area", expected=expected, got=area)
     return seconds, square

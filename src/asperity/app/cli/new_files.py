@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 from asperity.errors import InputError, OutputError
@@ -17,10 +16,8 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
     replaced; `OutputError` if nothing can be written there.
     """
     if target.suffix.lower() not in suffixes:
-        advice = f"{flag} {target}{suffixes[0]}"
-        raise InputError(
-            flag, expected=f"a name that ends in {', '.join(suffixes)}", got=target, advice=advice
-        )
+        expected, advice = f"a name that ends in {', '.join(suffixes)}", f"{flag} {target}{suffixes[0]}"
+        raise InputError(flag, expected=expected, got=target, advice=advice)
     if target.is_dir() or not target.parent.is_dir():
         raise InputError(flag, expected="a file in a folder that exists", got=target)
     if target.exists() and not overwrite:
@@ -31,6 +28,8 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 
 def try_writing(flag: str, target: Path, folder: Path) -> None:
     """Write and remove something: permissions do not tell of read-only disks and full quotas."""
+    import tempfile  # for which the help does not wait
+
     try:
         with tempfile.TemporaryDirectory(prefix=".asperity-", dir=folder):
             pass

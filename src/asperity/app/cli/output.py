@@ -32,10 +32,21 @@ if TYPE_CHECKING:
 
     from asperity.app.runs import Outcome
 
-_SIGNS_OF_A_RUN = ("history.zarr", "config.toml", "summary.txt")
-_SIGNS_OF_FRICTION = ("friction.toml", "friction.csv")
-_SIGNS_OF_AN_INFERENCE = ("inference.html", "verdicts.csv", "summary.txt")
-_SIGNS_OF_A_PREDICTION = ("history.zarr", "prediction.html", "summary.txt")
+_SIGNS = (
+    {"history.zarr", "config.toml", "summary.txt"},
+    {"history.zarr", "prediction.html", "summary.txt"},
+    {"friction.toml", "friction.csv"},
+    {"inference.html", "verdicts.csv", "summary.txt"},
+)
+"""Files by which the folder of a run, a prediction, a fit of friction and an inference is known."""
+
+_FILES = set().union(*_SIGNS) - {"friction.toml", "friction.csv"} | {"solid.toml", "priors.toml"}
+_STEMS = {
+    *("aging", "history", "sliding", "contacts", "patches", "carried", "growth", "pressure", "relaxation"),
+    *("observed", "friction", "resolution", "curve", "parameters", "corner", "posterior"),
+}
+"""Files and pictures that may be replaced."""
+
 _MOST_MAPS = 24
 """Maps that one figure shows."""
 
@@ -51,12 +62,10 @@ def check_free(out: Path, *, overwrite: bool) -> None:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    if out.exists() and any(out.iterdir()):
-        signs = (_SIGNS_OF_A_RUN, _SIGNS_OF_A_PREDICTION, _SIGNS_OF_FRICTION, _SIGNS_OF_AN_INFERENCE)
-        is_run = any(all((out / name).exists() for name in names) for names in signs)
-        foreign = sorted(path.name for path in out.iterdir() if not _is_ours(path.name))
+    if found := {path.name for path in out.iterdir()} if out.exists() else set():
+        foreign = sorted(name for name in found - _FILES if Path(name).stem not in _STEMS)
         expected, held, advice = "a new folder", "", "another name"
-        if not is_run:
+        if not any(signs <= found for signs in _SIGNS):
             held = "something else than a run"
         elif not overwrite:
             held, advice = "a run", "another name, or --overwrite"
@@ -70,15 +79,6 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     while not ground.exists():
         ground = ground.parent
     try_writing("--out", out, ground)
-
-
-def _is_ours(name: str) -> bool:
-    pictures = "aging, history, sliding, contacts, patches, carried, "
-    pictures += (
-        "growth, pressure, relaxation, observed, friction, resolution, curve, parameters, corner, posterior"
-    )
-    ours = {*_SIGNS_OF_A_RUN, *_SIGNS_OF_A_PREDICTION, *_SIGNS_OF_AN_INFERENCE, "solid.toml", "priors.toml"}
-    return name in ours or Path(name).stem in pictures.split(", ")
 
 
 def write_run(outcome: Outcome, folder: Path) -> list[str]:

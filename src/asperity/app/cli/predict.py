@@ -102,18 +102,14 @@ def predict(
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
-    asked, compute = (
-        f"{asked}{resolution_study}",
-        functools.partial(compute, resolution_study=resolution_study),
-    )
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
 
     compute_into(
         out,
-        asked,
-        compute,
+        f"{asked}{resolution_study}",
+        functools.partial(compute, resolution_study=resolution_study),
         report=report,
         write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,

@@ -105,35 +105,31 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> dict[str, Any]:
         keys["poisson"] = keys["poisson"][0]
     if "per_decade" in keys:
         keys["branches_per_decade"] = keys.pop("per_decade")
-    asked = section_from("carried", SECTIONS["carried"], flags.get("carried", {}))
-    assert isinstance(asked, CarriedSection)
-    if (carried := asked.asked([keys.get("poisson", POISSON)])) is not None:
-        keys["carried"] = Carried(**carried)
     for section, model in SECTIONS.items():
-        if section == "carried":
-            continue
-        keys |= section_from(section, model, flags.get(section, {})).model_dump(exclude_unset=True)
+        found = section_from(section, model, flags.get(section, {}))
+        if not isinstance(found, CarriedSection):
+            keys |= found.model_dump(exclude_unset=True)
+        elif (carried := found.asked([keys.get("poisson", POISSON)])) is not None:
+            keys["carried"] = Carried(**carried)
     keys |= {name: wanted[name] for name in _OF_TABLES if wanted[name] is not None}
     return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}
 
 
 def _shift(temperature: float | None, wanted: dict[str, Any]) -> float:
     """Factor on the times of the table, from its temperature to that of the contact."""
-    energy, constants = wanted["activation_energy"], wanted["wlf"]
-    if temperature is None and wanted["reference"] is None and energy is None and constants is None:
+    reference, energy, constants = (wanted[name] for name in ("reference", "activation_energy", "wlf"))
+    if (temperature, reference, energy, constants) == (None, None, None, None):
         return 1.0
-    if temperature is None or wanted["reference"] is None:
-        flag, expected = (
-            _flag("temperature" if temperature is None else "reference"),
-            "the temperatures of contact and table",
-        )
+    if temperature is None or reference is None:
+        flag = "--temperature" if temperature is None else "--reference"
+        expected = "the temperatures of contact and table"
         raise InputError(flag, expected=expected, got="none", advice=f"{flag} 25degC")
-    kelvin = (temperature, _with_unit("--reference", wanted["reference"], "K"))
-    if constants is not None and energy is None:
-        return wlf(constants[0], constants[1], *kelvin)
-    if energy is None or constants is not None:
+    kelvin = (temperature, _with_unit("--reference", reference, "K"))
+    if (energy is None) == (constants is None):
         expected, got = "an activation energy, or the constants of WLF", "both" if energy else "neither"
         raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
+    if constants is not None:
+        return wlf(constants[0], constants[1], *kelvin)
     return arrhenius(_with_unit("--activation-energy", energy, "J/mol"), *kelvin)
 
 

@@ -40,29 +40,10 @@ _PATHS = ("path", "relaxation")
 class Key:
     """One key of a section.
 
-    Attributes
-    ----------
-    name
-        Its name in TOML.
-    what
-        What it may be.
-    unit
-        Unit in SI, if the number may be written with one; such a number is in SI under a continuum whose
-        surface has a unit of length, and in the user's own units otherwise.
-    units
-        The same of both numbers of a pair.
-    choices
-        The words that it may be.
-    default
-        What it is where it is not given; None if that follows from other keys, or is nothing.
-    required
-        Whether it must be given.
-    least, most
-        Bounds of the number, or of each of the numbers; None without one, and for pairs.
-    above, below
-        Whether the bound itself is excluded.
-    description
-        What it means, in a sentence.
+    A number with a `unit` (of a pair: `units`) may be written with one. It is then in SI under a continuum
+    whose surface has a unit of length, and in the user's own units otherwise. The `default` is None where it
+    follows from other keys, or is nothing. `least` and `most` bound each number, but none of a pair; where
+    `above` or `below` is true, the bound itself is excluded.
     """
 
     name: str

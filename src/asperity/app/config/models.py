@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, get_args
@@ -21,6 +21,7 @@ from asperity.app.config.sections import (
     Duration,
     FirstForce,
     Force,
+    OneOrTwo,
     Place,
     Position,
     Positive,
@@ -28,13 +29,15 @@ from asperity.app.config.sections import (
     Real,
     Resistivity,
     Section,
+    Several,
+    Share,
     Size,
     Time,
     Velocity,
     any_of,
     by_kind,
     field_of,
-    listed,
+    usual,
 )
 from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
 from asperity.base.parameters import parameters_of
@@ -53,8 +56,9 @@ _LONGEST = 2**31
 """Sites along an axis: far beyond any memory, far below what numpy cannot count."""
 
 
-def _listed(value: object) -> object:
-    return [value] if isinstance(value, int) and not isinstance(value, bool) else value
+def _alone(values: Sequence[Any]) -> Any:
+    """The one value, or all."""
+    return values[0] if len(values) == 1 else values
 
 
 def _name_or_number(value: object) -> object:
@@ -76,20 +80,12 @@ def _micro(value: object) -> object:
 
 
 Length = Literal["m", "mm", "um", "nm", "pm"]
+AnyLength = Annotated[Length, BeforeValidator(_micro)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
-Shape = Annotated[
-    list[Annotated[int, Field(ge=1, le=_LONGEST)]],
-    Field(min_length=1, max_length=2),
-    BeforeValidator(_listed),
-]
-
-_BOTH = Field(min_length=1, max_length=2)
-"""One number of both bodies, or one of each."""
+Shape = OneOrTwo[Annotated[int, Field(ge=1, le=_LONGEST)]]
 
 _SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
-_RMS = "Rms height."
 _SEED = "Seed of the random heights."
-_TABLE = "Table of the wave number q and the power spectrum C; columns with units need `unit`."
 
 
 class SurfaceSection(Section):
@@ -98,9 +94,9 @@ class SurfaceSection(Section):
     only_powers_of_two: ClassVar[bool] = False
 
     kind: str
-    edges: Literal["periodic", "reflecting", "free"] | None = Field(
-        default=None,
-        description="What lies beyond the edges: the surface again, its mirror image, or nothing, for the "
+    edges: Literal["periodic", "reflecting", "free"] | None = usual(
+        None,
+        "What lies beyond the edges: the surface again, its mirror image, or nothing, for the "
         "body ends there. By default what the kind of surface, or how a scan is made periodic, says.",
     )
 
@@ -138,21 +134,28 @@ class SurfaceSection(Section):
 
     def made(self) -> Surface:
         """The same, with the edges that surfaces of this kind have."""
+        from asperity.surfaces import Surface
+
+        found = self.heights_or_surface()
+        if isinstance(found, Surface):
+            return found
+        return Surface(found, provenance=self.model_dump(exclude={"edges"}))
+
+    def heights_or_surface(self) -> Any:
+        """What the function of `asperity.surfaces` gives that is called like the kind."""
         import asperity.surfaces as surfaces
 
         lattice, facts = self.arguments
-        found = getattr(surfaces, self.kind)(lattice, **facts)
-        if isinstance(found, surfaces.Surface):
-            return found
-        return surfaces.Surface(found, provenance=self.model_dump(exclude={"edges"}))
+        return getattr(surfaces, self.kind)(lattice, **facts)
 
 
 class Independent(SurfaceSection):
-    """Heights that are independent at all sites."""
+    """Heights that are independent at all sites: Gaussian or exponential ones."""
 
-    shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    rms: Positive = Field(default=1.0, description=_RMS)
-    seed: Seed = Field(default=0, description=_SEED)
+    kind: Literal["gaussian", "exponential"] = "gaussian"
+    shape: Shape = usual([200, 200], _SHAPE)
+    rms: Positive = usual(1.0, "Rms height.")
+    seed: Seed = usual(0, _SEED)
 
     @property
     def law(self) -> HeightLaw:
@@ -162,30 +165,18 @@ class Independent(SurfaceSection):
         return (GaussianHeights if self.kind == "gaussian" else ExponentialHeights)(rms=self.rms)
 
 
-class Gaussian(Independent):
-    """Independent Gaussian heights."""
-
-    kind: Literal["gaussian"] = "gaussian"
-
-
-class Exponential(Independent):
-    """Independent exponential heights."""
-
-    kind: Literal["exponential"] = "exponential"
-
-
 class SelfAffine(SurfaceSection):
     """Self-affine heights."""
 
     only_powers_of_two: ClassVar[bool] = True
 
     kind: Literal["self_affine"] = "self_affine"
-    size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = Field(
-        default=256, description="Sites along each axis, a power of two."
+    size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = usual(
+        256, "Sites along each axis, a power of two."
     )
-    hurst: Annotated[float, Field(gt=0, le=1)] = Field(default=0.5, description="Hurst exponent.")
-    delta: Positive = Field(default=0.01, description="Roughness at the scale of the lattice.")
-    seed: Seed = Field(default=0, description=_SEED)
+    hurst: Annotated[float, Field(gt=0, le=1)] = usual(0.5, "Hurst exponent.")
+    delta: Positive = usual(0.01, "Roughness at the scale of the lattice.")
+    seed: Seed = usual(0, _SEED)
 
     @property
     def lattice(self) -> tuple[int, ...]:
@@ -196,23 +187,15 @@ class SelfAffine(SurfaceSection):
 class Waves(SurfaceSection):
     """Random waves on a lattice with units."""
 
-    shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    spacing: Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
-        default=[1.0], description="Distance between sites: one number, or one an axis."
-    )
-    unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
-        default=None, description="Unit of the spacing and of all heights and wavelengths."
-    )
-    seed: Seed = Field(default=0, description=_SEED)
+    shape: Shape = usual([200, 200], _SHAPE)
+    spacing: OneOrTwo[Positive] = usual([1.0], "Distance between sites: one number, or one an axis.")
+    unit: AnyLength | None = usual(None, "Unit of the spacing and of all heights and wavelengths.")
+    seed: Seed = usual(0, _SEED)
 
     @property
     def pixel_size(self) -> tuple[float, ...]:
         """Distance between sites along each axis."""
         return (*self.spacing, *self.spacing)[: len(self.shape)]
-
-    def heights(self) -> Heights:
-        """Make the heights."""
-        raise NotImplementedError
 
     def made(self) -> Surface:
         """See `SurfaceSection`."""
@@ -220,7 +203,7 @@ class Waves(SurfaceSection):
 
         origin = self.model_dump(exclude_none=True, exclude={"edges"})
         origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
-        heights = self.heights()
+        heights = self.heights_or_surface()
         if self.file is not None:
             origin["sha256"] = hashlib.sha256(self.file.read_bytes()).hexdigest()
         return Surface(heights, self.unit or "1", self.pixel_size, self.unit, origin)
@@ -230,49 +213,38 @@ class Spectral(Waves):
     """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
 
     kind: Literal["spectral"] = "spectral"
-    hurst: Annotated[float, Field(ge=0, le=1)] = Field(default=0.8, description="Hurst exponent.")
-    roll_off: Positive | None = Field(
-        default=None, description="Wavelength above which the spectrum is flat. By default the longest side."
+    hurst: Annotated[float, Field(ge=0, le=1)] = usual(0.8, "Hurst exponent.")
+    roll_off: Positive | None = usual(
+        None, "Wavelength above which the spectrum is flat. By default the longest side."
     )
-    cutoff: Positive | None = Field(
-        default=None, description="Shortest wavelength. By default eight times the larger spacing."
-    )
-    rms_height: Positive | None = Field(
-        default=None, description="Rms height. By default 1, unless slope or curvature is given."
-    )
-    rms_slope: Positive | None = Field(default=None, description="Rms slope, in place of the height.")
-    rms_curvature: Positive | None = Field(
-        default=None, description="Rms mean curvature, in place of the height."
-    )
+    cutoff: Positive | None = usual(None, "Shortest wavelength. By default eight times the larger spacing.")
+    rms_height: Positive | None = usual(None, "Rms height. By default 1, unless slope or curvature is given.")
+    rms_slope: Positive | None = usual(None, "Rms slope, in place of the height.")
+    rms_curvature: Positive | None = usual(None, "Rms mean curvature, in place of the height.")
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.spectral` takes."""
         lattice, facts = super().arguments
         facts.pop("unit", None)
-        return lattice, facts | {"spacing": self.spacing[0] if len(self.spacing) == 1 else self.spacing}
-
-    def heights(self) -> Heights:
-        """Make the heights."""
-        from asperity.surfaces import spectral
-
-        lattice, facts = self.arguments
-        return spectral(lattice, **facts)
+        return lattice, facts | {"spacing": _alone(self.spacing)}
 
 
 class Spectrum(Waves):
     """Heights of a power spectrum in a table; see `asperity.surfaces.from_spectrum`."""
 
     kind: Literal["spectrum"] = "spectrum"
-    path: str = Field(description=_TABLE)
+    path: str = Field(
+        description="Table of the wave number q and the power spectrum C; columns with units need `unit`."
+    )
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.from_spectrum` takes beside the spectrum."""
         return tuple(self.shape), {"pixel_size": self.pixel_size, "seed": self.seed}
 
-    def heights(self) -> Heights:
-        """Make the heights."""
+    def heights_or_surface(self) -> Heights:
+        """See `SurfaceSection`."""
         from asperity.surfaces import from_spectrum, read_spectrum
 
         lattice, facts = self.arguments
@@ -283,8 +255,8 @@ class Spectrum(Waves):
 class Asperities(SurfaceSection):
     """Single asperities, in SI, with free edges; see `asperity.surfaces.sphere`."""
 
-    shape: Shape = Field(default=[200, 200], description=_SHAPE)
-    pixel_size: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+    shape: Shape = usual([200, 200], _SHAPE)
+    pixel_size: OneOrTwo[Size] = Field(
         description="Distance between sites: one number, or between rows and between columns."
     )
 
@@ -292,16 +264,15 @@ class Asperities(SurfaceSection):
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What the function that makes it takes."""
         lattice, facts = super().arguments
-        if len(self.pixel_size) == 1:
-            facts["pixel_size"] = self.pixel_size[0]
-        return lattice, facts | ({"edges": self.edges} if self.edges else {})
+        edges = {"edges": self.edges} if self.edges else {}
+        return lattice, facts | {"pixel_size": _alone(self.pixel_size)} | edges
 
 
 class Asperity(Asperities):
     """One ball, paraboloid or flat punch in the middle."""
 
     kind: Literal["sphere", "paraboloid", "punch"] = "sphere"
-    radius: Annotated[list[Size], Field(min_length=1, max_length=2), BeforeValidator(listed)] = Field(
+    radius: OneOrTwo[Size] = Field(
         description="Radius; of curvature of a paraboloid (one, or one an axis), of the face of a punch."
     )
 
@@ -313,12 +284,8 @@ class Array(Asperities):
     places: Annotated[list[Place], Field(min_length=1)] = Field(
         description="Where balls are: pairs y x, counted from the first site, in m."
     )
-    radii: Annotated[list[Size], Field(min_length=1), BeforeValidator(listed)] = Field(
-        description="Radii of the balls: one, or one a ball."
-    )
-    heights: Annotated[list[Position], Field(min_length=1), BeforeValidator(listed)] = Field(
-        default=[0.0], description="Heights of their summits: one, or one a ball."
-    )
+    radii: Several[Size] = Field(description="Radii of the balls: one, or one a ball.")
+    heights: Several[Position] = usual([0.0], "Heights of their summits: one, or one a ball.")
 
 
 class MeasuredSurface(SurfaceSection):
@@ -328,59 +295,47 @@ class MeasuredSurface(SurfaceSection):
     path: str = Field(
         description="Measured surface; the last flags of this group prepare it. For spectrum its table."
     )
-    undefined: Literal["fill", "refuse"] = Field(
-        default="fill", description="Undefined pixels: fill (from their rims) or refuse."
+    undefined: Literal["fill", "refuse"] = usual(
+        "fill", "Undefined pixels: fill (from their rims) or refuse."
     )
-    max_undefined: Annotated[float, Field(ge=0, lt=1)] = Field(
-        default=0.1, description="Largest fraction of undefined pixels to fill."
+    max_undefined: Annotated[float, Field(ge=0, lt=1)] = usual(
+        0.1, "Largest fraction of undefined pixels to fill."
     )
-    tilt: Literal["plane", "quadratic", "mean", "none"] = Field(
-        default="plane", description="What to remove; quadratic also removes the bow of a scanner."
+    tilt: Literal["plane", "quadratic", "mean", "none"] = usual(
+        "plane", "What to remove; quadratic also removes the bow of a scanner."
     )
-    despike: bool = Field(
-        default=False,
-        description="Fill pixels more than 6 robust standard deviations above the median height.",
+    despike: bool = usual(
+        False, "Fill pixels more than 6 robust standard deviations above the median height."
     )
-    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
-        default="mirror",
-        description="How to make it periodic; mirror doubles each axis, reflect has edges that do the same.",
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = usual(
+        "mirror", "How to make it periodic; mirror doubles each axis, reflect has edges that do the same."
     )
-    unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = Field(
-        default=None,
-        description="Unit of the heights; rms divides by the rms height. By default the file's. "
+    unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = usual(
+        None,
+        "Unit of the heights; rms divides by the rms height. By default the file's. "
         "For spectral and spectrum the unit of all lengths; by default none.",
     )
-    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = Field(
-        default=None, description="Name or number of the channel. By default the file's."
+    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = usual(
+        None, "Name or number of the channel. By default the file's."
     )
-    resample: bool = Field(
-        default=False, description="Average pixels that are not square to the larger spacing."
+    resample: bool = usual(False, "Average pixels that are not square to the larger spacing.")
+    crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = usual(
+        None, "Part to cut out: top bottom left right, or left right of a profile, in pixels."
     )
-    crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = Field(
-        default=None,
-        description="Part to cut out: top bottom left right, or left right of a profile, in pixels.",
+    crop_unit: Annotated[Literal["pixel", Length] | None, BeforeValidator(_micro)] = usual(
+        None, "Unit of length in which the part is given, in place of pixels."
     )
-    crop_unit: Annotated[Literal["pixel", Length] | None, BeforeValidator(_micro)] = Field(
-        default=None, description="Unit of length in which the part is given, in place of pixels."
+    longest: Positive | None = usual(
+        None, "Longest wavelength to keep, in the file's unit of length, or in pixels without one."
     )
-    longest: Positive | None = Field(
-        default=None,
-        description="Longest wavelength to keep, in the file's unit of length, or in pixels without one.",
-    )
-    shortest: Positive | None = Field(default=None, description="Shortest wavelength to keep, likewise.")
-    file_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
-        default=None, description="Unit of the heights in a file that does not say."
-    )
-    pixel_size: (
-        Annotated[list[Positive], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None
-    ) = Field(
-        default=None,
-        description="Distance between pixels in a file that does not say: one number, or between rows "
+    shortest: Positive | None = usual(None, "Shortest wavelength to keep, likewise.")
+    file_unit: AnyLength | None = usual(None, "Unit of the heights in a file that does not say.")
+    pixel_size: OneOrTwo[Positive] | None = usual(
+        None,
+        "Distance between pixels in a file that does not say: one number, or between rows "
         "and between columns. Of a ball, a paraboloid, a punch and an array it is that between sites, in m.",
     )
-    length_unit: Annotated[Length | None, BeforeValidator(_micro)] = Field(
-        default=None, description="Unit of that distance."
-    )
+    length_unit: AnyLength | None = usual(None, "Unit of that distance.")
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
@@ -397,12 +352,10 @@ class MeasuredSurface(SurfaceSection):
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
-        facts = self.model_dump(exclude={"kind", "edges"}) | {"periodic": self.rule}
-        if self.pixel_size is not None and len(self.pixel_size) == 1:
-            facts["pixel_size"] = self.pixel_size[0]
-        return facts.pop("path"), facts
+        facts = self.model_dump(exclude={"kind", "edges", "path"})
+        return self.path, facts | {"periodic": self.rule, "pixel_size": _alone(self.pixel_size or [None])}
 
-    def made(self) -> Surface:
+    def heights_or_surface(self) -> Surface:
         """See `SurfaceSection`."""
         from asperity.surfaces import read
 
@@ -413,12 +366,12 @@ class MeasuredSurface(SurfaceSection):
 class Scan(MeasuredSurface):
     """A measured surface that nobody asks to be periodic: its edges reflect."""
 
-    periodic: Literal["mirror", "reflect", "taper", "wrap"] = Field(
-        default="reflect", description="What lies beyond the edges; mirror is taken as reflect."
+    periodic: Literal["mirror", "reflect", "taper", "wrap"] = usual(
+        "reflect", "What lies beyond the edges; mirror is taken as reflect."
     )
 
 
-Made = Gaussian | Exponential | SelfAffine | Spectral | Spectrum | Asperity | Array
+Made = Independent | SelfAffine | Spectral | Spectrum | Asperity | Array
 AnySurface = Annotated[Made | MeasuredSurface, Field(discriminator="kind")]
 SURFACES = by_kind(*get_args(Made), MeasuredSurface)
 
@@ -430,19 +383,15 @@ KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid"
 class Contact(Section):
     """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
 
-    load: FirstForce | None = Field(
-        default=None,
-        description="Normal load, the sum of all contact forces; 0 before a ramp. "
+    load: FirstForce | None = usual(
+        None,
+        "Normal load, the sum of all contact forces; 0 before a ramp. "
         "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
     )
-    pressure: Pressure | None = Field(
-        default=None,
-        description="Load over nominal area, instead of the load. By default, on a continuum, "
-        "0.005 E* x rms slope.",
+    pressure: Pressure | None = usual(
+        None, "Load over nominal area, instead of the load. By default, on a continuum, 0.005 E* x rms slope."
     )
-    separation: Position | None = Field(
-        default=None, description="Mean height of the undeformed solid; instead of the load."
-    )
+    separation: Position | None = usual(None, "Mean height of the undeformed solid; instead of the load.")
 
     @model_validator(mode="after")
     def _one_of_three(self) -> Self:
@@ -456,28 +405,24 @@ class Contact(Section):
 class Aging(Section):
     """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
 
-    first: Duration | None = Field(
-        default=None,
-        description="First time to record. By default that of the table of relaxation, else a tenth of the "
+    first: Duration | None = usual(
+        None,
+        "First time to record. By default that of the table of relaxation, else a tenth of the "
         "shortest relaxation time, else 0.001.",
     )
-    last: Duration | None = Field(
-        default=None,
-        description="Last time to record. By default that of the table of relaxation, else ten times the "
+    last: Duration | None = usual(
+        None,
+        "Last time to record. By default that of the table of relaxation, else ten times the "
         "longest relaxation time, else 1e+06.",
     )
-    per_decade: Annotated[int, Field(ge=1, le=1000)] = Field(
-        default=4, description="Times to record in each decade."
+    per_decade: Annotated[int, Field(ge=1, le=1000)] = usual(4, "Times to record in each decade.")
+    times: Annotated[list[Time], Field(min_length=1)] | None = usual(
+        None, "The times to record, one by one; instead of the three above."
     )
-    times: Annotated[list[Time], Field(min_length=1)] | None = Field(
-        default=None, description="The times to record, one by one; instead of the three above."
+    hold: Literal["load", "separation"] | None = usual(
+        None, "What is held while it ages. By default what pressed it."
     )
-    hold: Literal["load", "separation"] | None = Field(
-        default=None, description="What is held while it ages. By default what pressed it."
-    )
-    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = Field(
-        default=2e-3, description="Relative tolerance of the time steps."
-    )
+    rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = usual(2e-3, "Relative tolerance of the time steps.")
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
@@ -503,10 +448,6 @@ class LegSection(Section):
         """The leg itself."""
         return leg_of(self.model_dump(exclude_none=True))
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by the kind, to send a run to another process: the classes of most kinds are made below."""
-        return _empty_leg, (self.kind,), self.__getstate__()
-
     @model_validator(mode="after")
     def _possible(self) -> Self:
         try:
@@ -529,13 +470,9 @@ class RepeatLeg(LegSection):
 def _section_of(kind: str, leg: type[Leg]) -> type[LegSection]:
     keys: dict[str, Any] = {"kind": (Literal[kind], kind)}
     keys |= {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
-    return create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
-
-
-def _empty_leg(kind: str) -> LegSection:
-    """A leg of a kind, to be filled by pickle."""
-    made = LEGS[kind]
-    return made.__new__(made)
+    made = create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
+    globals()[made.__name__] = made  # where pickle looks for it, to send a run to another process
+    return made
 
 
 LEGS: dict[str, type[LegSection]] = {
@@ -550,17 +487,13 @@ else:
 class Friction(Section):
     """What makes friction of the contact area; without a shear strength, nothing does."""
 
-    shear_strength: Pressure | None = Field(
-        default=None,
-        description="Shear strength of the contacts, an input; on the lattice of springs, force a site.",
+    shear_strength: Pressure | None = usual(
+        None, "Shear strength of the contacts, an input; on the lattice of springs, force a site."
     )
-    rate_coefficient: Annotated[float, Field(ge=0, le=1)] | None = Field(
-        default=None,
-        description="Relative growth of the shear strength for each factor e of velocity. By default none.",
+    rate_coefficient: Share | None = usual(
+        None, "Relative growth of the shear strength for each factor e of velocity. By default none."
     )
-    reference_velocity: Velocity | None = Field(
-        default=None, description="Velocity at which the shear strength is what it is."
-    )
+    reference_velocity: Velocity | None = usual(None, "Velocity at which the shear strength is what it is.")
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -574,21 +507,18 @@ class Friction(Section):
 class Carried(Section):
     """What a half-space's contact carries besides its load, recorded at each time."""
 
-    stiffness: bool = Field(
-        default=False,
-        description="Record the normal stiffness; with one Poisson's ratio of the solid the tangential too.",
+    stiffness: bool = usual(
+        False, "Record the normal stiffness; with one Poisson's ratio of the solid the tangential too."
     )
-    resistivity: Annotated[list[Resistivity], _BOTH, BeforeValidator(listed)] | None = Field(
-        default=None, description="Electrical resistivity, of both bodies or of each: record the resistance."
+    resistivity: OneOrTwo[Resistivity] | None = usual(
+        None, "Electrical resistivity, of both bodies or of each: record the resistance."
     )
-    conductivity: Annotated[list[Conductivity], _BOTH, BeforeValidator(listed)] | None = Field(
-        default=None, description="Thermal conductivity, likewise: record the thermal resistance."
+    conductivity: OneOrTwo[Conductivity] | None = usual(
+        None, "Thermal conductivity, likewise: record the thermal resistance."
     )
-    shear: Force | None = Field(
-        default=None, description="Shear force: record which share of the contact sticks under it."
-    )
-    friction_coefficient: Positive | None = Field(
-        default=None, description="Coefficient of friction of the sites, for the shear force."
+    shear: Force | None = usual(None, "Shear force: record which share of the contact sticks under it.")
+    friction_coefficient: Positive | None = usual(
+        None, "Coefficient of friction of the sites, for the shear force."
     )
 
     @model_validator(mode="after")
@@ -605,7 +535,7 @@ class Carried(Section):
         if not facts:
             return None
         for name in {"resistivity", "conductivity"} & facts.keys():
-            facts[name] = facts[name][0] if len(facts[name]) == 1 else tuple(facts[name])
+            facts[name] = _alone(tuple(facts[name]))
         if "friction_coefficient" in facts:
             facts["friction"] = facts.pop("friction_coefficient")
         if facts.pop("stiffness", False) and poisson and len(set(poisson)) == 1:
@@ -616,20 +546,16 @@ class Carried(Section):
 class Output(Section):
     """What is written."""
 
-    maps_at: list[Time] | None = Field(
-        default=None, description="Times at which to keep and draw the contact. By default 0 and five others."
+    maps_at: list[Time] | None = usual(
+        None, "Times at which to keep and draw the contact. By default 0 and five others."
     )
-    figures: list[Figure] = Field(default=["png"], description='Formats of the figures; "" for none.')
-    pixel: Size | None = Field(
-        default=None,
-        description="Pixel of an instrument that looks at the maps; in sites where there are no units.",
+    figures: list[Figure] = usual(["png"], 'Formats of the figures; "" for none.')
+    pixel: Size | None = usual(
+        None, "Pixel of an instrument that looks at the maps; in sites where there are no units."
     )
-    blur: Size | None = Field(
-        default=None, description="Full width at half maximum of its point spread function, likewise."
-    )
-    threshold: Annotated[float, Field(ge=0, le=1)] | None = Field(
-        default=None,
-        description="Part of full contact from which such a pixel counts. By default all light counts.",
+    blur: Size | None = usual(None, "Full width at half maximum of its point spread function, likewise.")
+    threshold: Share | None = usual(
+        None, "Part of full contact from which such a pixel counts. By default all light counts."
     )
 
     @property
@@ -659,7 +585,7 @@ SECTIONS: Mapping[str, type[Section]] = {
 class RunConfig(Section):
     """The configuration of a run."""
 
-    surface: AnySurface = Gaussian()
+    surface: AnySurface = Independent()
     solid: AnySolid = SpringLattice()
     contact: Contact = Contact()
     aging: Aging = Aging()

@@ -20,23 +20,9 @@ _LONG = 96
 def to_python(config: RunConfig, times: list[float]) -> str:
     """Write a configuration in Python, as `asperity.press`, `asperity.age` and `asperity.relax`.
 
-    Parameters
-    ----------
-    config
-        With nothing left open: what presses is given.
-    times
-        Times to record; where the configuration gives first, last and how many, these are written instead.
-
-    Returns
-    -------
-    str
-        A program, of which ``contact``, ``history`` and, without a protocol, ``limit`` are those of the run,
-        to the last digit.
-
-    Raises
-    ------
-    InputError
-        The load is left open.
+    Its ``contact``, ``history`` and, without a protocol, ``limit`` are those of the run to the last digit.
+    `times` are written where the configuration does not give first, last and how many. `InputError` if what
+    presses is left open.
     """
     pressed = config.contact.model_dump(exclude_none=True)
     if not pressed:

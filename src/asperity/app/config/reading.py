@@ -17,46 +17,21 @@ from asperity.errors import ConfigError
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
-# A flag, or one of its choices, replaces the keys that say the same thing otherwise or mean nothing then.
-_RIVALS: dict[tuple[str, ...], tuple[str, ...]] = {
-    ("contact", "load"): ("separation", "pressure"),
-    ("contact", "pressure"): ("load", "separation"),
-    ("contact", "separation"): ("load", "pressure"),
-    ("solid", "modulus"): ("young",),
-    ("solid", "young"): ("modulus",),
-    ("solid", "branches"): ("relaxation", "flow", "draws"),
-    ("solid", "relaxation"): ("branches", "flow", "draws"),
-    ("solid", "flow"): ("branches", "relaxation", "draws"),
-    **{("solid", key): ("creep_rate", "creep_stress") for key in ACTIVATION},
-    **{("solid", key): tuple(ACTIVATION) for key in ("creep_rate", "creep_stress")},
-    **{
-        ("solid", "creep", law): tuple(OF_LAWS - {key for way in KEYS_OF_LAWS.get(law, []) for key in way})
-        for law in (*KEYS_OF_LAWS, "none")
-    },
-    ("surface", "rms_height"): ("rms_slope", "rms_curvature"),
-    ("surface", "rms_slope"): ("rms_height", "rms_curvature"),
-    ("surface", "rms_curvature"): ("rms_height", "rms_slope"),
-    ("aging", "times"): ("first", "last", "per_decade"),
-    ("aging", "first"): ("times",),
-    ("aging", "last"): ("times",),
-    ("aging", "per_decade"): ("times",),
-}
+_WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
+    ("contact", ({"load"}, {"pressure"}, {"separation"})),
+    ("solid", ({"modulus"}, {"young"})),
+    ("solid", ({"branches"}, {"relaxation"}, {"flow"}, {"draws"})),
+    ("solid", (ACTIVATION, {"creep_rate", "creep_stress"})),
+    ("surface", ({"rms_height"}, {"rms_slope"}, {"rms_curvature"})),
+    ("aging", ({"times"}, {"first", "last", "per_decade"})),
+)
+"""Keys of a section that say the same thing in one way or another: a flag replaces the other ways."""
 
 
 def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
-    """Read a configuration, lay the flags over it, and check the whole.
+    """Read a configuration or the defaults, lay flags by section and key over it, and check the whole.
 
-    Parameters
-    ----------
-    path
-        TOML file, or None for the defaults. A relative path of a surface in it is relative to it.
-    flags
-        Values by section and key.
-
-    Raises
-    ------
-    ConfigError
-        With one line for each mistake.
+    A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
     """
     path = None if path is None else Path(path)
     return config_from({} if path is None else read_tables(path), flags, path)
@@ -102,9 +77,7 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
             tables["aging"].pop(rival, None)
-    if config.protocol:
-        tables["aging"].pop("last", None)
-    else:
+    if not config.protocol:
         del tables["protocol"]
     if not tables["friction"]:
         del tables["friction"]
@@ -162,10 +135,9 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         table = merged.setdefault(section, {})
         if not isinstance(table, dict):  # a mistake of the file; it is reported
             continue
-        for key in keys:
-            for rival in (*_RIVALS.get((section, key), ()), *_RIVALS.get((section, key, str(keys[key])), ())):
-                if rival not in keys:
-                    table.pop(rival, None)
+        for key, value in keys.items():
+            for rival in _rivals(section, key, value) - keys.keys():
+                table.pop(rival, None)
         table.update(keys)
     for section, kinds in KINDS.items():
         table = merged.setdefault(section, {})
@@ -178,6 +150,14 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         table.setdefault("kind", usual)
         _drop_foreign(kinds, table, tables.get(section), chosen)
     return merged
+
+
+def _rivals(section: str, key: str, value: object) -> set[str]:
+    """Keys that say the same as one otherwise, or mean nothing beside it."""
+    if (section, key) == ("solid", "creep"):
+        return OF_LAWS.difference(*KEYS_OF_LAWS.get(str(value), []))
+    ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
+    return {rival for way in ways if key not in way for rival in way}
 
 
 def _drop_foreign(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass
 from types import NoneType
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -16,11 +16,18 @@ from asperity.base.words import InUnits, has_unit
 from asperity.creep.eyring import joules
 from asperity.errors import LARGEST, InputError
 
+_T = TypeVar("_T")
+
 
 class Section(BaseModel):
     """A table of the configuration: no unknown keys, no silent conversions, no infinities."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+def usual(default: object, description: str) -> Any:
+    """What a key is where it is not given, and what it means."""
+    return Field(default=default, description=description)
 
 
 def by_kind(*models: type[Section]) -> dict[str, type[Section]]:
@@ -79,6 +86,10 @@ def _infinite(value: object) -> object:
     return math.inf if value == "inf" else value
 
 
+Several = Annotated[list[_T], Field(min_length=1), BeforeValidator(listed)]
+OneOrTwo = Annotated[list[_T], Field(min_length=1, max_length=2), BeforeValidator(listed)]
+"""One of two bodies or axes, or of each."""
+Share = Annotated[float, Field(ge=0, le=1)]
 Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Constant = Annotated[float, Field(ge=0, le=1e30)]
@@ -121,12 +132,10 @@ def field_of(parameter: Parameter) -> Any:
     what, default = parameter.quantity, parameter.default
     said = f"Its {what.meaning} {what.symbol}." if what.symbol else f"{what.meaning}."
     said = said[0].upper() + said[1:]
-    if default is MISSING:
-        return annotation_of(parameter), Field(description=said)
-    return annotation_of(parameter), Field(default=default, description=said)
+    return annotation_of(parameter), Field(... if default is MISSING else default, description=said)
 
 
-Branch = Annotated[tuple[Annotated[float, Field(ge=0, le=1)], Duration], BeforeValidator(_paired)]
+Branch = Annotated[tuple[Share, Duration], BeforeValidator(_paired)]
 """A share of the modulus, and a relaxation time."""
 Place = Annotated[tuple[Position, Position], BeforeValidator(_paired)]
 """A place on the lattice."""

@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
@@ -15,6 +15,7 @@ from asperity.app.config.sections import (
     Constant,
     Energy,
     Modulus,
+    OneOrTwo,
     Power,
     Pressure,
     Section,
@@ -27,17 +28,19 @@ from asperity.app.config.sections import (
     by_kind,
     field_of,
     listed,
+    usual,
 )
 from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
 
 if TYPE_CHECKING:  # these need scipy, for which the help does not wait
-    from asperity.relaxation import Fit, PronySeries
+    from asperity.relaxation import Fit
     from asperity.solids import Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
+Plateau = Literal["plateau"]
 PerDecade = Annotated[float, Field(ge=0.2, le=10)]
 POISSON = 0.35
 """Poisson's ratio of a prediction to which none is given."""
@@ -106,7 +109,8 @@ class SolidSection(Section):
         """The function that makes it, which is called like its kind."""
         import asperity.solids as solids
 
-        return cast(Callable[..., "Solid"], getattr(solids, self.kind))
+        made: Callable[..., Solid] = getattr(solids, self.kind)
+        return made
 
     def build(self) -> Solid:
         """Make the solid."""
@@ -120,11 +124,6 @@ def _kept(share: float) -> float:
         return checked_permanent(share)
     except InputError as error:
         raise ValueError(f"expected {error.expected}, got {error.got}") from None
-
-
-def _given(word: str | None) -> str | None:
-    """A choice, or nothing for the word none."""
-    return None if word == "none" else word
 
 
 def _listed(keys: set[str]) -> str:
@@ -160,10 +159,12 @@ else:  # keys of all laws
         "_OfLaws",
         __base__=SolidSection,
         creep=(
-            Annotated[Literal[(*LAWS, "none")] | None, AfterValidator(_given)],
-            Field(
-                default=None,
-                description=f"Local law of creep: {FORMULAS}; s is the pressure, "
+            Annotated[
+                Literal[(*LAWS, "none")] | None, AfterValidator(lambda word: None if word == "none" else word)
+            ],
+            usual(
+                None,
+                f"Local law of creep: {FORMULAS}; s is the pressure, "
                 "or on the lattice of springs the force of a spring to the bulk.",
             ),
         ),
@@ -206,13 +207,11 @@ class SpringLattice(Creeping):
     """The lattice of springs; see `asperity.solids.spring_lattice`."""
 
     kind: Literal["spring_lattice"] = "spring_lattice"
-    k0: Constant = Field(default=1.0, description="Stiffness of the springs between neighbors.")
-    k1: Annotated[float, Field(gt=0, le=1e30)] = Field(
-        default=3.0, description="Stiffness of the springs to the bulk."
-    )
-    R: Constant = Field(default=1.0, description="Mobility of creep that conserves the mean.")
-    R_viscous: Constant = Field(default=0.0, description="Mobility of viscous creep.")
-    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+    k0: Constant = usual(1.0, "Stiffness of the springs between neighbors.")
+    k1: Annotated[float, Field(gt=0, le=1e30)] = usual(3.0, "Stiffness of the springs to the bulk.")
+    R: Constant = usual(1.0, "Mobility of creep that conserves the mean.")
+    R_viscous: Constant = usual(0.0, "Mobility of viscous creep.")
+    hardness: Pressure | None = usual(None, _HARDNESS)
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -225,36 +224,28 @@ class Continuum(SolidSection):
 
     not_beside_a_modulus: ClassVar[tuple[str, ...]] = ()
 
-    modulus: Modulus | None = Field(
-        default=None, description="Contact modulus E* at once, before anything relaxes."
+    modulus: Modulus | None = usual(None, "Contact modulus E* at once, before anything relaxes.")
+    young: OneOrTwo[Modulus] | None = usual(
+        None, "Young's modulus at once, in place of the contact modulus; of two bodies both."
     )
-    young: Annotated[list[Modulus], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
-        Field(
-            default=None,
-            description="Young's modulus at once, in place of the contact modulus; of two bodies both.",
-        )
+    poisson: OneOrTwo[Poisson] | None = usual(None, "Poisson's ratio, of two bodies both.")
+    branches: Branches = usual(
+        [], "A share of the modulus and the time in which it relaxes; as often as there are such."
     )
-    poisson: Annotated[list[Poisson], Field(min_length=1, max_length=2), BeforeValidator(listed)] | None = (
-        Field(default=None, description="Poisson's ratio, of two bodies both.")
-    )
-    branches: Branches = Field(
-        default=[],
-        description="A share of the modulus and the time in which it relaxes; as often as there are such.",
-    )
-    relaxation: str | None = Field(
-        default=None,
-        description="Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
+    relaxation: str | None = usual(
+        None,
+        "Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
         "that gives the branches; and Young's modulus, where no modulus is given.",
     )
-    per_decade: PerDecade | None = Field(
-        default=None,
-        description="Relaxation times in each decade of that table: more of them for data with few distinct "
+    per_decade: PerDecade | None = usual(
+        None,
+        "Relaxation times in each decade of that table: more of them for data with few distinct "
         "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
         "five at most, else 1 a decade.",
     )
-    extrapolate: Literal["plateau"] | None = Field(
-        default=None,
-        description="What is assumed beyond the last time of that table: plateau, that the last modulus "
+    extrapolate: Plateau | None = usual(
+        None,
+        "What is assumed beyond the last time of that table: plateau, that the last modulus "
         "stays. By default later times are refused.",
     )
 
@@ -276,7 +267,7 @@ class Continuum(SolidSection):
             if len(self.young or [1]) > 1:
                 raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
             try:
-                self._series()
+                _ = self.fit
             except InputError as error:
                 raise ValueError(f"relaxation: {error}") from None
         return self
@@ -301,14 +292,10 @@ class Continuum(SolidSection):
         """What is assumed beyond the table."""
         return "" if self.fit is None else self.fit.assumed
 
-    def _series(self) -> PronySeries | None:
-        return None if self.fit is None else self.fit.series
-
     @property
     def maxwell(self) -> list[Branch]:
         """Shares and relaxation times of all branches."""
-        series = self._series()
-        return self.branches if series is None else list(series.branches)
+        return self.branches if (fit := self.fit) is None else list(fit.series.branches)
 
     @property
     def contact_modulus(self) -> float:
@@ -317,8 +304,7 @@ class Continuum(SolidSection):
 
         if self.modulus is not None:
             return self.modulus
-        series = self._series()
-        young = self.young or ([] if series is None else [series.modulus])
+        young = self.young or ([] if (fit := self.fit) is None else [fit.series.modulus])
         return contact_modulus(young, self.poisson or [])
 
     @property
@@ -343,15 +329,14 @@ class Continuum(SolidSection):
     @property
     def known(self) -> tuple[float, float] | None:
         """First and last time that a table knows of, or that are assumed beyond it; None without."""
-        series = self._series()
-        return None if series is None else series.span
+        return None if (fit := self.fit) is None else fit.series.span
 
     def resolved(self) -> Self:
         """The same solid with the branches and the modulus that a table gives."""
         if self.relaxation is None:
             return self
-        numbers: dict[str, object] = {"branches": self.maxwell, "relaxation": None, "per_decade": None}
-        numbers["extrapolate"] = None
+        numbers: dict[str, object] = dict.fromkeys(("relaxation", "per_decade", "extrapolate"))
+        numbers["branches"] = self.maxwell
         if self.modulus is None and self.young is None:
             numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
         return self.model_copy(update=numbers)
@@ -369,37 +354,32 @@ class HalfSpace(Creeping, Continuum):
         description="Lists of branches that may be in place of these, such as draws of a posterior: their "
         "spread is in the band of a prediction.",
     )
-    flow: Power | None = Field(
-        default=None,
-        description="In place of branches: mobility of creep, and the power of the wave number with which "
+    flow: Power | None = usual(
+        None,
+        "In place of branches: mobility of creep, and the power of the wave number with which "
         "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
     )
-    creep_energy: Energy | None = Field(
-        default=None,
-        description="Energy of activation Q; with the next three it gives Eyring's v0 = prefactor "
+    creep_energy: Energy | None = usual(
+        None,
+        "Energy of activation Q; with the next three it gives Eyring's v0 = prefactor "
         "exp(-Q/kT) and s0 = kT/volume.",
     )
-    creep_volume: Volume | None = Field(default=None, description="Volume of activation.")
-    creep_prefactor: Velocity | None = Field(default=None, description="Velocity v0 far above Q = kT.")
-    temperature: Temperature | None = Field(
-        default=None, description="Temperature of thermally activated creep."
+    creep_volume: Volume | None = usual(None, "Volume of activation.")
+    creep_prefactor: Velocity | None = usual(None, "Velocity v0 far above Q = kT.")
+    temperature: Temperature | None = usual(None, "Temperature of thermally activated creep.")
+    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] | None = usual(
+        None, "Share of the modulus that does not creep by the local law. By default 0."
     )
-    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] | None = Field(
-        default=None, description="Share of the modulus that does not creep by the local law. By default 0."
-    )
-    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
-    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+    apparatus: Stiffness | None = usual(None, _APPARATUS)
+    hardness: Pressure | None = usual(None, _HARDNESS)
 
     @property
     def law(self) -> LocalCreep | None:
         """The local law of creep, from numbers or from its activation."""
         if self.temperature is None:
             return super().law
-        numbers = (self.creep_energy, self.creep_volume, self.creep_prefactor)
-        energy, volume, prefactor = (number or 0.0 for number in numbers)
-        return Eyring.activated(
-            energy=energy, volume=volume, temperature=self.temperature, prefactor=prefactor
-        )
+        facts = {name: getattr(self, f"creep_{name}") for name in ("energy", "volume", "prefactor")}
+        return Eyring.activated(**facts, temperature=self.temperature)
 
     @model_validator(mode="after")
     def _one_creep(self) -> Self:
@@ -435,7 +415,7 @@ class BesideTable(Section):
 
     poisson: OnePoisson | None = None
     per_decade: PerDecade | None = None
-    extrapolate: Literal["plateau"] | None = None
+    extrapolate: Plateau | None = None
     hardness: Pressure | None = None
     temperature: Temperature | None = None
 
@@ -446,10 +426,10 @@ class Layer(Continuum):
     kind: Literal["layer"] = "layer"
     poisson: OnePoisson = Field(description="Poisson's ratio.")
     thickness: Size = Field(description="Thickness of the layer or the film.")
-    frictionless: bool = Field(
-        default=False, description="The layer slides on its base without friction; else it is bonded to it."
+    frictionless: bool = usual(
+        False, "The layer slides on its base without friction; else it is bonded to it."
     )
-    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+    hardness: Pressure | None = usual(None, _HARDNESS)
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -465,11 +445,9 @@ class CoatedHalfSpace(Continuum):
     thickness: Size = Field(description="Thickness of the layer or the film.")
     base_modulus: Modulus = Field(description="Contact modulus of the base at once.")
     base_poisson: Poisson = Field(description="Poisson's ratio of the base.")
-    base_branches: Branches = Field(
-        default=[], description="A share of the modulus of the base and its relaxation time."
-    )
-    apparatus: Stiffness | None = Field(default=None, description=_APPARATUS)
-    hardness: Pressure | None = Field(default=None, description=_HARDNESS)
+    base_branches: Branches = usual([], "A share of the modulus of the base and its relaxation time.")
+    apparatus: Stiffness | None = usual(None, _APPARATUS)
+    hardness: Pressure | None = usual(None, _HARDNESS)
 
     @property
     def times(self) -> list[float]:
@@ -487,9 +465,7 @@ AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(
-    path: Path, per_decade: float | None, extrapolate: Literal["plateau"] | None, changed: int
-) -> Fit:
+def _fitted(path: Path, per_decade: float | None, extrapolate: Plateau | None, changed: int) -> Fit:
     """A table, fitted; ``changed`` tells one state of the file from another."""
     from asperity.relaxation import fit, read
 

@@ -110,14 +110,12 @@ def _comparison(found: Comparison) -> list[tuple[str, ...]]:
         "within these times",
         "undecided": "these data do not tell a logarithm from a saturation",
     }
+    worth = f"the values are worth {found.effective_points:.0f} independent ones, "
+    worth += f"the difference {found.delta_effective:.3g}"
     return [
         (words[found.verdict],),
         ("  AICc", f"logarithm less saturation {found.delta_aicc:.3g}, were all values independent"),
-        (
-            "  residuals",
-            f"neighbors correlate by {found.autocorrelation:.2f}: the values are worth "
-            f"{found.effective_points:.0f} independent ones, the difference {found.delta_effective:.3g}",
-        ),
+        ("  residuals", f"neighbors correlate by {found.autocorrelation:.2f}: {worth}"),
     ]
 
 
@@ -134,9 +132,8 @@ def write_numbers(growth: MeasuredGrowth, path: Path, **origin: str) -> None:
         "notes": list(growth.notes),
     }
     if growth.comparison is not None:
-        names = [field.name for field in dataclasses.fields(growth.comparison)]
-        numbers = {name: getattr(growth.comparison, name) for name in names if name not in growth.fits}
-        facts["comparison"] = {name: _finite(value) for name, value in numbers.items()}
+        numbers = vars(growth.comparison).items()
+        facts["comparison"] = {name: _finite(value) for name, value in numbers if name not in growth.fits}
     text = json.dumps(facts, indent=2, allow_nan=False)
     with whole_file(path) as part:
         part.write_text(f"{text}\n", encoding="utf-8")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
 from pathlib import Path
 
 import xarray as xr
@@ -32,13 +31,6 @@ def records_at(
     return [record_of(history, shear_strength=strength) for history in histories]
 
 
-def number_or_text(word: str | None) -> float | str | None:
-    """A flag's quantity: a number where it has no unit."""
-    with suppress(TypeError, ValueError):
-        return float(word or "")
-    return word
-
-
 def _surfaces(path: Path) -> list[xr.Dataset]:
     """The finished runs of a campaign in which nothing but the surfaces differs."""
     dataset = campaign.open(path)
@@ -56,13 +48,10 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
     record, kinds = found.record, found.peaks()
     slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
     fit = found.fits[found.preferred]
+    fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
     rows = [
         ("record", first if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
-        (
-            "",
-            f"{counted(fit.points, 'value')} fitted of {record.time.size}, slip {slip}, "
-            f"{counted(kinds.duration.size, 'hold')}",
-        ),
+        ("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
     ]
     for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
         rows += _law(found, law)
@@ -72,14 +61,9 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
         text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
         rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
     if found.runs == 1 and fit.effective_points < fit.points:
-        rows.append(
-            (
-                "note",
-                f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
-                f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
-                "records of several surfaces give better intervals",
-            )
-        )
+        text = f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
+        text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
+        rows.append(("note", f"{text}records of several surfaces give better intervals"))
     return rows
 
 

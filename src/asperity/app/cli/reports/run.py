@@ -66,9 +66,8 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     described = config.solid.model_dump(exclude_none=True)
     kind, parts = described.pop("kind"), []
     si = bool(dataset.attrs["si"])
-    units = units_named(
-        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
-    )
+    named = {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+    units = units_named(named)
     relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
     for name, value in described.items():
         if isinstance(value, bool):

@@ -56,10 +56,7 @@ def _origin(found: Surface, prepared: Surface) -> list[Row]:
     rows = [
         ("file", str(facts["file"])),
         ("format", f"{facts['format']}, read by {facts['reader']}"),
-        (
-            "pixels",
-            f"{pixels}{' (rows x columns)' if len(shape) == 2 else ''}, undefined: {undefined or 'none'}",
-        ),
+        ("pixels", f"{pixels}{' (rows x columns)' * (len(shape) == 2)}, undefined: {undefined or 'none'}"),
         ("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
         ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
     ]
@@ -89,23 +86,16 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
 
 def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
     """Say whether the scan is self-affine, and in which range."""
-    how = (
-        "of the scan itself"
-        if spectrum.window == "none"
-        else f"of the scan itself, with a {spectrum.window} window"
-    )
-    fit = spectrum.fit
+    window, fit = spectrum.window, spectrum.fit
+    how = "of the scan itself" + ("" if window == "none" else f", with a {window} window")
     hurst = (
         "none: no half decade of wavelengths in which the spectrum is a power law with H from 0 to 1; "
         "use the rms slope, which sets the contact area at light loads, or the spectrum itself"
     )
     if fit is not None:
         low, high = fit.interval
-        hurst = (
-            f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), "
-            f"wavelengths from {_lengths(spectrum.length_unit, fit.shortest)} "
-            f"to {_lengths(spectrum.length_unit, fit.longest)}"
-        )
+        first, last = (_lengths(spectrum.length_unit, one) for one in (fit.shortest, fit.longest))
+        hurst = f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), wavelengths from {first} to {last}"
     return [("power spectrum", how), ("Hurst exponent", hurst)]
 
 
