@@ -228,7 +228,8 @@ class WholeFields:
         guess.f[...] = growth * f + past.ahead * past.last.f + past.back * past.before.f
         return guess.e.sum(), guess.f.sum(), c.sum()
 
-    def finish(self, correction, rates, numbers, error):
+    def finish(self, correction, rates, numbers, error, sites):
+        del sites
         (rate, middle, end), (offset, tau, weight, *shares) = rates, numbers
         end[...] = (correction.e - correction.f - offset - weight * (rate + middle)) / tau
         error[...] = sum(share * one for share, one in zip(shares, rates, strict=True))

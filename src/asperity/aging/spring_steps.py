@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
-from asperity.contact.arrays import inner, largest
+from asperity.contact.arrays import largest
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
@@ -55,7 +55,7 @@ class SpringSteps(TrBdf2):
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
-        (self.flow, self.middle), self.error = self.work.pair(), np.empty(self.u.shape, np.float32)
+        (self.flow, self.middle), (self.error, _) = self.work.pair(), self.work.pair()
         for field in self.work.correction:
             field.fill(0.0)
         self.work.bound.fill(-np.inf)
@@ -147,14 +147,17 @@ class SpringSteps(TrBdf2):
 
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`."""
-        rates, error = (self.rate, self.middle, self.work.source.f), self.error
-        numbers = (self.offset, self.tau, self.weight, *shares)
-        self.work.backend.finish(self.work.correction, rates, numbers, error)
-        if self.system.control.load_controlled:  # the load decides the mean
-            error -= error.mean(dtype=np.float64).astype(error.dtype)
-        left = self.work.left_of(error)
-        mean = 0.0 if self.work.wanted is None else float(left.mean())
-        return self.unit * math.sqrt(max(inner(left, left, np) / left.size - mean * mean, 0.0))
+        work = self.work
+        rates = self.rate, self.middle, work.source.f
+        numbers = self.offset, self.tau, self.weight, *shares
+        work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
+        return self.unit * work.rms(self.about_mean(work.left_of(self.about_mean(self.error))))
+
+    def about_mean(self, field: Single) -> Single:
+        """A field less its mean, in place, where the load decides that."""
+        if self.system.control.load_controlled:
+            field -= np.float32(self.mean(field))
+        return field
 
     def advance(self) -> None:
         """See `TrBdf2`."""

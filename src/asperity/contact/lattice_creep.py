@@ -92,8 +92,9 @@ class LatticeCreep(ByLaw):
         """See `ByLaw`; the law is linear as it was last."""
         del end
         assert stage.tau == self.run.stage.tau
-        unit = self.run.unit
-        return np.asarray(unit * self.work.left_of(np.atleast_2d(error) / unit).reshape(error.shape))
+        unit, backend = self.run.unit, self.work.backend
+        left = self.work.left_of(backend.packed(np.atleast_2d(error) / unit))
+        return unit * backend.unpacked(left, self.work.sites).reshape(error.shape)
 
     def combined(self, x: Field, y: Field, a: float, b: float) -> Field:
         """A L x + b y, L minus the Laplacian."""

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from asperity.contact.arrays import largest
 from asperity.contact.compiled import compiled, inlined
 from asperity.lattice import Field, Mask
 
@@ -64,10 +65,9 @@ def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
 
 def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, int]:
     """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
-    free = ~in_contact
-    worst = max(np.max(force, where=free, initial=0.0), -np.min(force, where=free, initial=0.0))
-    tension, load = -np.min(force, where=in_contact, initial=0.0), np.sum(force, where=in_contact)
-    return float(worst), float(tension), float(load), int(np.count_nonzero(in_contact))
+    carried = np.where(in_contact, force, 0.0)
+    tension = max(-float(carried.min()), 0.0)
+    return largest(force - carried, np), tension, float(carried.sum()), int(np.count_nonzero(in_contact))
 
 
 def balanced(

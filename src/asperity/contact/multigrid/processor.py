@@ -154,16 +154,21 @@ class Processor:
         return e, f, source
 
     def finish(
-        self, correction: Pair, rates: tuple[Single, Single, Single], numbers: Sequence[float], error: Single
+        self,
+        correction: Pair,
+        rates: tuple[Single, Single, Single],
+        numbers: Sequence[float],
+        error: Single,
+        sites: Sites,
     ) -> None:
-        """The rate where a time step ends, the last of the rates, and its error, rows in order.
+        """The rate where a time step ends, the last of the rates, and its error.
 
         The numbers: the constant that f lacks, tau, the weight of the rates, those of the error.
         """
         offset, tau, weight, first, second, third = map(np.float32, numbers)
         rate, middle, end = rates
         shares = first, second, third
-        states.finish_step(correction, offset, rate, middle, tau, weight, shares, end, error)
+        states.finish_step(correction, offset, rate, middle, tau, weight, shares, end, error, sites)
 
     # Problems of one field, and of two.
 

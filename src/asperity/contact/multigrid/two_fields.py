@@ -26,7 +26,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.contact.arrays import inner
 from asperity.contact.multigrid.grids import Hierarchy, empty
@@ -147,26 +146,31 @@ class TwoFields:
         """Places for an error of the correction."""
         return self.pair(), self.pair(), self.pair(), empty(self.sites, self.backend)
 
-    def left_of(self, error: NDArray[np.floating]) -> NDArray[np.floating]:
-        """What an implicit step leaves of an error of u0, while the contacts stay; both rows in order.
+    def rms(self, field: Single) -> float:
+        """Root mean square over the sites."""
+        return math.sqrt(self.backend.total(field * field, self.sites) / self.size)
+
+    def left_of(self, error: Single) -> Single:
+        """What an implicit step leaves of an error of u0, while the contacts stay.
 
         The equations are those of the step that was solved last. Where cycles do not solve them, all of the
         error is left.
         """
-        work, scale = copy(self), math.sqrt(inner(error, error, np) / self.size)
+        work, scale = copy(self), self.rms(error)
         work.correction, work.source, work.previous, work.bound = self.spare
         if self.bed > TUNING.stiff and self.even:
             work.prepare(TUNING.stiff, self.spread, self.mean_lag - 1.0)
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
         touching = self.correction.e <= self.bound
-        work.bound[...] = np.where(touching, np.float32(0.0), np.float32(-np.inf))
-        work.source.e[...] = touching * np.float32(-1e30)  # keeps contacts closed
-        work.source.f[...] = self.backend.packed(-error)
+        work.bound.fill(-np.inf)
+        work.bound[touching] = 0.0
+        np.multiply(touching, np.float32(-1e30), out=work.source.e)  # keeps contacts closed
+        np.negative(error, out=work.source.f)
         for field in work.correction:
             field.fill(0.0)
         if not work.improve(TUNING.left * scale, TUNING.cycles_left, total_counts=False)[0]:
             return error
-        return self.backend.unpacked(work.correction.e - work.correction.f, self.sites) + work.shift
+        return np.asarray(work.correction.e - work.correction.f + np.float32(work.shift))
 
     def relag(self) -> None:
         """Bring the lag by site to the coarse grids."""

@@ -204,17 +204,16 @@ def finish_step(
     shares: tuple[Scalar, Scalar, Scalar],
     rate_at_end: Single,
     error: Single,
+    sites: Sites,
 ) -> None:
-    """Rate at the end, f plus an offset, and the sum of the three rates with weights, rows in order."""
+    """Rate at the end, f plus an offset, and the sum of the three rates with weights."""
     e, f = correction
     first, second, third = shares
     pace = np.float32(1.0) / tau
-    line = np.zeros((2, e.shape[2]), np.float32)
-    for i in range(error.shape[0]):
+    for i in range(sites.rows):
         for side in range(2):
-            for k in range(side, end_of(side, error.shape[1])):
+            for k in range(side, end_of(side, sites.columns)):
                 before, between = rate[i, side, k], middle[i, side, k]
                 found = (e[i, side, k] - f[i, side, k] - offset - weight * (before + between)) * pace
                 rate_at_end[i, side, k] = found
-                line[side, k] = first * before + second * between + third * found
-        join(line, error[i])
+                error[i, side, k] = first * before + second * between + third * found
