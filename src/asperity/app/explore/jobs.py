@@ -134,7 +134,7 @@ class _Teller(Progress):
                 last_time=config.end,
                 python=to_python(written, list(self._times)),
             )
-            scene = self._recording.scene or {}
+            scene: Header = self._recording.scene or {}
             moments = [*scene["switches"], *(output.maps_at or ())]
             self._mapped = mapped(self._times, moments, frame.contact.heights.size)
             self.tell("scene", (scene, self._recording.heights))

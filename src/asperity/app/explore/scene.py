@@ -173,20 +173,8 @@ class Cursor:
 class Recording:
     """All that is known of one run so far; readers come and go, each with a `Cursor`.
 
-    Attributes
-    ----------
-    job
-        Name of the run in messages.
-    scene, heights
-        Header of the scene, None before the solids touch; heights, shape (ny, nx).
-    rows
-        Entries of the time series, one number a column.
-    maps
-        Maps, in the order of time.
-    stage
-        What is being done.
-    end
-        Header of the last message, once there is one.
+    ``scene`` is the header of the scene, None before the solids touch; ``rows`` are entries of the time
+    series, one number a column; ``end`` is the header of the last message, once there is one.
     """
 
     job: str

@@ -214,10 +214,9 @@ class Session:
         self._news.set()
 
     def _watch(self, job: Job) -> None:
-        before = self._job
         job.watchers.add(self._news.set)
-        if before is not None and before is not job:
-            self._server.jobs.leave(before, self._news.set, at_once=True)
+        if self._job is not job:
+            self._leave(at_once=True)
         self._job, self._recording, self._cursor = job, job.recording, Cursor()
         self._news.set()
 
