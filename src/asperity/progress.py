@@ -61,8 +61,8 @@ def progress_shown() -> Iterator[Progress]:
 class Progress:
     """Someone who is told how far a run has come; this one tells nobody."""
 
-    def __init__(self) -> None:
-        self.times: Sequence[float] = ()
+    times: Sequence[float] = ()
+    """What aging will record."""
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         """Begin a stage; aging passes the times that it will record."""
@@ -88,7 +88,6 @@ class _Call(Progress):
     """A function of the user's own, which gets each frame."""
 
     def __init__(self, call: Callable[[Frame], None]) -> None:
-        super().__init__()
         self._call = call
 
     def reached(self, frame: Frame) -> None:
@@ -98,9 +97,7 @@ class _Call(Progress):
 class _Lines(Progress):
     """Plain lines, for logs."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._decade = -math.inf
+    _decade = -math.inf
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         span = f" to t = {times[-1]:g}" if times else ""
@@ -124,7 +121,6 @@ class _OnTerminal(Progress):
     """A bar whose length is the number of times recorded."""
 
     def __init__(self, bar: Bar) -> None:
-        super().__init__()
         self._bar = bar
         self._task = bar.add_task("", total=None, state="")
 
@@ -143,7 +139,6 @@ class _InNotebook(Progress):
     """The same as HTML below the cell, which changes in place; no widgets are needed."""
 
     def __init__(self, display: ModuleType) -> None:
-        super().__init__()
         self._display = display
         self._handle = display.display(display.HTML(""), display_id=True)
         self._name, self._inside, self._changed = "", "", -math.inf

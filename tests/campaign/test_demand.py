@@ -38,10 +38,8 @@ def test_disk_and_memory(tmp_path, text):
 
 
 def test_what_is_done_counts_no_more_and_memory_is_that_of_the_largest_run(tmp_path, capsys):
-    path, out = (
-        written(tmp_path, SMALL.replace("k1 = [1.0, 3.0]", "shape = [[16, 16], [32, 32]]")),
-        tmp_path / "out",
-    )
+    path = written(tmp_path, SMALL.replace("k1 = [1.0, 3.0]", "shape = [[16, 16], [32, 32]]"))
+    out = tmp_path / "out"
     plan = campaign.read_plan(path)
     whole = campaign.estimate(plan, out)
     assert main(["sweep", str(path), "--out", str(out), "--dry-run"]) == 0

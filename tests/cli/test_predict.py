@@ -31,6 +31,7 @@ from tests.cli.conftest import Asperity, Refused
 from tests.refusals import refuses
 
 TAU = 30e6
+LENGTHS: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
 DATA = Path(os.environ.get("ASPERITY_DATA", ""))
 PMMA = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
 
@@ -67,8 +68,7 @@ def finished(files: Path) -> Path:
 @pytest.fixture(scope="module")
 def scan(files: Path) -> asp.surfaces.Surface:
     """The scan, with its units."""
-    lengths: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
-    return asp.surfaces.read(files / "scan.txt", periodic="reflect", **lengths)
+    return asp.surfaces.read(files / "scan.txt", periodic="reflect", **LENGTHS)
 
 
 @pytest.fixture(scope="module")
@@ -86,28 +86,18 @@ def table_of(folder: Path) -> dict[str, list[float]]:
 def test_edges_are_free_where_asked_and_the_page_says_so(
     files: Path, finished: Path, prediction: Prediction, tmp_path: Path
 ) -> None:
-    assert (
-        main([*words(files, "--pressure", "40MPa", "--quiet", "--edges", "free", "--out", tmp_path / "out")])
-        == 0
-    )
+    flags = ("--pressure", "40MPa", "--quiet", "--edges", "free", "--out", tmp_path / "out")
+    assert main(words(files, *flags)) == 0
     stored, said = asp.results.load(tmp_path / "out"), (tmp_path / "out" / "summary.txt").read_text("utf-8")
-    free = asp.surfaces.read(
-        files / "scan.txt", periodic="free", file_unit="nm", pixel_size=50.0, length_unit="nm"
-    )
+    free = asp.surfaces.read(files / "scan.txt", periodic="free", **LENGTHS)
     same = asp.predict(files / "relaxation.csv", free, pressure="40 MPa")
     np.testing.assert_array_equal(stored["in_contact"], same.dataset["in_contact"])
     assert (stored["contact_area"].values != prediction.dataset["contact_area"].values).all()
     assert "edges are free: the body ends with the scan" in said
     assert "edges reflect, as for a part" in (finished / "summary.txt").read_text("utf-8")
-    page, usual = ((folder / "prediction.html").read_text("utf-8") for folder in (tmp_path / "out", finished))
-    assert [said in page for said in ("ends at the edges of the scan", "its own mirror image")] == [
-        True,
-        False,
-    ]
-    assert [said in usual for said in ("ends at the edges of the scan", "its own mirror image")] == [
-        False,
-        True,
-    ]
+    for folder, ends in ((tmp_path / "out", True), (finished, False)):
+        page = (folder / "prediction.html").read_text("utf-8")
+        assert ("ends at the edges of the scan" in page, "its own mirror image" in page) == (ends, not ends)
 
 
 def test_the_command_and_the_function_agree(finished: Path, prediction: Prediction) -> None:
@@ -163,8 +153,7 @@ def test_a_load_is_a_pressure_over_the_scan(
 
 
 def test_mirror_images_are_taken_as_reflecting_edges(files: Path, prediction: Prediction) -> None:
-    lengths: dict[str, Any] = {"file_unit": "nm", "pixel_size": 50.0, "length_unit": "nm"}
-    mirrored = asp.surfaces.read(files / "scan.txt", periodic="mirror", **lengths)
+    mirrored = asp.surfaces.read(files / "scan.txt", periodic="mirror", **LENGTHS)
     doubled = asp.predict(files / "relaxation.csv", mirrored, pressure="40 MPa")
     assert mirrored.shape == (80, 96)
     np.testing.assert_array_equal(doubled.series("area"), prediction.series("area"))
@@ -179,16 +168,9 @@ def test_what_the_table_measures(files: Path, scan: asp.surfaces.Surface, predic
     at_once = prediction.fit.series.modulus
     assert prediction.modulus == pytest.approx(at_once / (1 - 0.35**2))
     cases: dict[Modulus, float] = {"shear": 2 * at_once / (1 - 0.4), "contact": at_once}
+    how: dict[str, Any] = {"pressure": 80e6, "poisson": 0.4, "last": 0.1, "per_decade": 1}
     for modulus, stiffness in cases.items():
-        ours = asp.predict(
-            files / "relaxation.csv",
-            scan,
-            pressure=80e6,
-            modulus=modulus,
-            poisson=0.4,
-            last=0.1,
-            per_decade=1,
-        )
+        ours = asp.predict(files / "relaxation.csv", scan, modulus=modulus, **how)
         assert ours.modulus == pytest.approx(stiffness)
 
 
@@ -300,9 +282,8 @@ def test_times_within_the_loading_are_remarked(scan: asp.surfaces.Surface) -> No
     solid = asp.solids.half_space(modulus=1805.39e6, branches=PMMA_BRANCHES)
     times: dict[str, Any] = {"pressure": "2 MPa", "last": "100 s", "ramp": "2.4 s", "per_decade": 2}
     early = asp.predict(solid, scan, first="1 s", **times)
-    assert any(
-        remark.startswith("2 recorded times are before the end of the loading") for remark in early.remarks
-    )
+    begins = "2 recorded times are before the end of the loading"
+    assert any(remark.startswith(begins) for remark in early.remarks)
     assert early.series("load")[0] == pytest.approx(early.load / 2.4, rel=1e-5)
     late = asp.predict(solid, scan, first="2.4 s", **times)
     assert not any("loading" in remark for remark in late.remarks)
@@ -318,12 +299,8 @@ def test_the_fitted_solid_is_a_file_for_run_and_predict(
     assert again.modulus == pytest.approx(prediction.modulus, rel=1e-12)
     np.testing.assert_allclose(again.branches, prediction.branches, rtol=1e-12)
     np.testing.assert_array_equal(again.series("area"), prediction.series("area"))
-    assert (
-        main(
-            ["run", str(finished / "solid.toml"), "--shape", "16", "16", "-q", "--out", str(tmp_path / "run")]
-        )
-        == 0
-    )
+    run = ("run", finished / "solid.toml", "--shape", "16", "16", "-q", "--out", tmp_path / "run")
+    assert main([*map(str, run)]) == 0
     # The same from flags alone, as a paper states it.
     branches = [word for share, time in prediction.branches for word in ("--branch", f"{share!r} {time!r}s")]
     young = ("--young", f"{prediction.modulus * (1 - 0.35**2)!r}Pa")

@@ -16,6 +16,7 @@ from tests.cli.conftest import Asperity, Refused
 from tests.refusals import refuses
 
 SURFACE = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
+MODULUS = asp.solids.contact_modulus(3.3e9, 0.35)
 LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
 SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}
 TIMES = np.geomspace(1e-2, 1e3, 11)
@@ -58,18 +59,17 @@ def rough(seed: int, sites: int = 64) -> asp.surfaces.Surface:
 
 
 def solids() -> dict[str, asp.solids.Solid]:
-    modulus = asp.solids.contact_modulus(3.3e9, 0.35)
     branches = [(0.2, 0.1), (0.2, 10.0), (0.2, 1e3)]
     own = asp.solids.CreepLaw(
         lambda s: 1e-14 * np.sinh(np.clip(s / 2e7, -600, 600)),
         lambda s: 1e-14 / 2e7 * np.cosh(np.clip(s / 2e7, -600, 600)),
     )
     return {
-        "eyring": asp.solids.half_space(modulus=modulus, creep=LAW),
-        "norton": asp.solids.half_space(modulus=modulus, creep=asp.solids.Norton(1e-11, 1e8, 8)),
-        "permanent": asp.solids.half_space(modulus=modulus, creep=LAW, permanent=0.3),
-        "of its own": asp.solids.half_space(modulus=modulus, creep=own),
-        "hard": asp.solids.half_space(modulus=modulus, branches=branches, hardness="0.3 GPa"),
+        "eyring": asp.solids.half_space(modulus=MODULUS, creep=LAW),
+        "norton": asp.solids.half_space(modulus=MODULUS, creep=asp.solids.Norton(1e-11, 1e8, 8)),
+        "permanent": asp.solids.half_space(modulus=MODULUS, creep=LAW, permanent=0.3),
+        "of its own": asp.solids.half_space(modulus=MODULUS, creep=own),
+        "hard": asp.solids.half_space(modulus=MODULUS, branches=branches, hardness="0.3 GPa"),
     }
 
 
@@ -113,8 +113,7 @@ def test_a_law_of_its_own_is_followed_as_eyrings() -> None:
     np.testing.assert_allclose(other.series("contact_area"), one.series("contact_area"), rtol=1e-3)
     assert one.theory is not None
     assert other.theory is None
-    page = prediction_page(other, {})
-    assert "creeps by a law of its own" in page
+    assert "creeps by a law of its own" in prediction_page(other, {})
     assert "v0 sinh(s/s0), v0 = 0.01 pm/s, s0 = 20 MPa" in prediction_page(one, {})
 
 
@@ -247,10 +246,9 @@ def test_edges_of_a_scan_are_those_of_the_file(
 
 
 def test_what_does_not_grow_is_remarked() -> None:
-    modulus = asp.solids.contact_modulus(3.3e9, 0.35)
-    slow = asp.solids.half_space(modulus=modulus, creep=asp.solids.Eyring(rate="1e-30 m/s", stress="90 MPa"))
+    slow = asp.solids.half_space(modulus=MODULUS, creep=asp.solids.Eyring(rate="1e-30 m/s", stress="90 MPa"))
     for solid, said in (
-        (asp.solids.half_space(modulus=modulus), "nothing grows: the solid is elastic"),
+        (asp.solids.half_space(modulus=MODULUS), "nothing grows: the solid is elastic"),
         (slow, "the contact does not grow by 1000 s: creep has not begun"),
     ):
         ours = asp.predict(solid, rough(0, 32), pressure="10 MPa", **SPAN)
@@ -287,10 +285,6 @@ def test_what_python_refuses() -> None:
         asp.predict(solid, rough(0), pressure=1e7, poisson=0.3, **SPAN)
     with refuses("material"):
         asp.predict(asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), rough(0), pressure=1e7, **SPAN)
+    weak = asp.solids.half_space(modulus="3 GPa", creep=asp.solids.Eyring("1 nm/s", "1 kPa"))
     with refuses("creep"):
-        asp.predict(
-            asp.solids.half_space(modulus="3 GPa", creep=asp.solids.Eyring("1 nm/s", "1 kPa")),
-            rough(0),
-            pressure=1e7,
-            **SPAN,
-        )
+        asp.predict(weak, rough(0), pressure=1e7, **SPAN)

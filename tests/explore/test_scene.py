@@ -95,16 +95,17 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
     area, load = aged["area"].values, aged["load"].values
     friction = rows[:, columns.index("friction")]
     assert friction == pytest.approx(area / load / (area[0] / load[0]), rel=1e-12)
-    assert [one.time for one in scene.maps] == aged["field_time"].values.tolist()
+    assert [one.facts["time"] for one in scene.maps] == aged["field_time"].values.tolist()
     for one, mask in zip(scene.maps, aged["in_contact"].values, strict=True):
-        assert np.array_equal(np.unpackbits(one.bits).reshape(24, 24), mask)
+        assert np.array_equal(np.unpackbits(one.arrays["bits"]).reshape(24, 24), mask)
         # Forces of springs come from u and u0: their sum is the load, and none is off contact.
-        total = one.pressure.astype(float).sum() * one.scale / 65535
-        at = np.flatnonzero((aged["time"].values == one.time) & (aged["leg"].values == one.leg))
+        total = one.arrays["pressure"].astype(float).sum() * one.facts["pressure_scale"] / 65535
+        time, leg = one.facts["time"], one.facts["leg"]
+        at = np.flatnonzero((aged["time"].values == time) & (aged["leg"].values == leg))
         assert total == pytest.approx(aged["load"].values[at[0]], rel=1e-4)
-        assert one.yielded is None
+        assert "yielded" not in one.arrays
     for name in scene.scene["map_columns"]:
-        assert [one.patches[name] for one in scene.maps] == aged[name].values.tolist()
+        assert [one.facts[name] for one in scene.maps] == aged[name].values.tolist()
         assert scene.scene["column_units"][name] == aged[name].attrs["units"]
 
 
@@ -122,7 +123,7 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     yielding = [row[columns.index("yielding_area")] for row in recording.rows]
     assert yielding == series["yielding_area"].values.tolist()
     assert yielding[0] > 0
-    bits = [np.unpackbits(one.yielded).reshape(8, 8) for one in recording.maps if one.yielded is not None]
+    bits = [np.unpackbits(one.arrays["yielded"]).reshape(8, 8) for one in recording.maps]
     depths = series["permanent_indentation"].values
     shifts = series["field_shift_x"].values.astype(int).tolist()
     assert (shifts[0], shifts[-1]) == (0, 2)
@@ -131,7 +132,7 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     assert bits[-1].sum() >= bits[0].sum() > 0
     live: list[tuple[float, float]] = []
     yielded: list[Any] = []
-    last: Any = recording.maps[-1].yielded
+    last: Any = recording.maps[-1].arrays["yielded"]
 
     def tell(frame: Any) -> None:
         if not live:
@@ -141,7 +142,7 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
             assert started(frame, config)["displacement"].values.tolist() == [0.0]
         row, seen = of_frame(frame)
         live.append((row["displacement"], row["yielding_area"]))
-        yielded.append(seen.yielded)
+        yielded.append(seen.arrays["yielded"])
 
     asp.age(contact, [5.0], protocol=slides, progress=tell)
     assert live[-1] == (2.0, yielding[-1])

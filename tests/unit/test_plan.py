@@ -7,6 +7,7 @@ from asperity.app.campaign import load_plan, read_plan
 from asperity.app.campaign.plan import name_of
 from asperity.app.campaign.sweeping import plan_to_json
 from asperity.errors import ConfigError
+from tests.campaign.conftest import written
 
 BASE = """
 [surface]
@@ -15,12 +16,6 @@ seed = 3
 [aging]
 last = 1.0
 """
-
-
-def written(folder, text, name="campaign.toml"):
-    path = folder / name
-    path.write_text(text, encoding="utf-8")
-    return path
 
 
 def plan_of(folder, sweep, base=BASE):

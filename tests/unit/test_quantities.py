@@ -116,7 +116,7 @@ def test_histories_without_forces_and_gaps_are_shown(tmp_path: Path) -> None:
     assert new is not None
     assert old.scene is not None
     assert "rms_gap" not in old.scene["columns"]
-    np.testing.assert_array_equal(old.maps[0].pressure, new.maps[0].pressure)
+    np.testing.assert_array_equal(old.maps[0].arrays["pressure"], new.maps[0].arrays["pressure"])
 
 
 def test_the_page_on_notation_has_every_quantity_with_its_symbol() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import multiprocessing
 import signal
 import threading
 import time as clock
@@ -69,15 +68,6 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         yield client
 
 
-def leave_if_imported_by_worker() -> None:
-    """End a worker that imports, as it starts, a script which calls `sweep` at its top level.
-
-    It could not start workers of its own, and dozens of lines would say so. `connect` says it in one.
-    """
-    if getattr(multiprocessing.current_process(), "_inheriting", False):
-        raise SystemExit(1)
-
-
 def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Future[Any], Any]]:
     """Yield futures as they end, with what they returned; say it when no worker is there to end one.
 
@@ -121,12 +111,12 @@ def _connected(scheduler: str) -> Client:
     from distributed import Client, rpc
 
     async def asked() -> None:  # a client would wait forever for what takes connections and is no scheduler
-        async with rpc(scheduler) as there:
+        async with rpc(scheduler) as there, asyncio.timeout(_ANSWER):
             await there.identity()
 
     try:
         with ThreadPoolExecutor(1) as aside:  # a notebook has a loop of its own
-            aside.submit(asyncio.run, asyncio.wait_for(asked(), _ANSWER)).result()
+            aside.submit(asyncio.run, asked()).result()
         return Client(scheduler, timeout=_ANSWER)
     except (OSError, TimeoutError, ValueError) as error:
         got = f"{scheduler}: {str(error) or f'no answer in {_ANSWER:.0f} seconds'}"

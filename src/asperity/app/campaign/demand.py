@@ -57,7 +57,7 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     """
     checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
     done = Store(Path(directory)).done()
-    todo = {run.identity: run for run in plan.runs if run.identity not in done}
+    todo = {name: run for name, run in plan.distinct.items() if name not in done}
     points = {run.point: run.config for run in todo.values()}
     measured: dict[str, tuple[int, ...]] = {}
     memory: dict[tuple[int, ...], int] = {}

@@ -76,7 +76,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     """
     plan = load_plan(directory)
     store = Store(Path(directory))
-    runs, done = {run.identity: run for run in plan.runs}, store.done()
+    runs, done = plan.distinct, store.done()
     store.remark_on_remains(set(runs))
     finished = {name: store.read(run) for name, run in runs.items() if name in done}
     if not finished:
@@ -125,7 +125,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     return dataset.assign_attrs(
         title="Aging of rough contacts: a campaign",
         asperity_version=__version__,
-        runs=len({run.identity for run in plan.runs}),
+        runs=len(runs),
         finished=len(finished),
         **_in_common(plan, units),
     )
@@ -156,10 +156,9 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
     known = [(run, plan.labels(run)) for run in plan.runs]
     chosen = [run for run, here in known if all(name in here and here[name] == where[name] for name in where)]
     if len(chosen) != 1:
-        names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
         raise InputError(
             "campaign",
-            expected=f"values of {', '.join(names) or 'nothing'} that name one run",
+            expected=f"values of {', '.join(plan.swept) or 'nothing'} that name one run",
             got=f"{where}, which names {len(chosen)}",
         )
     return Store(Path(directory)).fields(chosen[0])

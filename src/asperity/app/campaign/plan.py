@@ -55,18 +55,9 @@ class Axis:
 
 @dataclass(frozen=True)
 class Run:
-    """One run.
+    """One run: a hash of all that it depends on, its place along the axes, its seed, its configuration.
 
-    Attributes
-    ----------
-    identity
-        A hash of all that it depends on.
-    point, seed
-        Its place along the axes, and its seed.
-    config
-        Its configuration.
-    content
-        Checksum (SHA-256) of its surface file; empty for surfaces that are made.
+    The content is the checksum (SHA-256) of its surface file; empty for surfaces that are made.
     """
 
     identity: str
@@ -98,12 +89,22 @@ class Plan:
     runs: tuple[Run, ...]
 
     @property
+    def distinct(self) -> dict[str, Run]:
+        """Runs by identity, each once, although two points may coincide."""
+        return {run.identity: run for run in self.runs}
+
+    @property
+    def swept(self) -> dict[str, tuple[Value, ...]]:
+        """Values of each swept parameter, and the seeds if there are any."""
+        return {axis.name: axis.values for axis in self.axes} | ({"seed": self.seeds} if self.seeds else {})
+
+    @property
     def dimensions(self) -> dict[str, tuple[Value, ...]]:
         """Values along each dimension of the results: swept parameters (or ``point``), and the seed."""
-        swept = {axis.name: axis.values for axis in self.axes}
-        if self.zipped and swept:
-            swept = {"point": tuple(range(len(self.axes[0].values)))}
-        return swept | ({"seed": self.seeds} if self.seeds else {})
+        if not (self.zipped and self.axes):
+            return self.swept
+        points: dict[str, tuple[Value, ...]] = {"point": tuple(range(len(self.axes[0].values)))}
+        return points | ({"seed": self.seeds} if self.seeds else {})
 
     def place(self, run: Run) -> tuple[int, ...]:
         """Place of a run along the dimensions."""
@@ -184,8 +185,7 @@ def read_plan(path: str | Path) -> Plan:
 
 def name_of(plan: Plan, *runs: Run) -> str:
     """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
-    swept = [(axis.name, axis.values) for axis in plan.axes] + [("seed", plan.seeds)]
-    several = {name for name, values in swept if len(values) > 1}
+    several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
     alike = {name: value for name, value in first.items() if all(one[name] == value for one in others)}
     shared = [f"{name} = {value}" for name, value in alike.items() if name in several]

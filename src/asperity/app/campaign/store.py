@@ -59,20 +59,8 @@ _WHOLE = "attributes_checksum"
 class Finished:
     """A finished run as stored.
 
-    Attributes
-    ----------
-    series
-        Its time series, shape ``(quantities, times)``; NaN where it has none.
-    scalars
-        One number each.
-    config
-        Its configuration.
-    described
-        Long name and unit of the series that it has.
-    lattice
-        Attributes of its dataset that describe the lattice.
-    maps
-        What its maps know of patches, over ``field_time``; None without maps.
+    Its series have the shape (quantities, times), with NaN where it has none; ``described`` gives their long
+    names and units, ``lattice`` attributes of its dataset; ``maps`` is None for a run without maps.
     """
 
     series: Field

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import time as clock
 import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from asperity.app.campaign.cluster import ATTEMPTS, connect, ended, leave_if_imported_by_worker
+from asperity.app.campaign.cluster import ATTEMPTS, connect, ended
 from asperity.app.campaign.plan import Plan, Run
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
@@ -68,7 +69,7 @@ def tally(plan: Plan, directory: str | Path) -> Tally:
         Folder of the campaign.
     """
     store = Store(Path(directory))
-    wanted = {run.identity for run in plan.runs}
+    wanted = set(plan.distinct)
     store.remark_on_remains(wanted)
     done = store.done() & wanted
     reasons = {name: why for name, why in store.failures().items() if name in wanted - done}
@@ -117,7 +118,10 @@ def sweep(
         Dask is not installed, which the extra ``campaign`` brings.
     """
     checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
-    leave_if_imported_by_worker()
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        # A worker that imports, as it starts, a script which calls this at its top level: it could not start
+        # workers of its own, and dozens of lines would say so. `connect` says it in one.
+        raise SystemExit(1)
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
     for unused in {run.config.solid.unused for run in plan.runs} - {""}:
@@ -133,19 +137,34 @@ def sweep(
     if retry_failed:
         for identity in store.failures():
             store.forgive(identity)
-    start = tally(plan, store.directory)
-    counts = _Counts(start, progress)
-    open_runs = _open_runs(plan, store)
-    if open_runs:
+    now = tally(plan, store.directory)  # from here on as reports come, without looking at the disk
+
+    def tell(**changed: Any) -> None:
+        nonlocal now
+        now = replace(now, **changed)
+        if progress is not None:
+            progress(now)
+
+    def take(report: Report) -> None:
+        identity, state, reason = report
+        if state == "done":
+            tell(done=now.done + 1)
+        else:
+            reasons = now.reasons | {identity: reason}
+            tell(failed=len(reasons), reasons=reasons)
+
+    tell(running=0)
+    over = store.done() | set(store.failures())
+    todo = [run for identity, run in plan.distinct.items() if identity not in over]
+    if todo:
         compile_loops()  # once, rather than in every worker
-        with connect(workers, scheduler, len(open_runs)) as client:
-            counts.workers = len(client.nthreads())
-            counts.tell()
-            while open_runs:
-                busy = _round(client, store, open_runs, counts)
+        with connect(workers, scheduler, len(todo)) as client:
+            tell(workers=len(client.nthreads()))
+            while todo:
+                busy = _round(client, store, todo, take)
                 if busy:
                     clock.sleep(_POLL)
-                open_runs = [run for run in busy if not store.is_done(run.identity)]
+                todo = [run for run in busy if not store.is_done(run.identity)]
     return tally(plan, store.directory)
 
 
@@ -164,36 +183,7 @@ def plan_to_json(plan: Plan) -> str:
     )
 
 
-class _Counts:
-    """The tally as it changes, without looking at the disk."""
-
-    def __init__(self, start: Tally, progress: Callable[[Tally], None] | None) -> None:
-        self.total, self.done = start.total, start.done
-        self.reasons = dict(start.reasons)
-        self.progress, self.workers = progress, 0
-        self.tell()
-
-    def take(self, report: Report) -> None:
-        identity, state, reason = report
-        if state == "done":
-            self.done += 1
-        else:
-            self.reasons[identity] = reason
-        self.tell()
-
-    def tell(self) -> None:
-        if self.progress is not None:
-            failed = len(self.reasons)
-            self.progress(Tally(self.total, self.done, failed, 0, dict(self.reasons), self.workers))
-
-
-def _open_runs(plan: Plan, store: Store) -> list[Run]:
-    """Runs to do, each once, although two points of a plan may coincide."""
-    over = store.done() | set(store.failures())
-    return list({run.identity: run for run in plan.runs if run.identity not in over}.values())
-
-
-def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -> list[Run]:
+def _round(client: Client, store: Store, runs: Sequence[Run], take: Callable[[Report], None]) -> list[Run]:
     """Submit runs, take the reports as they come; return the runs that others are at work on."""
     by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
     futures = [
@@ -220,7 +210,7 @@ def _round(client: Client, store: Store, runs: Sequence[Run], counts: _Counts) -
             if _is_busy(report):
                 busy.append(run)
             else:
-                counts.take(report)
+                take(report)
     except (OSError, TimeoutError, CancelledError) as error:
         if isinstance(error, OutputError):
             raise

@@ -31,7 +31,7 @@ def dry_run(plan: Plan, out: Path, _: Work) -> None:
     """Say what a campaign would do."""
     left = campaign.estimate(plan, out)
     rows = [
-        ("runs", f"{len({run.identity for run in plan.runs})}, of which {left.runs} are to do"),
+        ("runs", f"{len(plan.distinct)}, of which {left.runs} are to do"),
         ("dimensions", _dimensions(plan)),
     ]
     if left.runs:
@@ -104,8 +104,9 @@ def tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
     states = ("done", "running", "failed", "left")
     rows = [("runs", str(end.total)), *((name, str(getattr(end, name))) for name in states)]
     alike: dict[str, list[Run]] = {}
-    for run in {run.identity: run for run in plan.runs if run.identity in end.reasons}.values():
-        alike.setdefault(end.reasons[run.identity], []).append(run)
+    for identity, run in plan.distinct.items():
+        if identity in end.reasons:
+            alike.setdefault(end.reasons[identity], []).append(run)
     lines = [aligned([*rows, *more])]
     for reason, runs in list(alike.items())[:_SHOWN_FAILURES]:
         which = runs[0].identity if len(runs) == 1 else f"{len(runs)} runs, the first {runs[0].identity}"

@@ -115,9 +115,8 @@ def _opened(root: Path, name: str) -> Opened:
     above = PurePosixPath(name).parent.as_posix()
     if kind_of(inside(root, above)) == "campaign":
         plan, store = load_plan(inside(root, above)), Store(inside(root, above))
-        for run in plan.runs:
-            if run.identity == PurePosixPath(name).name:
-                return Opened(None, *_of_campaign(plan, store, run, above))
+        if run := plan.distinct.get(PurePosixPath(name).name):
+            return Opened(None, *_of_campaign(plan, store, run, above))
     raise InputError("path", expected="a run, a campaign or a prediction", got=printable(name))
 
 
@@ -159,10 +158,9 @@ def _remarks(folder: Path) -> list[str]:
 def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
     """What was swept, the runs, and their curves: arrays ``time.ID`` and ``area.ID``."""
     running, failed = store.running(), store.failures()
-    names = [axis.name for axis in plan.axes] + (["seed"] if plan.seeds else [])
     runs: list[Header] = []
     arrays: Arrays = {}
-    for run in {run.identity: run for run in plan.runs}.values():
+    for run in plan.distinct.values():
         state = "done" if run.identity in done else "running" if run.identity in running else "left"
         state = "failed" if state == "left" and run.identity in failed else state
         known = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
@@ -171,7 +169,7 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
             arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
-    return {"kind": "campaign", "path": name, "parameters": names, "runs": runs}, arrays
+    return {"kind": "campaign", "path": name, "parameters": list(plan.swept), "runs": runs}, arrays
 
 
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:

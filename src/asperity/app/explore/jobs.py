@@ -16,7 +16,6 @@ import os
 import re
 import signal
 import threading
-from collections import OrderedDict, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
@@ -28,12 +27,11 @@ from asperity.aging import Frame
 from asperity.app.config import RunConfig, to_tables
 from asperity.app.config.keys import sections
 from asperity.app.config.python import to_python
-from asperity.app.explore.scene import Map, Recording, ending, mapped, of_frame, started
+from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, started
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.loops import compile_loops
 from asperity.base.words import reason_of
 from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
-from asperity.protocols import Schedule, legs_of
 
 _PATIENCE = 0.5
 """Seconds after which a process that was asked to stop is killed."""
@@ -57,29 +55,38 @@ Shown = dict[str, str]
 """What stands for the absolute path of a file where others read it."""
 
 
+def mistake(text: str, where: str = "") -> list[Mistake]:
+    """One line of what is wrong, and the key it is about."""
+    return [{"where": where, "text": text}]
+
+
 def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
     """Say in one line each what is wrong, and which key it is about: ``contact.load``, or nothing."""
     for path, name in (shown or {}).items():
         if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
             where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
-            return [{"where": where, "text": brief(str(error).replace(path, name))}]
-    if isinstance(error, ConfigError):
-        return [{"where": _place(problem), "text": problem} for problem in error.shown]
-    if isinstance(error, InputError):
-        name = error.name.removeprefix("--").replace("-", "_")
-        homes = [
-            section
-            for section in ("contact", "surface", "solid", "aging", "friction", "output")
-            if any(name in keys for keys in sections()[section].values())
-        ]
-        return [{"where": f"{homes[0]}.{name}" if homes else "", "text": brief(str(error))}]
-    if isinstance(error, AsperityError):
-        return [{"where": "", "text": brief(str(error))}]
-    if isinstance(error, MemoryError):
-        return [{"where": "", "text": f"not enough memory: {str(error) or 'try a smaller surface'}"}]
-    if isinstance(error, OSError) and error.strerror:
-        return [{"where": "", "text": f"{error.filename or ''}: {error.strerror}".removeprefix(": ")}]
-    return [{"where": "", "text": f"unexpected: {type(error).__name__}: {reason_of(error)}"}]
+            return mistake(brief(str(error).replace(path, name)), where)
+    match error:
+        case ConfigError():
+            return [{"where": _place(problem), "text": problem} for problem in error.shown]
+        case InputError():
+            name = error.name.removeprefix("--").replace("-", "_")
+            homes = ("contact", "surface", "solid", "aging", "friction", "output")
+            known = (one for one in homes if any(name in keys for keys in sections()[one].values()))
+            home = next(known, "")
+            return mistake(brief(str(error)), home and f"{home}.{name}")
+        case AsperityError():
+            return mistake(brief(str(error)))
+        case MemoryError():
+            return mistake(f"not enough memory: {str(error) or 'try a smaller surface'}")
+        case OSError() if error.strerror:
+            return mistake(f"{error.filename or ''}: {error.strerror}".removeprefix(": "))
+    return mistake(f"unexpected: {type(error).__name__}: {reason_of(error)}")
+
+
+def failed(mistakes: list[Mistake]) -> Header:
+    """Header of the message that ends a run without a result."""
+    return {"kind": "failed", "mistakes": mistakes}
 
 
 def _place(problem: str) -> str:
@@ -120,7 +127,6 @@ class _Teller(Progress):
             config = self._config
             output = self._asked.output
             written = _shown_as(config.model_copy(update={"output": output}), self._shown)
-            legs = config.legs
             self._recording.begin(
                 started(frame, config),
                 written,
@@ -128,10 +134,10 @@ class _Teller(Progress):
                 last_time=config.end,
                 python=to_python(written, list(self._times)),
             )
-            switches = Schedule.of(legs_of(legs), frame.contact.heights[:0].ravel()).switches if legs else ()
-            asked = output.maps_at or ()
-            self._mapped = mapped(self._times, [*switches, *asked], frame.contact.heights.size)
-            self.tell("scene", (self._recording.scene, self._recording.heights))
+            scene: Header = self._recording.scene or {}
+            moments = [*scene["switches"], *(output.maps_at or ())]
+            self._mapped = mapped(self._times, moments, frame.contact.heights.size)
+            self.tell("scene", (scene, self._recording.heights))
         row, found = of_frame(frame)
         self._recording.add_row(row)
         wanted = any(abs(frame.time - time) <= 1e-9 * time for time in self._mapped)
@@ -163,10 +169,10 @@ def work(connection: Connection) -> None:
         connection.send(("ready", None))
         while True:
             if (asked := connection.recv()) is not None:  # None: to stop what has ended meanwhile
-                connection.send(_done(connection, *asked))
+                connection.send(("end", _end_of(connection, *asked)))
 
 
-def _done(connection: Connection, config: RunConfig, shown: Shown, title: str) -> tuple[str, object]:
+def _end_of(connection: Connection, config: RunConfig, shown: Shown, title: str) -> Header:
     """Compute a run, and say how it ended."""
     begun, teller = perf_counter(), _Teller(connection, config, shown, title)
     # The page takes its maps from the moments as they come, unless an instrument looks at those of the run.
@@ -176,11 +182,11 @@ def _done(connection: Connection, config: RunConfig, shown: Shown, title: str) -
     try:
         outcome = execute(config, teller)
     except _StoppedError:
-        return "stopped", None
+        return failed([])
     except Exception as error:  # said to the user, in the page
-        return "failed", mistakes_of(error, shown)
+        return failed(mistakes_of(error, shown))
     seconds = perf_counter() - begun
-    return "done", ending(outcome.dataset, outcome.summary, remarks=outcome.remarks, seconds=seconds)
+    return ending(outcome.dataset, outcome.summary, remarks=outcome.remarks, seconds=seconds)
 
 
 # In the process that serves
@@ -188,19 +194,7 @@ def _done(connection: Connection, config: RunConfig, shown: Shown, title: str) -
 
 @dataclass(eq=False)
 class Job:
-    """A run that was asked for.
-
-    Attributes
-    ----------
-    recording
-        What is known of it.
-    config, shown, title
-        What the process is told.
-    watchers
-        Called whenever there is something new.
-    lost
-        Whether a process ended before it began this.
-    """
+    """A run that was asked for: what is known of it, what its process is told, and who is to hear of it."""
 
     recording: Recording
     config: RunConfig
@@ -208,10 +202,7 @@ class Job:
     title: str
     watchers: set[Callable[[], None]] = field(default_factory=set)
     lost: bool = False
-
-    def end(self, kind: str, mistakes: list[Mistake]) -> None:
-        """End without a result."""
-        self.recording.end = {"kind": kind, "mistakes": mistakes}
+    """Whether a process ended before it began this."""
 
 
 @dataclass(eq=False)
@@ -233,22 +224,17 @@ class Jobs:
         self._context = multiprocessing.get_context("spawn")
         self._loop = asyncio.get_running_loop()
         self._workers: list[_Worker] = []
-        self._running: dict[str, Job] = {}
-        self._waiting: deque[Job] = deque()
-        self._kept: OrderedDict[str, Job] = OrderedDict()
+        self._jobs: dict[str, Job] = {}  # not done in the order of asking, done in that of their ends
         self._closed = False
         self._start_worker()
 
     def ask(self, config: RunConfig, shown: Shown, title: str) -> Job:
         """Take up a run, or join the one of this configuration that is under way or done."""
         name = _name_of(config)
-        if (known := self._running.get(name) or self._kept.get(name)) is not None:
-            return known
-        job = Job(Recording(name, stage=_STARTING), config, shown, title)
-        self._running[name] = job
-        self._waiting.append(job)
-        self._next()
-        return job
+        if name not in self._jobs:
+            self._jobs[name] = Job(Recording(name, stage=_STARTING), config, shown, title)
+            self._next()
+        return self._jobs[name]
 
     def leave(self, job: Job, watcher: Callable[[], None], *, at_once: bool) -> None:
         """Watch a run no more; what nobody watches ends, at once or after a while."""
@@ -267,11 +253,10 @@ class Jobs:
             worker.process.join(_END)
 
     def _stop_if_unwatched(self, job: Job) -> None:
-        if job.watchers or self._running.get(job.recording.job) is not job:
+        recording = job.recording
+        if job.watchers or recording.end is not None or self._jobs.get(recording.job) is not job:
             return
-        del self._running[job.recording.job]
-        if job in self._waiting:
-            self._waiting.remove(job)
+        del self._jobs[recording.job]
         for worker in self._workers:
             if worker.job is job and not worker.stops:
                 worker.stops = True
@@ -283,18 +268,22 @@ class Jobs:
         if worker.stops and worker.job is job:
             worker.process.kill()
 
+    def _waiting(self) -> list[Job]:
+        """Runs that no process has taken up."""
+        taken = [worker.job for worker in self._workers]
+        return [job for job in self._jobs.values() if job.recording.end is None and job not in taken]
+
     def _next(self) -> None:
         """Give runs that wait to processes that do not work; a process that is stopping is waited for."""
-        while self._waiting and not self._closed:
+        for job in [] if self._closed else self._waiting():
             alive = (worker for worker in self._workers if worker.process.is_alive())
             free = next((worker for worker in alive if worker.job is None), None)
             if free is None:
                 if any(worker.stops for worker in self._workers) or len(self._workers) >= _MOST_AT_ONCE:
-                    for job in self._waiting:
-                        self._tell(job, "waiting for another run")
-                    return
+                    self._tell(job, "waiting for another run")
+                    continue
                 free = self._start_worker()
-            free.job = job = self._waiting.popleft()
+            free.job = job
             self._tell(job, free.stage)
             with contextlib.suppress(OSError):  # it has just ended: see `_lost`
                 free.connection.send((job.config, job.shown, job.title))
@@ -321,14 +310,10 @@ class Jobs:
 
     def _heard(self, worker: _Worker, what: str, content: Any) -> None:
         job = worker.job
-        if what in ("done", "failed", "stopped"):
+        if what == "end":
             worker.job, worker.stops = None, False
-            if job is not None and what == "done":
-                job.recording.end = content
-            elif job is not None:
-                job.end("failed", content or [])
             if job is not None:
-                self._ended(job)
+                self._ended(job, content)
             self._next()
             return
         if what == "ready" or (what == "stage" and not worker.ready):  # compiling, asked for a run or not
@@ -344,7 +329,7 @@ class Jobs:
         elif what == "row":
             row, found = content
             recording.rows.append(row)
-            recording.maps += [found] if isinstance(found, Map) else []
+            recording.maps += [] if found is None else [found]
         self._wake(job)
 
     def _lost(self, worker: _Worker) -> None:
@@ -360,28 +345,26 @@ class Jobs:
         code = worker.process.exitcode or 0
         job = worker.job
         if job is not None and job.recording.stage == worker.stage and not (job.lost or worker.stops):
-            job.lost = True  # whatever ended the process, it was not this run
-            self._waiting.appendleft(job)
+            job.lost = True  # whatever ended the process, it was not this run, which waits again
         elif job is not None:
             cause = f"signal {-code}" if code < 0 else f"status {code}"
             said = f"the computing process was stopped by the system ({cause}); press again"
-            job.end("failed", [{"where": "", "text": said}])
-            self._ended(job)
-        if worker.job is not None or self._waiting:
+            self._ended(job, failed(mistake(said)))
+        if job is not None or self._waiting():
             self._start_worker()
         self._next()
 
-    def _ended(self, job: Job) -> None:
-        """Keep what is done, and forget what was used longest ago; what failed may be tried again."""
+    def _ended(self, job: Job, end: Header) -> None:
+        """Keep what is done, and forget what ended longest ago; what failed may be tried again."""
+        job.recording.end = end
         name = job.recording.job
-        if self._running.get(name) is job:
-            del self._running[name]
-            if job.recording.end is not None and job.recording.end["kind"] == "done":
-                self._kept[name] = job
-        while len(self._kept) > _KEPT_RUNS or (
-            len(self._kept) > 1 and sum(one.recording.size for one in self._kept.values()) > _KEPT_BYTES
-        ):
-            self._kept.popitem(last=False)
+        if self._jobs.get(name) is job:
+            del self._jobs[name]
+            if end["kind"] == "done":
+                self._jobs[name] = job
+        kept = [one.recording for one in self._jobs.values() if one.recording.end is not None]
+        while len(kept) > _KEPT_RUNS or (len(kept) > 1 and sum(one.size for one in kept) > _KEPT_BYTES):
+            del self._jobs[kept.pop(0).job]
         self._wake(job)
 
     def _tell(self, job: Job, stage: str) -> None:

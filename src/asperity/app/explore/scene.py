@@ -28,9 +28,8 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
-from asperity.protocols import legs_of
 from asperity.results.dataset import Row, dataset_of, row_of
-from asperity.results.quantities import PAGE, areas_first, select
+from asperity.results.quantities import PAGE, Quantity, areas_first, select
 
 Header = dict[str, Any]
 Arrays = dict[str, NDArray[Any]]
@@ -49,17 +48,21 @@ _A_MESSAGE = 4e6
 
 _SERIES, _PATCHES = select("series", table=PAGE), select("map", table=PAGE)
 
+_RELATIVE = "static friction over that at first: real contact area over load (Tabor)"
+_GROWN = (
+    "growth of the area since the entry before, in areas at first, per decade of time since the last switch"
+)
 _MADE = {
-    "mean_pressure": "load over real contact area",
-    "friction": "static friction over that at first: real contact area over load (Tabor)",
-    "decade_growth": "growth of the area since the entry before, in areas at first, per decade of time since "
-    "the last switch",
+    one.name: one
+    for one in (
+        Quantity(
+            "mean_pressure", "pressure", "load over real contact area", label="mean pressure in contact"
+        ),
+        Quantity("friction", "1", _RELATIVE, label="friction coefficient relative to first"),
+        Quantity("decade_growth", "1", _GROWN, label="growth per decade"),
+    )
 }
-_MADE_LABELS = {
-    "mean_pressure": "mean pressure in contact",
-    "friction": "friction coefficient relative to first",
-    "decade_growth": "growth per decade",
-}
+"""What the page makes of the recorded numbers."""
 
 
 def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = None) -> bytes:
@@ -115,19 +118,20 @@ def _padded(raw: bytes) -> bytes:
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """Contacts of one moment: sites in contact as bits, row after row, and the pressure of each of them.
+    """Contacts of one moment.
 
-    Number and sizes of the patches come with it, and where the solid yields, the sites that have, as bits.
+    The facts are its time, leg, area, scale of the pressure, and number and sizes of the patches. The arrays
+    are ``bits``, the sites in contact row after row; ``pressure``, of each of these; and where the solid
+    yields ``yielded``, the sites that have, as bits.
     """
 
-    time: float
-    leg: int
-    area: int
-    scale: float
-    bits: NDArray[np.uint8]
-    pressure: NDArray[np.uint16]
-    patches: Mapping[str, float]
-    yielded: NDArray[np.uint8] | None
+    facts: Header
+    arrays: Arrays
+
+    @property
+    def size(self) -> int:
+        """Bytes of the arrays."""
+        return sum(one.nbytes for one in self.arrays.values())
 
 
 def map_of(
@@ -144,16 +148,14 @@ def map_of(
     steps = np.rint(values * (_STEPS / scale)) if scale > 0 else values
     sizes = patches(in_contact, edges=edges).sizes
     some = sizes.astype(np.float64) if sizes.size else np.array([math.nan])
-    found = {
-        "patches": sizes.size,
+    facts = {
+        **{"time": time, "leg": leg, "area": values.size, "pressure_scale": scale, "patches": sizes.size},
         "mean_patch_size": float(some.mean()),
         "median_patch_size": float(np.median(some)),
         "largest_patch_size": float(some.max()),
     }
-    yielded = None if indentation is None else np.packbits(indentation > 0)
-    return Map(
-        time, leg, values.size, scale, np.packbits(in_contact), steps.astype(np.uint16), found, yielded
-    )
+    arrays: Arrays = {"bits": np.packbits(in_contact), "pressure": steps.astype(np.uint16)}
+    return Map(facts, arrays if indentation is None else arrays | {"yielded": np.packbits(indentation > 0)})
 
 
 @dataclass
@@ -171,20 +173,8 @@ class Cursor:
 class Recording:
     """All that is known of one run so far; readers come and go, each with a `Cursor`.
 
-    Attributes
-    ----------
-    job
-        Name of the run in messages.
-    scene, heights
-        Header of the scene, None before the solids touch; heights, shape (ny, nx).
-    rows
-        Entries of the time series, one number a column.
-    maps
-        Maps, in the order of time.
-    stage
-        What is being done.
-    end
-        Header of the last message, once there is one.
+    ``scene`` is the header of the scene, None before the solids touch; ``rows`` are entries of the time
+    series, one number a column; ``end`` is the header of the last message, once there is one.
     """
 
     job: str
@@ -209,20 +199,19 @@ class Recording:
     def size(self) -> int:
         """Bytes that it takes, about."""
         heights = 0 if self.heights is None else self.heights.nbytes
-        return (
-            heights + 200 * len(self.rows) + sum(one.bits.nbytes + one.pressure.nbytes for one in self.maps)
-        )
+        return heights + 200 * len(self.rows) + sum(one.size for one in self.maps)
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
         """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
         if self.stage != cursor.stage and self.end is None:
             cursor.stage = self.stage
             return {"kind": "stage", "job": self.job, "text": self.stage}, {}
-        if self.scene is not None and self.heights is not None and not cursor.scene:
-            cursor.scene = True
-            return {"kind": "scene", "job": self.job, **self.scene}, {"heights": self.heights}
-        if cursor.scene and (cursor.rows < len(self.rows) or cursor.maps < len(self.maps)):
-            return self._more(cursor)
+        if self.scene is not None and self.heights is not None:
+            if not cursor.scene:
+                cursor.scene = True
+                return {"kind": "scene", "job": self.job, **self.scene}, {"heights": self.heights}
+            if cursor.rows < len(self.rows) or cursor.maps < len(self.maps):
+                return self._more(cursor, self.scene)
         if self.end is not None and not cursor.ended:
             cursor.ended = True
             return {"job": self.job, **self.end}, {}
@@ -236,34 +225,18 @@ class Recording:
             number += 1
             yield pack({**header, "sequence": number}, arrays)
 
-    def _more(self, cursor: Cursor) -> tuple[Header, Arrays]:
-        arrays: Arrays = {"rows": np.array(self.rows[cursor.rows :], dtype=np.float64)}
-        if not arrays["rows"].size:
-            arrays["rows"] = np.empty((0, len(self.scene["columns"]) if self.scene else 0))
-        listed, taken, first = [], 0.0, cursor.maps
+    def _more(self, cursor: Cursor, scene: Header) -> tuple[Header, Arrays]:
+        arrays: Arrays = {"rows": np.reshape(self.rows[cursor.rows :], (-1, len(scene["columns"])))}
+        listed, taken, first = [], 0, cursor.maps
         for number, one in enumerate(self.maps[first:], first):
-            after = number > 0 and self.maps[number - 1].time == one.time
-            listed.append(
-                {
-                    "index": number,
-                    "time": one.time,
-                    "leg": one.leg,
-                    "side": "after" if after else "",
-                    "area": one.area,
-                    "pressure_scale": one.scale,
-                    **one.patches,
-                }
-            )
-            arrays |= {f"bits.{number}": one.bits, f"pressure.{number}": one.pressure}
-            taken += one.bits.nbytes + one.pressure.nbytes
-            if one.yielded is not None:
-                arrays[f"yielded.{number}"] = one.yielded
-                taken += one.yielded.nbytes
+            after = number > 0 and self.maps[number - 1].facts["time"] == one.facts["time"]
+            listed.append({"index": number, **one.facts, "side": "after" if after else ""})
+            arrays |= {f"{name}.{number}": array for name, array in one.arrays.items()}
+            taken += one.size
             if taken > _A_MESSAGE:
                 break
         cursor.rows, cursor.maps = len(self.rows), first + len(listed)
-        times = {"time_now": self.rows[-1][0] if self.rows else 0.0}
-        times["last_time"] = self.scene["last_time"] if self.scene else 0.0
+        times = {"time_now": self.rows[-1][0] if self.rows else 0.0, "last_time": scene["last_time"]}
         return {"kind": "rows", "job": self.job, **times, "maps": listed}, arrays
 
 
@@ -275,14 +248,10 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
         contact.control,
         config.legs or None,
         False,
-        [row_of(frame, slides=_slides(config))],
+        [row_of(frame, slides=any(leg.speed for leg in config.written_out))],
         [],
         rtol=config.aging.rtol,
     )
-
-
-def _slides(config: RunConfig) -> bool:
-    return bool(config.legs) and any(leg.speed for leg in legs_of(config.legs))
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:
@@ -386,7 +355,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     lengths = "contact_area" in dataset
     series = [name for name in _SERIES if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
-    labels = {name: _SERIES[name].label for name in areas_first(_SERIES) if name in series}
+    shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
     long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
     pressure = f"{unit['load']} / site"
@@ -413,12 +382,11 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         },
         "names": long_names
         | {"leg": "leg of the history, from 0"}
-        | {name: one.long_name for name, one in _PATCHES.items()}
-        | _MADE,
-        "labels": labels | _MADE_LABELS | {name: one.label for name, one in _PATCHES.items()},
+        | {name: one.long_name for name, one in (_PATCHES | _MADE).items()},
+        "labels": {name: one.label for name, one in shown.items()},
         "column_units": unit
-        | {name: one.dimension for name, one in _PATCHES.items()}
-        | {"leg": "1", "mean_pressure": pressure, "friction": "1", "decade_growth": "1"},
+        | {name: one.dimension for name, one in (_PATCHES | _MADE).items()}
+        | {"leg": "1", "mean_pressure": pressure},
         "columns": columns,
         "map_columns": list(_PATCHES),
         "switches": sorted(set(switches)),
@@ -437,21 +405,15 @@ def _numbers(
     switches: Sequence[float],
 ) -> list[float]:
     """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
-    area, load, time = float(row["area"]), float(row["load"]), float(row["time"])
-    leg = int(row.get("leg", 0))
+    area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
+    first, last = (dict(zip(columns, before[n], strict=True)) if before else row for n in (0, -1))
     made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
-    pressure = row.get("mean_contact_pressure")
-    made["mean_pressure"] = (load / area if area else 0.0) if pressure is None else pressure
-    at = {name: number for number, name in enumerate(columns)}
-    first = before[0] if before else None
-    area_at_first = area if first is None else first[at["area"]]
-    load_at_first = load if first is None else first[at["load"]]
-    if load > 0 and load_at_first > 0 and area_at_first > 0:
-        made["friction"] = (area / area_at_first) * (load_at_first / load)
-    if before and area_at_first > 0:
-        last, since = before[-1], max((switch for switch in switches if switch < time), default=0.0)
-        earlier = last[at["time"]] - since
-        if leg == last[at["leg"]] and 0 < earlier < time - since:
-            growth = (area - last[at["area"]]) / area_at_first
-            made["decade_growth"] = growth / math.log10((time - since) / earlier)
+    made["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
+    if load > 0 and first["load"] > 0 and first["area"] > 0:
+        made["friction"] = (area / first["area"]) * (first["load"] / load)
+    since = max((switch for switch in switches if switch < time), default=0.0)
+    earlier = last["time"] - since
+    if 0 < earlier < time - since and leg == last["leg"] and first["area"] > 0:
+        growth = (area - last["area"]) / first["area"]
+        made["decade_growth"] = growth / math.log10((time - since) / earlier)
     return [float(made[name] if name in made else row[name]) for name in columns]

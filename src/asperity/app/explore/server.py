@@ -32,7 +32,7 @@ from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.keys import sections
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
-from asperity.app.explore.jobs import Job, Jobs, Shown, mistakes_of
+from asperity.app.explore.jobs import Job, Jobs, Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
 from asperity.app.runs.pipeline import completed
 from asperity.base.version import __version__
@@ -180,7 +180,7 @@ class Session:
             self._opening = asyncio.create_task(self._open(str(message.get("path"))))
         elif kind == "stop" and self._job is not None:
             job = self._leave(at_once=True)
-            self._put({"kind": "failed", "job": job, "mistakes": [{"where": "", "text": "stopped"}]})
+            self._put({"job": job, **failed(mistake("stopped"))})
 
     async def _check(self, tables: object, *, runs: bool) -> None:
         """Check a configuration, and run it if it shall be."""
@@ -189,7 +189,7 @@ class Session:
                 config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
         except TimeoutError:
             said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
-            self._put({"kind": "mistakes", "job": "", "mistakes": [{"where": "", "text": said}]})
+            self._put({"kind": "mistakes", "job": "", "mistakes": mistake(said)})
         except Exception as error:  # said to the user, in the page
             self._put({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)})
         else:
@@ -205,8 +205,7 @@ class Session:
         try:
             opened = await self._server.open(path)
         except Exception as error:  # said to the user, in the page
-            said = [{"where": "", "text": one["text"]} for one in mistakes_of(error)]
-            self._put({"kind": "failed", "job": path, "mistakes": said})
+            self._put({"job": path, **failed([one | {"where": ""} for one in mistakes_of(error)])})
             return
         self._leave(at_once=True)
         if opened.campaign is not None:
@@ -215,10 +214,9 @@ class Session:
         self._news.set()
 
     def _watch(self, job: Job) -> None:
-        before = self._job
         job.watchers.add(self._news.set)
-        if before is not None and before is not job:
-            self._server.jobs.leave(before, self._news.set, at_once=True)
+        if self._job is not job:
+            self._leave(at_once=True)
         self._job, self._recording, self._cursor = job, job.recording, Cursor()
         self._news.set()
 
@@ -354,7 +352,7 @@ class Server:
 
 
 def _refused(text: str, status: int) -> Response:
-    return JSONResponse({"mistakes": [{"where": "surface.path", "text": text}]}, status)
+    return JSONResponse({"mistakes": mistake(text, "surface.path")}, status)
 
 
 def _title(config: RunConfig) -> str:

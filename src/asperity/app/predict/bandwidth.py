@@ -26,21 +26,7 @@ def bands_of(
     rtol: float,
     progress: Progress,
 ) -> tuple[Band, ...]:
-    """Press the scan and let it age, with ever fewer of its short waves.
-
-    Parameters
-    ----------
-    scan
-        With units.
-    solid
-        The half-space.
-    pressed
-        Load or pressure; it is put on at once.
-    span
-        The first and the last time, s.
-    rtol, progress
-        As for a prediction.
-    """
+    """Press the scan, at once, and let it age from the first to the last time (s), with ever fewer waves."""
     sides = scan.pixel_size or ()
     meter = length_factor(str(scan.length_unit), "m")
     longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST

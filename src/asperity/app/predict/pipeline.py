@@ -39,7 +39,6 @@ from asperity.app.runs.pipeline import (
     carried_by,
     check_units,
     completed,
-    embedded,
     recorded_times,
     remarks_on_edges,
 )
@@ -60,12 +59,6 @@ from asperity.solids.continua import checked_poisson
 from asperity.surfaces import Surface, read
 
 Modulus = Literal["young", "shear", "contact"]
-
-_SITE, _BRANCH = 340, 85
-"""Bytes a site that a separable solid needs, and that each branch adds; and each branch of a map 8 of them.
-
-Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
-"""
 
 
 def predict(
@@ -210,14 +203,17 @@ def predict(
                 raise InputError("draws", expected=expected, got=checks.shown(draws))
             listening.stage("reading the relaxation table")
             factor = checks.number("shift", shift, above=0)
-            table = material
-            if isinstance(table, str | Path):
-                table = table_with_units(table, kind, columns, noise)
+            table = (
+                table_with_units(material, kind, columns, noise)
+                if isinstance(material, str | Path)
+                else material
+            )
             how: dict[str, Any] = {"per_decade": branches_per_decade, "branches": branches}
             found = fit(table, extrapolate=extrapolate, **how)
             if factor != 1:
                 found = fit(found.data.shifted(factor), **how)
-            stiffness = _contact_modulus(found.series.modulus, modulus, poisson)
+            young = found.series.modulus * (2 * (1 + poisson) if modulus == "shear" else 1)
+            stiffness = found.series.modulus if modulus == "contact" else contact_modulus(young, poisson)
             solid = half_space(modulus=stiffness, branches=found.series.branches)
             facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
             facts |= {"shift": factor, **_origin(material, found)}
@@ -351,15 +347,8 @@ def _predicted(
     scan.in_meters()
     if solid.kind != "half_space":
         raise no_half_space("material", solid.kind)
-    branches = len(solid.branches)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
-    free = scan.edges == "free"
-    needed = bytes_a_site(solid, scan.shape, len(maps), free=free)
-    if solid.separable:
-        needed = round((_SITE + branches * _BRANCH) * embedded(scan.shape, free=free)) + 8 * branches * len(
-            maps
-        )
-    require(needed, scan.shape)
+    require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     # There is no contact without a load but where the scan is highest: a ramp begins there.
     legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)] if ramp else None
@@ -414,10 +403,3 @@ def _origin(table: object, found: Fit) -> dict[str, object]:
             facts = {"table": path.name, "table_sha256": hashlib.file_digest(stream, "sha256").hexdigest()}
     facts |= {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
     return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})
-
-
-def _contact_modulus(modulus: float, measured: Modulus, poisson: float) -> float:
-    if measured == "contact":
-        return modulus
-    young = modulus if measured == "young" else 2 * (1 + poisson) * modulus
-    return contact_modulus(young, poisson)

@@ -28,36 +28,20 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
     if fit is not None:
         begin, end = fit.data.span
-        rows.append(
-            (
-                "relaxation",
-                f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
-                f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most",
-            )
-        )
-    rows += [
-        ("solid", "; ".join(prediction.words)),
-        *_branches(prediction),
-        (
-            "held",
-            f"load {written(load, 'N')}, {written(load / prediction.nominal_area, 'Pa')} "
-            f"over {written(prediction.nominal_area, 'm^2')}, "
-            + (f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"),
-        ),
-    ]
+        said = f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
+        said += f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
+        rows.append(("relaxation", said))
+    nominal = prediction.nominal_area
+    held = f"load {written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
+    held += f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"
+    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("held", held)]
     for place in (0, -1):
-        counted, less = (
-            float(prediction.series(name)[place]) for name in ("contact_area", "contact_area_corrected")
-        )
+        names = ("contact_area", "contact_area_corrected", "mean_contact_pressure")
+        counted, less, pressure = (float(prediction.series(name)[place]) for name in names)
         many = how_many(prediction.resolved[place].patches, "patch", "patches")
-        rows.append(
-            (
-                f"contact at {written(float(time[place]), 's')}",
-                f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim; "
-                f"counted {written(counted, 'm^2')} in {many}, "
-                f"with {written(float(prediction.series('mean_contact_pressure')[place]), 'Pa')} on average",
-            )
-        )
+        said = f"{written(less, 'm^2')} = {100 * less / nominal:.3g} % less its rim; "
+        said += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
+        rows.append((f"contact at {written(float(time[place]), 's')}", said))
     rows += _growth(prediction)
     if prediction.theory is not None:
         name, area = prediction.theory
@@ -80,22 +64,14 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         lowered = dataset["permanent_indentation"].values
         begun, left = (int((lowered[place] > 0).sum()) for place in (0, -1))
         said = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(left)} at last"
-        rows.append(
-            ("yields", said + (f", by up to {written(float(lowered[-1].max()), 'm')}" if left else ""))
-        )
-    exact = "exact contact"
-    if dataset.attrs.get("exact_contact") != "at all times":
-        exact = f"{int(dataset['steps'].sum())} time steps"
-    rows += [
-        ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
-        (
-            "effort",
-            f"{exact}, {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"
-            f"{' in this session' if resumed else ''}",
-        ),
-        *(("remark", remark) for remark in prediction.remarks),
-    ]
-    return rows
+        said += f", by up to {written(float(lowered[-1].max()), 'm')}" if left else ""
+        rows.append(("yields", said))
+    exact = dataset.attrs.get("exact_contact") == "at all times"
+    effort = "exact contact" if exact else f"{int(dataset['steps'].sum())} time steps"
+    effort += f", {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"
+    rows.append(("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"))
+    rows.append(("effort", effort + (" in this session" if resumed else "")))
+    return [*rows, *(("remark", remark) for remark in prediction.remarks)]
 
 
 def _branches(prediction: Prediction) -> list[Row]:
@@ -119,16 +95,11 @@ def _growth(prediction: Prediction) -> list[Row]:
     growth, effective = prediction.growth, prediction.effective_load
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
     low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
+    said = f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
+    said += f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %"
     rows = [
-        (
-            "growth",
-            f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}",
-        ),
-        (
-            "in each decade",
-            f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
-            f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %",
-        ),
+        ("growth", f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}"),
+        ("in each decade", said),
     ]
     if effective is not None:
         name, symbol = prediction.beside
