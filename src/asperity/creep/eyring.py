@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.constants import Avogadro, Boltzmann
 
 from asperity.base import units
 from asperity.base.checks import Floats
 from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
 from asperity.errors import InputError
+
+_BOLTZMANN, _AVOGADRO = 1.380649e-23, 6.02214076e23
+"""J/K and 1/mol, exact in the SI. Written out, because the help of commands does not wait for scipy."""
 
 _BLOCK = 2**13
 """Stresses taken at a time, which stay in the cache."""
@@ -82,7 +84,7 @@ class Eyring(LocalCreep):
         InputError
             A number is out of its range, or v0 is too small for a number in double precision.
         """
-        thermal = Boltzmann * units.number("temperature", temperature, "K", above=0)
+        thermal = _BOLTZMANN * units.number("temperature", temperature, "K", above=0)
         omega = units.number("volume", volume, "m^3", above=0)
         before = units.number("prefactor", prefactor, "m/s", above=0)
         barrier = joules(energy)
@@ -124,5 +126,5 @@ class Eyring(LocalCreep):
 def joules(energy: float | str) -> float:
     """An energy of activation in joules, from one for each mole where the text says so."""
     if isinstance(energy, str) and "mol" in energy:
-        return units.number("energy", energy, "J/mol", above=0) / Avogadro
+        return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
     return units.number("energy", energy, "J", above=0)
