@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from asperity.contact.arrays import largest
 from asperity.contact.compiled import compiled, inlined
 from asperity.lattice import Field, Mask
 
@@ -63,11 +62,30 @@ def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
         out[i] = total
 
 
-def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, int]:
+def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
     """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
-    carried = np.where(in_contact, force, 0.0)
-    tension = max(-float(carried.min()), 0.0)
-    return largest(force - carried, np), tension, float(carried.sum()), int(np.count_nonzero(in_contact))
+    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
+    found = np.empty((len(rows), 4))
+    extremes_of_rows(rows, touching, found)
+    worst, tension = found[:, 0].max(), -found[:, 1].min()
+    load, contacts = found[:, 2:].sum(axis=0)
+    return float(worst), float(tension), float(load), float(contacts)
+
+
+@compiled
+def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
+    """By rows: the largest size off contact, the least in contact (at most 0), the sum there, contacts."""
+    for i in range(force.shape[0]):
+        worst = least = total = count = 0.0
+        row, touching = force[i], in_contact[i]
+        for j in range(row.shape[0]):
+            carried = row[j] if touching[j] else 0.0
+            total += carried
+            count += 1.0 if touching[j] else 0.0
+            least = carried if carried < least else least
+            free = abs(row[j] - carried)
+            worst = free if free > worst else worst
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
 
 
 def balanced(
@@ -85,14 +103,15 @@ def balanced(
 
     Forces over k1 above ``high`` are it, and the others bear what is left of the total.
     """
-    out = lattice_force(u, u, -k0 / k1, 0.0, mirrored=mirrored)
-    touching = u <= heights
-    carried = np.maximum(w[touching] - out[touching], 0.0)
+    heights = np.ascontiguousarray(heights)
+    out, rows = np.empty_like(u), np.empty(len(u))
+    balance(u, w, heights, k0, k1, mirrored, out, rows)
+    carried, scale = float(rows.sum()), 1.0
     if math.isfinite(high):
-        carried = bounded(carried, total, high)
-    elif total is not None and total > 0 and (present := float(carried.sum())) > 0:
-        carried *= total / present
-    out[touching] += carried
+        w = out + bounded(np.where(u <= heights, np.maximum(w - out, 0.0), 0.0), total, high)
+    elif total is not None and carried > 0 and total > 0:
+        scale = total / carried
+    carry(u, w, heights, scale, out)
     return out
 
 
@@ -122,3 +141,29 @@ def combined(first: Field, *terms: tuple[float, Field]) -> Field:
 def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
     """A field plus its differences from others times weights; exact where all are the same."""
     return combined(latest, *((weight, field - latest) for weight, field in terms))
+
+
+@compiled
+def balance(
+    u: Field, w: Field, heights: Field, k0: float, k1: float, mirrored: bool, out: Field, carried: Field
+) -> None:
+    """Stretch -k0 L u / k1 off contact; ``carried``: row sums of force / k1 in contact, without tension."""
+    ny, nx = u.shape
+    for i in range(ny):
+        row = out[i]
+        force_row(-k0 / k1, u, 0.0, u, i, mirrored, row)
+        total = 0.0
+        for j in range(nx):
+            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
+            total += force
+        carried[i] = total
+
+
+@compiled
+def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
+    """Add ``scale`` times the forces that `balance` summed to the stretch."""
+    for i in range(u.shape[0]):
+        row = out[i]
+        for j in range(u.shape[1]):
+            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
+            row[j] += scale * force

@@ -163,7 +163,7 @@ class TwoFields:
         work.shift, work.wanted = 0.0, None if self.wanted is None else 0.0
         touching = self.correction.e <= self.bound
         work.bound.fill(-np.inf)
-        work.bound[touching] = 0.0
+        np.copyto(work.bound, 0.0, where=touching)
         np.multiply(touching, np.float32(-1e30), out=work.source.e)  # keeps contacts closed
         np.negative(error, out=work.source.f)
         for field in work.correction:
