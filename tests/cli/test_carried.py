@@ -104,6 +104,7 @@ def test_a_run_has_the_columns_and_says_them(history, tmp_path):
     np.testing.assert_array_equal(asp.results.load(again)["resistance"], data["resistance"])
 
 
+@pytest.mark.slow
 def test_a_campaign_gathers_the_columns(tmp_path):
     tables = {
         "surface": {"kind": "sphere", "shape": [16, 16], "radius": "1 mm", "pixel_size": "1 um"},

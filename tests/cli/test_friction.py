@@ -118,6 +118,7 @@ solid.k1 = [3.0]
 """
 
 
+@pytest.mark.slow
 def test_the_surfaces_of_a_campaign(
     asperity: Asperity, refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:

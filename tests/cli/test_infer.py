@@ -88,6 +88,7 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(
     assert asperity(*f"run F/solid.toml --file {how} --out R".split())[0] == 0
 
 
+@pytest.mark.slow
 def test_priors_come_back_as_they_were_written_and_change_what_is_found(
     asperity: Asperity, table: None
 ) -> None:
@@ -98,6 +99,7 @@ def test_priors_come_back_as_they_were_written_and_change_what_is_found(
     assert verdicts("H").loc["time_1", "low"] > 59.7
 
 
+@pytest.mark.slow
 def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity: Asperity, table: None) -> None:
     units = ("--unit-area", "mm^2", "--unit-time", "s")
     assert asperity("infer", "area.csv", *QUICK, "--branches", "1", *units, "--out", "G")[0] == 0
@@ -108,6 +110,7 @@ def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity: As
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
+@pytest.mark.slow
 def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity: Asperity) -> None:
     law = asp.friction.RateAndState(a=0.005, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = list(np.geomspace(10, 1e5, 8))

@@ -187,6 +187,7 @@ def test_a_run_does_not_use_draws_and_says_so_once(toml: Path, asperity: Asperit
     }
 
 
+@pytest.mark.slow
 def test_a_campaign_does_not_use_draws_and_says_so_once(toml: Path) -> None:
     with toml.open("a") as stream:
         stream.write("[sweep]\npressure = ['20 MPa', '30 MPa']\n")

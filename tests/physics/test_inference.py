@@ -194,7 +194,7 @@ def check(ranks, widest):
     assert abs(np.mean((ranks > 0.025) & (ranks < 0.975)) - 0.95) <= widest
 
 
-@pytest.mark.parametrize("model", ["power", "healing"])
+@pytest.mark.parametrize("model", ["power", pytest.param("healing", marks=pytest.mark.slow)])
 def test_ranks_are_uniform_and_intervals_cover(model):
     check(ranks_of(model, 60, 50, 6), widest=0.05)  # 60 curves
 
@@ -207,6 +207,7 @@ def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     check(ranks_of(model, 500, 400, 10), widest=0.02)
 
 
+@pytest.mark.slow
 def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, monkeypatch):
     value, error = noisy(curve("power", exponent=0.3, time=1e4)), np.full(T.size, 0.02)
     how: dict[str, Any] = {"model": "power", "walkers": 100, "effective": 50}
@@ -252,6 +253,7 @@ def test_words_follow_from_what_of_the_prior_is_left():
         assert 0 <= low < high <= 1
 
 
+@pytest.mark.slow
 def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modulus_or_roughness():
     value, error = two_times(3.0)
     found = asp.infer(T, value, error, model="relaxation", branches=2, walkers=600, effective=300)
@@ -269,6 +271,7 @@ def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modul
     assert 0.2 < known.widths["modulus"] < 0.95
 
 
+@pytest.mark.slow
 def test_areas_in_square_metres_under_a_known_load_know_the_roughness():
     exact = 2.0 * 5.0 / (2e9 * 0.1) * curve("power", exponent=0.3, time=1e4)
     priors: dict[str, Any] = {
@@ -366,6 +369,7 @@ def test_repeated_hold_times_are_as_many_points():
     assert found.verdicts["exponent"].low < 0.3 < found.verdicts["exponent"].high
 
 
+@pytest.mark.slow
 def test_errors_are_found_from_the_scatter_and_widened_where_it_is_correlated():
     random = np.random.default_rng(2)
     t = np.geomspace(1, 1e4, 60)
