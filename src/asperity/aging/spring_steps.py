@@ -121,18 +121,15 @@ class SpringSteps(TrBdf2):
         work.shift = moved if work.wanted is None else work.mean_lag * f - e - source
         done, cycles = work.improve(stage.allowed_error / self.unit, self.max_cycles)
         if not done:
-            for (
-                field
-            ) in work.correction:  # it may be no number, and the next guess takes nothing of it times 0
+            for field in work.correction:  # it may be no number, and the next guess takes 0 times it
                 field.fill(0.0)
             raise ConvergenceError(
                 f"aging: {cycles} cycles did not solve a step of {tau:.1e}; "
                 "try Multigrid(max_cycles=...) with more, or solver=asperity.ActiveSet()"
             )
         e, f = map(self.mean, work.correction)
-        self.offset = (
-            (e + source + moved) / work.mean_lag if work.wanted is None else work.wanted / size
-        ) - f
+        due = (e + source + moved) / work.mean_lag if work.wanted is None else work.wanted / size
+        self.offset = due - f
         return cycles
 
     def past(self, weights: Sequence[float]) -> Past:
