@@ -18,8 +18,12 @@ from asperity.errors import ConvergenceError
 
 TIMES = np.geomspace(1e-3, 1e6, 10)
 
-STEPS_A_DECADE = 350
-"""Budget of time steps, taken and repeated."""
+STEPS_A_DECADE = 150
+"""Budget of time steps, taken and repeated, of 99 problems in a hundred."""
+
+MOST_STEPS = 700
+"""The same of all. In problem 53 contacts close and open by turns until whole fields go on; it takes 260 to 570
+steps as its times change by a thousandth."""
 
 ITERATIONS_A_STEP = 30
 """Cycles, or iterations of conjugate gradients, on average over a history."""
@@ -109,9 +113,10 @@ def test_what_is_supported_fast_stays_within_a_budget(count):
         pressing, steps, iterations = cost(problem)
         most.append(steps)
         assert pressing <= PRESSING, problem.name
-        assert steps <= STEPS_A_DECADE, problem.name
+        assert steps <= MOST_STEPS, problem.name
         assert iterations <= ITERATIONS_A_STEP, problem.name
     assert np.median(most) < 25
+    assert np.mean(np.array(most) > STEPS_A_DECADE) <= 0.01
 
 
 @pytest.mark.parametrize("count", [25, pytest.param(200, marks=pytest.mark.slow)])
