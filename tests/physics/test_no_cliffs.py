@@ -22,8 +22,8 @@ STEPS_A_DECADE = 150
 """Budget of time steps, taken and repeated, of 99 problems in a hundred."""
 
 MOST_STEPS = 700
-"""The same of all. In problem 53 contacts close and open by turns until whole fields go on; it takes 260 to 570
-steps as its times change by a thousandth."""
+"""The same of all. In problem 53 contacts close and open by turns until whole fields go on: it takes 260 to
+570 steps, as its times change by a thousandth."""
 
 ITERATIONS_A_STEP = 30
 """Cycles, or iterations of conjugate gradients, on average over a history."""
