@@ -55,7 +55,8 @@ class SpringSteps(TrBdf2):
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
-        (self.flow, self.middle), (self.error, _) = self.work.pair(), self.work.pair()
+        self.flow, self.middle = self.work.pair()
+        self.error = np.zeros_like(self.flow)
         for field in self.work.correction:
             field.fill(0.0)
         self.work.bound.fill(-np.inf)
