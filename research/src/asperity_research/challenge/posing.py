@@ -179,22 +179,23 @@ class Problem:
 
     def _scan(self, scan: str | Path | None) -> Path:
         """The file, if it is the right one."""
-        file, source = self.heights["file"], self.heights["source"]
-        if scan is None or not Path(scan).is_file():
-            got = "none" if scan is None else f"{scan}, which is no file"
-            raise InputError("scan", expected=f"the file {file}", got=got, advice=f"the {source}")
-        if hashlib.sha256(Path(scan).read_bytes()).hexdigest() != self.heights["sha256"]:
+        if scan is None:
+            got = "none"
+        elif not Path(scan).is_file():
+            got = f"{scan}, which is no file"
+        elif hashlib.sha256(Path(scan).read_bytes()).hexdigest() != self.heights["sha256"]:
             got = f"{scan}, which holds something else"
-            raise InputError("scan", expected=f"the file {file}", got=got, advice=f"the {source}")
-        return Path(scan)
+        else:
+            return Path(scan)
+        expected, advice = f"the file {self.heights['file']}", f"the {self.heights['source']}"
+        raise InputError("scan", expected=expected, got=got, advice=advice)
 
     @functools.cached_property
     def answer(self) -> Answer:
         """The certified answer."""
-        path = _DATA / f"{self.name}.csv"
-        table = read_table(Path(str(path)))
+        path = Path(str(_DATA / f"{self.name}.csv"))
+        table, text = read_table(path), path.read_text(encoding="utf-8").splitlines()
         columns = dict(zip(table.names, table.values.T, strict=True))
-        text = path.read_text(encoding="utf-8").splitlines()
         headings = {column.name: column.heading for column in self.asked}
         return Answer(
             abscissa=columns[self.abscissa.heading],
@@ -210,20 +211,14 @@ class Problem:
 
 
 NAMES = (
-    "dilute",
-    "dense",
-    "self-affine",
-    "measured-scan",
-    "two-step-load",
-    "constant-area",
-    "relaxing-half-space",
-    "slide-hold-slide",
+    *("dilute", "dense", "self-affine", "measured-scan"),
+    *("two-step-load", "constant-area", "relaxing-half-space", "slide-hold-slide"),
 )
 
 
 def problems() -> tuple[Problem, ...]:
     """The eight reference problems."""
-    return tuple(problem(name) for name in NAMES)
+    return tuple(_all().values())
 
 
 def problem(name: str) -> Problem:
@@ -234,18 +229,15 @@ def problem(name: str) -> Problem:
     InputError
         There is none of this name.
     """
-    return _read(named("problem", name, {one: one for one in NAMES}))
+    return named("problem", name, _all())
 
 
 @functools.cache
-def _read(name: str) -> Problem:
-    tables = tomllib.loads((_DATA / f"{name}.toml").read_text(encoding="utf-8"))
-    return Problem(
-        name=name,
-        title=tables["title"],
-        question=tables["question"].strip(),
-        abscissa=Column(**tables["abscissa"]),
-        asked=tuple(Column(**column) for column in tables["asked"]),
-        heights=tables["heights"],
-        run=tables["run"],
-    )
+def _all() -> dict[str, Problem]:
+    found = {}
+    for name in NAMES:
+        tables = tomllib.loads((_DATA / f"{name}.toml").read_text(encoding="utf-8"))
+        abscissa, asked = Column(**tables.pop("abscissa")), (Column(**one) for one in tables.pop("asked"))
+        question = tables.pop("question").strip()
+        found[name] = Problem(name, question=question, abscissa=abscissa, asked=tuple(asked), **tables)
+    return found

@@ -153,7 +153,9 @@ def _column(name: str, values: ArrayLike) -> Field:
 
 def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score:
     place, answer = asked.abscissa.heading, asked.answer
-    headings = {column.name: _found(column, columns) for column in asked.asked}
+    headings = {
+        column.name: next((name for name in column.headings if name in columns), "") for column in asked.asked
+    }
     if place not in columns or not any(headings.values()):
         wanted = ", ".join(column.heading for column in asked.asked)
         expected = f"one of the columns {wanted}" if place in columns else f"the columns {place}, {wanted}"
@@ -167,30 +169,16 @@ def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score
         raise InputError(where, expected=f"rows with {place} of {places}", got=got)
     quantities = []
     for column in asked.asked:
-        if not (heading := headings[column.name]):
-            continue
-        values = columns[heading][rows[given]]
-        if not np.isfinite(values).all():
-            at = answer.abscissa[given[np.argmin(np.isfinite(values))]]
-            raise InputError(
-                where, expected=f"a number for {heading} at {place} = {at:g}", got="none, or no finite one"
-            )
-        quantities.append(
-            QuantityScore(
-                column,
-                heading,
-                answer.abscissa[given],
-                values,
-                answer.values[column.name][given],
-                answer.bars[column.name][given],
-            )
-        )
+        if heading := headings[column.name]:
+            values = columns[heading][rows[given]]
+            if not np.isfinite(values).all():
+                at = answer.abscissa[given[np.argmin(np.isfinite(values))]]
+                expected = f"a number for {heading} at {place} = {at:g}"
+                raise InputError(where, expected=expected, got="none, or no finite one")
+            known = (answer.values[column.name][given], answer.bars[column.name][given])
+            quantities.append(QuantityScore(column, heading, answer.abscissa[given], values, *known))
     missing = tuple(column.heading for column in asked.asked if not headings[column.name])
     return Score(asked, tuple(quantities), missing, given.size, answer.abscissa.size)
-
-
-def _found(column: Column, columns: Mapping[str, Field]) -> str:
-    return next((name for name in column.headings if name in columns), "")
 
 
 def _rows(given: Field, wanted: Field) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

@@ -15,13 +15,13 @@ from asperity.surfaces import Surface
 from asperity_research.challenge.posing import NAMES, Column, Problem, problem
 
 _WIDTH = 110
+_STATED = " The rule is that of asperity.challenge.heights, whose documentation states it for any language."
 _RULES = {
-    "independent": "Independent heights on {sites} x {sites} sites, seed {seed}.",
+    "independent": "Independent heights on {sites} x {sites} sites, seed {seed}." + _STATED,
     "waves": "A spline of {octaves} octaves: grid {grid}, ratio {ratio}, halvings {halvings}, "
-    "seed {seed}{scaled}.",
+    "seed {seed}{scaled}." + _STATED,
     "scan": "The file {file}, SHA-256 {sha256}; {source}.",
 }
-_STATED = " The rule is that of asperity.challenge.heights, whose documentation states it for any language."
 _OURS = {"problem.txt", "answer.csv", "heights.npy", "heights.csv", "run.toml"}
 _FILES = """\
 heights.npy   the heights, rows by columns, in NumPy's format
@@ -64,33 +64,29 @@ def write(
     OutputError
         The disk refused.
     """
-    chosen = [problem(name) for name in names]
-    remarks = []
+    chosen = {one: problem(one) for one in names}
     surfaces: dict[str, Surface | None] = {}
-    for one in chosen:
-        absent = one.heights["rule"] == "scan" and scan is None
-        surfaces[one.name] = None if absent else one.surface(scan=scan)
-        if absent:
-            remarks.append(
-                f"{one.name} has no heights: they need the file {one.heights['file']}, --scan FILE"
-            )
-    for one in chosen:
-        place = Path(directory, one.name)
-        if place.exists():
-            ours = place.is_dir() and {path.name for path in place.iterdir()} <= _OURS
-            if not (ours and overwrite):
-                advice = f"another folder{', or overwrite=True' if ours else ''}"
-                expected, got = f"a folder without {one.name}", f"{place}, which is kept"
-                raise InputError("directory", expected=expected, got=got, advice=advice)
-    for one in chosen:
-        with whole_folder(Path(directory, one.name), overwrite=overwrite) as folder:
-            _write(one, surfaces[one.name], folder)
+    remarks = []
+    for name, one in chosen.items():
+        if one.heights["rule"] == "scan" and scan is None:
+            surfaces[name] = None
+            remarks.append(f"{name} has no heights: they need the file {one.heights['file']}, --scan FILE")
+        else:
+            surfaces[name] = one.surface(scan=scan)
+    for name in chosen:
+        place = Path(directory, name)
+        ours = place.is_dir() and {path.name for path in place.iterdir()} <= _OURS
+        if place.exists() and not (ours and overwrite):
+            advice = f"another folder{', or overwrite=True' if ours else ''}"
+            expected, got = f"a folder without {name}", f"{place}, which is kept"
+            raise InputError("directory", expected=expected, got=got, advice=advice)
+    for name, one in chosen.items():
+        with whole_folder(Path(directory, name), overwrite=overwrite) as folder:
+            _write(one, surfaces[name], folder)
     return tuple(remarks)
 
 
 def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
-    (folder / "problem.txt").write_text(in_words(asked, surface), encoding="utf-8")
-    (folder / "answer.csv").write_text(_form(asked), encoding="utf-8")
     if surface is None:
         tables = {"kind": "file", "path": asked.heights["file"], **asked.run["surface"]}
     else:
@@ -100,45 +96,39 @@ def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
         if surface.pixel_size is not None:
             tables |= {"file_unit": surface.unit, "length_unit": surface.length_unit}
             tables["pixel_size"] = list(surface.pixel_size)
-    run = {"surface": tables} | {key: table for key, table in asked.run.items() if key != "surface"}
-    text = f"# problem: {asked.name}\n{tomli_w.dumps(run)}"
-    (folder / "run.toml").write_text(text, encoding="utf-8")
+    named = f"# problem: {asked.name}\n"
+    columns = ",".join(column.heading for column in (asked.abscissa, *asked.asked))
+    places = [f"{place:.12g}{',' * len(asked.asked)}\n" for place in asked.answer.abscissa]
+    texts = {
+        "problem.txt": in_words(asked, surface),
+        "answer.csv": f"{named}{columns}\n{''.join(places)}",  # nothing in it but where it is asked
+        "run.toml": named + tomli_w.dumps({"surface": {}} | asked.run | {"surface": tables}),
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
 
 
 def in_words(asked: Problem, surface: Surface | None = None) -> str:
     """The text of a problem: what is given, and what is asked."""
-    paragraphs = [f"{asked.name}: {asked.title}", *textwrap.wrap(" ".join(asked.question.split()), _WIDTH)]
-    rule = dict(asked.heights)
-    scaled = ""
+    rule, scaled, here = asked.heights, "", ""
     if "side" in rule:
         unit = rule["unit"]
         scaled = f", all times {rule['times']:g} {unit}, on a square of side {rule['side']:g} {unit}"
     stated = _RULES[rule["rule"]].format(**rule, scaled=scaled)
-    if rule["rule"] != "scan":
-        stated += _STATED
-    lines = [*paragraphs, "", "Heights", *textwrap.wrap(stated, _WIDTH)]
     if surface is not None:
-        rows, columns = surface.shape
         unit = surface.unit if surface.unit != "1" else "the unit of length of the problem"
-        pixel = (
-            f"; {surface.pixel_size[0]:.9g} x {surface.pixel_size[1]:.9g} {surface.length_unit} between them"
-            if surface.pixel_size
-            else ""
-        )
-        lines += textwrap.wrap(f"Here {rows} x {columns} sites, in {unit}{pixel}; periodic.", _WIDTH)
-    lines += ["", "Asked", *(_asked(column) for column in (asked.abscissa, *asked.asked))]
-    lines += ["", "Files", _FILES.rstrip()]
-    return "\n".join(lines) + "\n"
+        here = f"Here {' x '.join(map(str, surface.shape))} sites, in {unit}"
+        if surface.pixel_size:
+            here += f"; {surface.pixel_size[0]:.9g} x {surface.pixel_size[1]:.9g} {surface.length_unit}"
+            here += " between them"
+        here += "; periodic."
+    lines = [f"{asked.name}: {asked.title}", *textwrap.wrap(asked.question, _WIDTH)]
+    lines += ["", "Heights", *textwrap.wrap(stated, _WIDTH), *textwrap.wrap(here, _WIDTH)]
+    lines += ["", "Asked", *map(_asked, (asked.abscissa, *asked.asked)), "", "Files", _FILES]
+    return "\n".join(lines)
 
 
 def _asked(column: Column) -> str:
     unit = "" if column.unit == "1" else f" [{column.unit}]"
     tolerance = f"; tolerance {100 * column.tolerance:g} %" if column.tolerance else ""
     return f"{column.heading}{unit}: {column.meaning}{tolerance}"
-
-
-def _form(asked: Problem) -> str:
-    """An answer with nothing in it but where it is asked."""
-    headings = [asked.abscissa.heading, *(column.heading for column in asked.asked)]
-    rows = [f"{place:.12g}{',' * len(asked.asked)}" for place in asked.answer.abscissa]
-    return "\n".join([f"# problem: {asked.name}", ",".join(headings), *rows]) + "\n"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,6 @@ from asperity.app.cli.report import aligned
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity_research.challenge import NAMES, Score, problems, score, score_figure, write
-
-_FLAGS = {"problem": "--problem", "scan": "--scan", "directory": "folder"}
 
 
 def list_problems() -> None:
@@ -38,10 +37,8 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
     if folder.exists() and not folder.is_dir():
         raise InputError("folder", expected="a folder", got=f"{folder}, which is a file")
     chosen = tuple(dict.fromkeys(names)) or NAMES
-    try:
+    with _told_of_flags():
         remarks = write(folder, chosen, scan=scan, overwrite=overwrite)
-    except InputError as error:
-        raise _of_flags(error) from error
     lines = [f"{counted(len(chosen), 'problem')} written: {folder}", *(f"remark: {one}" for one in remarks)]
     sys.stdout.write("\n".join(lines) + "\n")
 
@@ -50,47 +47,44 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
     """Compare, say, and draw; `AsperityError` if it is no answer, or the figure cannot be written."""
     if out is not None:
         check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
-    try:
+    with _told_of_flags():
         found = score(result, problem)
-    except InputError as error:
-        raise _of_flags(error) from error
+    blocks = [aligned(rows) for rows in _blocks(found)]
     if out is not None:
         write_figure(score_figure(found), out)
-    blocks = [aligned(rows) for rows in _blocks(found)]
-    written = [] if out is None else [f"figure written: {out}"]
-    sys.stdout.write("\n\n".join([*blocks, *written]) + "\n")
+        blocks.append(f"figure written: {out}")
+    sys.stdout.write("\n\n".join(blocks) + "\n")
 
 
-def _blocks(found: Score) -> list[list[tuple[str, ...]]]:
+def _blocks(found: Score) -> Iterator[list[tuple[str, ...]]]:
     """A table for each quantity, and the verdicts."""
-    place = found.problem.abscissa.heading
-    blocks: list[list[tuple[str, ...]]] = []
     verdicts: list[tuple[str, ...]] = []
     for one in found.quantities:
-        rows: list[tuple[str, ...]] = [(place, one.heading, "certified", "error bar", "in bars", "percent")]
-        rows += [
-            (f"{x:.6g}", f"{a:.8g}", f"{b:.8g}", f"{bar:.2g}", f"{in_bars:+.2f}", f"{100 * apart:+.3g}")
-            for x, a, b, bar, in_bars, apart in zip(
-                one.abscissa, one.given, one.certified, one.bar, one.in_bars, one.relative, strict=True
-            )
-        ]
-        blocks.append(rows)
-        worst = int(np.argmax(np.abs(one.in_bars)))
-        said = f"worst at {one.abscissa[worst]:.6g}: {one.in_bars[worst]:+.3g} bars"
-        said += f", {100 * one.relative[worst]:+.2g} %; tolerance {100 * one.column.tolerance:g} %"
-        verdicts.append((one.column.heading, one.verdict, said))
+        names = (found.problem.abscissa.heading, one.heading, "certified", "error bar", "in bars", "percent")
+        columns = (one.abscissa, one.given, one.certified, one.bar, one.in_bars, 100 * one.relative)
+        numbers = np.transpose(columns)
+        formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
+        yield [names, *(tuple(map(str.format, formats, row)) for row in numbers)]
+        x, *_, in_bars, percent = numbers[np.argmax(np.abs(one.in_bars))]
+        said = f"worst at {x:.6g}: {in_bars:+.3g} bars, {percent:+.2g} %"
+        tolerance = f"tolerance {100 * one.column.tolerance:g} %"
+        verdicts.append((one.column.heading, one.verdict, f"{said}; {tolerance}"))
     verdicts += [(name, "not given", "") for name in found.missing]
     good = sum(one.verdict != "off" for one in found.quantities)
     total = f"{good} of {counted(len(found.problem.asked), 'quantity', 'quantities')} agree"
     total += f" at {found.rows} of {found.asked} places"
-    verdicts.append((found.problem.name, "agrees" if found.agrees else "does not agree", total))
-    return [*blocks, verdicts]
+    yield [*verdicts, (found.problem.name, "agrees" if found.agrees else "does not agree", total)]
 
 
-def _of_flags(error: InputError) -> InputError:
-    """The same error, about the flag."""
-    name = _FLAGS.get(error.name, error.name)
-    advice = error.advice.replace("overwrite=True", "--overwrite")
-    if name == "--problem" and advice:
-        advice = f"--problem {advice}"
-    return InputError(name, expected=error.expected, got=error.got, advice=advice)
+@contextmanager
+def _told_of_flags() -> Iterator[None]:
+    """Name the flag in an error about an argument."""
+    try:
+        yield
+    except InputError as error:
+        flags = {"problem": "--problem", "scan": "--scan", "directory": "folder"}
+        advice = error.advice.replace("overwrite=True", "--overwrite")
+        if error.name == "problem" and advice:
+            advice = f"--problem {advice}"
+        name = flags.get(error.name, error.name)
+        raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error

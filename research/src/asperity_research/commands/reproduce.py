@@ -28,8 +28,8 @@ def reproduce(out: Path, ensembles: Ensembles, work: Work) -> None:
         say_estimate(HOME, out, prepare)
         return
     started = clock.perf_counter()
-    with worked_through("study", prepare(out), work) as (prepared, voice):
-        voice.say("drawing the figures and judging the claims")
+    with worked_through("study", prepare(out), work) as (prepared, say):
+        say("drawing the figures and judging the claims")
         seconds, command = clock.perf_counter() - started, command_of(["reproduce"], out, ensembles)
         done = conclude(out, prepared, effort=effort, command=command, seconds=seconds)
     if not work.quiet:

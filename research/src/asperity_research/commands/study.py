@@ -20,8 +20,8 @@ from asperity_research.studies import STUDIES, Concluded, Study, conclude, named
 from asperity_research.studies.campaigns import Home, Prepared, run_campaigns
 from asperity_research.studies.typeset import interval, plain
 
-Prepare = Callable[[Path], AbstractContextManager[tuple[Prepared, ...]]]
-"""Writes the campaigns into a folder."""
+Preparing = AbstractContextManager[tuple[Prepared, ...]]
+"""Writes campaigns into a folder, and keeps others out of it."""
 
 
 def say_studies() -> None:
@@ -30,7 +30,7 @@ def say_studies() -> None:
     sys.stdout.write(f"{aligned(rows)}\n\nasperity study NAME --quick answers one in minutes\n")
 
 
-def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
+def say_estimate(home: Home, out: Path, prepare: Callable[[Path], Preparing]) -> None:
     """Say how many runs and how much disk each campaign takes, and all, without leaving anything behind.
 
     Some of them may be done in the folder.
@@ -39,11 +39,14 @@ def say_estimate(home: Home, out: Path, prepare: Prepare) -> None:
     with tempfile.TemporaryDirectory() as nowhere, prepare(Path(nowhere)) as prepared:
         judged = [campaign.estimate(one.plan, out / home.inside / one.campaign.name) for one in prepared]
         rows = [
-            (one.campaign.name, f"{it.runs} runs", f"about {data_size(it.bytes)}", one.campaign.purpose)
+            (one.campaign.name, *_total([it]), one.campaign.purpose)
             for one, it in zip(prepared, judged, strict=True)
         ]
-        rows.append(("all", *_total(judged), "every campaign"))
-        sys.stdout.write(f"{aligned(rows)}\n")
+        sys.stdout.write(f"{aligned([*rows, ('all', *_total(judged), 'every campaign')])}\n")
+
+
+def _total(judged: Sequence[campaign.Estimate]) -> tuple[str, str]:
+    return f"{sum(one.runs for one in judged)} runs", f"about {data_size(sum(one.bytes for one in judged))}"
 
 
 def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
@@ -62,8 +65,8 @@ def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: 
         say_estimate(one.home, out, prepare)
         return None
     command = command_of(words, out, ensembles)
-    with worked_through("campaign", prepare(out), work) as (prepared, voice):
-        voice.say("computing the numbers and drawing the figure")
+    with worked_through("campaign", prepare(out), work) as (prepared, say):
+        say("computing the numbers and drawing the figure")
         done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
     if not work.quiet:
         for finding in done.outcome.findings:
@@ -80,52 +83,39 @@ def command_of(words: list[str], out: Path, ensembles: Ensembles) -> str:
 
 @contextmanager
 def worked_through(
-    what: str, preparing: AbstractContextManager[tuple[Prepared, ...]], work: Work
-) -> Iterator[tuple[tuple[Prepared, ...], Voice]]:
-    """Do what is missing of some campaigns; who interrupts that, or what follows, is told what is kept."""
+    what: str, preparing: Preparing, work: Work
+) -> Iterator[tuple[tuple[Prepared, ...], Callable[[str], None]]]:
+    """Do what is missing of some campaigns; give them, and what prints a line of progress.
+
+    Who interrupts that, or what follows, is told what is kept.
+    """
+
+    def say(text: str) -> None:
+        if not work.quiet:
+            print(text, file=sys.stderr, flush=True)
+
+    @contextmanager
+    def watch(one: Prepared) -> Iterator[Callable[[campaign.Tally], None]]:
+        if begins:
+            say(", ".join(_total([campaign.estimate(each.plan, each.folder) for each in begins])))
+            begins.clear()
+        number = 1 + [each.folder for each in prepared].index(one.folder)
+        say(f"{what} {number} of {len(prepared)}: {one.campaign.purpose}")
+        with tally_shown(quiet=work.quiet) as show:
+            yield show
+
     try:
         with preparing as prepared:
-            voice = Voice(what, prepared, quiet=work.quiet)
+            begins = [*prepared]
             run_campaigns(
                 prepared,
                 workers=work.workers,
                 scheduler=work.scheduler,
                 retry_failed=work.retry_failed,
-                watch=voice.watch,
+                watch=watch,
             )
-            yield prepared, voice
+            yield prepared, say
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             "interrupted; what is finished is kept, and the same command does the rest"
         ) from None
-
-
-class Voice:
-    """Says which campaign begins, and at first how many runs and how much disk it all takes."""
-
-    def __init__(self, what: str, prepared: Sequence[Prepared], *, quiet: bool) -> None:
-        self._what = what
-        self._prepared = prepared
-        self._quiet = quiet
-        self._announced = False
-
-    @contextmanager
-    def watch(self, one: Prepared) -> Iterator[Callable[[campaign.Tally], None]]:
-        """Tell of one campaign while it runs."""
-        if not self._announced and not self._quiet:
-            self._announced = True
-            judged = [campaign.estimate(each.plan, each.folder) for each in self._prepared]
-            self.say(", ".join(_total(judged)))
-        number = 1 + [each.folder for each in self._prepared].index(one.folder)
-        self.say(f"{self._what} {number} of {len(self._prepared)}: {one.campaign.purpose}")
-        with tally_shown(quiet=self._quiet) as show:
-            yield show
-
-    def say(self, text: str) -> None:
-        """Print a line of progress."""
-        if not self._quiet:
-            print(text, file=sys.stderr, flush=True)
-
-
-def _total(judged: Sequence[campaign.Estimate]) -> tuple[str, str]:
-    return f"{sum(one.runs for one in judged)} runs", f"about {data_size(sum(one.bytes for one in judged))}"

@@ -32,14 +32,6 @@ from asperity_research.paper.wording import sentences, spelled
 
 
 @dataclass(frozen=True)
-class Number:
-    """A number that shows a correction, and what it is."""
-
-    what: str
-    value: float
-
-
-@dataclass(frozen=True)
 class Correction:
     """One misprint or inexactness: its place, what is printed, what should be, why, and numbers that show it.
 
@@ -52,7 +44,7 @@ class Correction:
     printed: str
     correct: str
     why: str
-    numbers: tuple[Number, ...]
+    numbers: tuple[tuple[str, float], ...]
 
     @property
     def title(self) -> str:
@@ -62,18 +54,13 @@ class Correction:
 
 def corrections() -> tuple[Correction, ...]:
     """Return all of them, in the order of the paper, their numbers computed."""
-    values = _numbers()
-    return tuple(
-        Correction(
-            key=key,
-            numbers=tuple(
-                Number(spelled(what), float(value))
-                for what, value in zip(words.get("numbers", ()), values.get(key, ()), strict=True)
-            ),
-            **{part: spelled(words[part]) for part in ("place", "printed", "correct", "why")},
-        )
-        for key, words in sentences("corrections.toml").items()
-    )
+    values, found = _numbers(), []
+    for key, words in sentences("corrections.toml").items():
+        said = (spelled(what) for what in words.get("numbers", ()))
+        numbers = tuple(zip(said, map(float, values.get(key, ())), strict=True))
+        texts = {part: spelled(words[part]) for part in ("place", "printed", "correct", "why")}
+        found.append(Correction(key, numbers=numbers, **texts))
+    return tuple(found)
 
 
 def _numbers() -> dict[str, Sequence[Field | float]]:

@@ -50,7 +50,7 @@ class Effort:
     loads_per_decade: int
     aging_loads: tuple[float, ...]
     sizes: tuple[int, ...]
-    aging_sizes: tuple[int, ...]
+    aging_sizes: tuple[int, ...] = (128, 256)
     maps_size: int = 256
     side: int = 200
 
@@ -64,7 +64,6 @@ QUICK = Effort(
     loads_per_decade=2,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1),
     sizes=(128, 256),
-    aging_sizes=(128, 256),
 )
 FULL = Effort(
     "full",
@@ -75,7 +74,6 @@ FULL = Effort(
     loads_per_decade=4,
     aging_loads=(3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0),
     sizes=(128, 256, 512),
-    aging_sizes=(128, 256),
 )
 
 

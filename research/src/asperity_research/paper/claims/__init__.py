@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from asperity_research.paper.claims import area_and_load, discussion, few_contacts, growth, self_affine, spots
+from asperity_research.paper.claims import section_3, section_4, section_5
+from asperity_research.paper.claims.claim import CLAIMS
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 
-CLAIMS = {
-    claim.name: claim
-    for part in (area_and_load, growth, self_affine, spots, few_contacts, discussion)
-    for claim in part.CLAIMS
-}
-"""All claims by name, in the order of the paper's sections."""
+__all__ = ["CLAIMS", "ledger", "section_3", "section_4", "section_5"]
 
 
 def ledger(evidence: Evidence) -> tuple[Finding, ...]:

@@ -9,31 +9,17 @@ others all, as ``numbers``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from asperity.fits import Estimate
 from asperity_research.paper.claims import measures
+from asperity_research.paper.claims.measures import Numbers
 from asperity_research.paper.wording import sentences, spelled
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
 
-
-@dataclass(frozen=True)
-class Number:
-    """A number that decides a claim, by name: several may share a range and a sentence, which may need facts.
-
-    The ends of the range are multiples of ``of``.
-    """
-
-    name: str
-    estimate: Estimate
-    facts: Mapping[str, object] = field(default_factory=dict)
-    of: float = 1.0
-
-
-Numbers = Iterator[Number]
+Statistic = Callable[..., Numbers]
 
 
 @dataclass(frozen=True)
@@ -45,7 +31,7 @@ class Claim:
     """
 
     name: str
-    statistic: Callable[..., Numbers]
+    statistic: Statistic
     ranges: Mapping[str, tuple[float, float]]
     each: str = ""
 
@@ -58,28 +44,24 @@ class Claim:
     def judge(self, evidence: Evidence) -> Finding:
         """Compute the numbers, and put them into words beside their ranges."""
         numbers = [(one, *self.ranges[one.name]) for one in self._numbers(evidence)]
-        words = self.sentences
         known = vars(measures) | self.statistic.__globals__
         shared = {name: known[name] for name in known if name.isupper()}
         shared["numbers"] = [one.facts for one, *_ in numbers]
-
-        def spell(sentence: str, facts: Mapping[str, object]) -> str:
-            return spelled(sentence, {**shared, **facts})
+        words = self.sentences
 
         def measured(part: str) -> tuple[Measurement, ...]:
             say = words.get(part, {})
             return tuple(
-                Measurement(spell(say[one.name], one.facts), one.estimate, one.of * low, one.of * high)
+                Measurement(
+                    spelled(say[one.name], {**shared, **one.facts}), one.estimate, one.of * low, one.of * high
+                )
                 for one, low, high in numbers
                 if one.name in say
             )
 
-        return Finding(
-            key=self.name,
-            measured=measured("measured"),
-            corrected=measured("corrected"),
-            **{part: spell(words.get(part, ""), {}) for part in ("place", "claim", "correction", "note")},
-        )
+        texts = ("place", "claim", "correction", "note")
+        said = {text: spelled(words.get(text, ""), shared) for text in texts}
+        return Finding(self.name, measured=measured("measured"), corrected=measured("corrected"), **said)
 
     def _numbers(self, evidence: Evidence) -> Numbers:
         if not self.each:
@@ -89,3 +71,17 @@ class Claim:
         for value in evidence.values(study, parameter):
             for one in self.statistic(evidence, value):
                 yield replace(one, facts={parameter: value, **one.facts})
+
+
+CLAIMS: dict[str, Claim] = {}
+"""All claims by name, in the order of the paper's sections."""
+
+
+def claim(name: str, *, each: str = "", **ranges: tuple[float, float]) -> Callable[[Statistic], Statistic]:
+    """Make the claim of a name with the statistic below."""
+
+    def add(statistic: Statistic) -> Statistic:
+        CLAIMS[name] = Claim(name, statistic, ranges, each)
+        return statistic
+
+    return add

@@ -1,15 +1,17 @@
-"""Numbers that several claims ask for: exponents, slopes and crossovers of ensembles."""
+"""What a number of a claim is, and those that several claims ask for: exponents, slopes and crossovers."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 from scipy.special import ndtri
 
-from asperity.fits import Estimate, growth_rate, jackknife
+from asperity.fits import Estimate, growth_rate
+from asperity.theory import site_stiffness
 from asperity_research.arrays import Field, Mask
 
 LOGARITHMIC = (1.0, 1e3)
@@ -22,9 +24,20 @@ ROUGHLY = (0.75, 1.25)
 """Over what is expected: what counts as roughly proportional."""
 
 
-def mean_of(statistic: Callable[..., float | Field], samples: Field) -> Estimate:
-    """Estimate a statistic of the ensemble mean; seeds are the first axis of the samples."""
-    return jackknife(lambda some: statistic(some.mean(axis=0)), samples)
+@dataclass(frozen=True)
+class Number:
+    """A number that decides a claim, by name: several may share a range and a sentence, which may need facts.
+
+    The ends of the range are multiples of ``of``.
+    """
+
+    name: str
+    estimate: Estimate
+    facts: Mapping[str, object] = field(default_factory=dict)
+    of: float = 1.0
+
+
+Numbers = Iterator[Number]
 
 
 def exponent(x: Field, y: Field) -> float:
@@ -50,6 +63,13 @@ def evenness(time: Field, area: Field) -> float:
     first, last = LOGARITHMIC
     middle = math.sqrt(first * last)
     return growth_slope(time, area, middle, last) / growth_slope(time, area, first, middle)
+
+
+def stiffened(gained: Estimate, soft: float, stiff: float) -> Numbers:
+    """A gain in B from a soft to a stiff k1, over that of k1 as printed, and over that of a site."""
+    by_site = float(site_stiffness(stiff) / site_stiffness(soft))
+    for name, expected in (("printed", stiff / soft), ("by_site", by_site)):
+        yield Number(name, gained, {"soft": soft, "stiff": stiff, "expected": expected}, of=expected)
 
 
 def between(values: Field, low: float, high: float) -> Mask:

@@ -21,7 +21,6 @@ _FAR_APART = 3.0
 _DILUTE = 0.1
 """Largest contact fraction at which the dilute theory is drawn."""
 
-
 _EXPONENT = 0.8
 """The paper's, of the area against the load on self-affine surfaces."""
 
@@ -35,24 +34,21 @@ def figure_2(evidence: Evidence) -> PaperFigure:
     Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
     study ``load``.
     """
-    sites = evidence.sites("load")
-    tables = {
-        "instantaneous": _fractions(evidence, "initial_area", sites),
-        "relaxed": _fractions(evidence, "relaxed_area", sites),
-    }
+    sites, tables = evidence.sites("load"), _areas(evidence, "load")
+    for table in tables.values():
+        for end in ("", "_low", "_high"):
+            table[f"contact_fraction{end}"] = table[f"area{end}"] / sites
+        table.insert(2, "load_per_site", table["load"] / sites)
     tables["dilute"] = _dilute(tables["instantaneous"])
     spread = float(tables["relaxed"].groupby("load")["area"].agg(np.ptp).max())
     facts = {"sites": sites, "spread": spread, "far_apart": _FAR_APART, "dilute_fraction": _DILUTE}
     return captioned(2, _draw_2(tables), tables, facts)
 
 
-def _fractions(evidence: Evidence, area: str, sites: float) -> pd.DataFrame:
-    """Areas, and over the sites; loads, and over the sites."""
-    table = curves.over_seeds(evidence, "load", area, called="area")
-    for end in ("", "_low", "_high"):
-        table[f"contact_fraction{end}"] = table[f"area{end}"] / sites
-    table.insert(2, "load_per_site", table["load"] / sites)
-    return table
+def _areas(evidence: Evidence, study: str) -> dict[str, pd.DataFrame]:
+    """Areas of both states."""
+    states = {"instantaneous": "initial_area", "relaxed": "relaxed_area"}
+    return {state: curves.over_seeds(evidence, study, area, "area") for state, area in states.items()}
 
 
 def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
@@ -62,29 +58,29 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
     for k1 in areas["k1"].unique():
         fraction = dilute_area(loads, compliance(k1, 0.0), GaussianHeights(rms=1.0))
         apart = (fraction <= _DILUTE) & (_FAR_APART * np.sqrt(1 / k1) < fraction**-0.5)
-        frames.append(
-            pd.DataFrame({"k1": k1, "load_per_site": loads[apart], "contact_fraction": fraction[apart]})
-        )
-    return curves.stacked(frames, ["k1", "load_per_site", "contact_fraction"])
+        table = pd.DataFrame({"k1": k1, "load_per_site": loads, "contact_fraction": fraction})
+        frames.append(table[apart])
+    return pd.concat(frames, ignore_index=True)
+
+
+def _panel() -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    return figure, figure.add_subplot(xscale="log", yscale="log")
 
 
 def _draw_2(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
-    axes = figure.add_subplot(xscale="log", yscale="log")
+    figure, axes = _panel()
     areas, relaxed = tables["instantaneous"], tables["relaxed"]
-    ratios = areas["k1"].unique()
-    for k1, look in zip(ratios, curves.looks(len(ratios)), strict=True):
+    columns = ("load_per_site", "contact_fraction")
+    for k1, look in curves.looks(areas["k1"].unique()).items():
         theory = tables["dilute"].query("k1 == @k1")
-        axes.plot(theory["load_per_site"], theory["contact_fraction"], color=look.color, linewidth=0.8)
-        curves.points(
-            axes, areas.query("k1 == @k1"), "load_per_site", "contact_fraction", look, label=f"{k1:g}"
-        )
+        axes.plot(*(theory[name] for name in columns), color=look.color, linewidth=0.8)
+        curves.points(axes, areas.query("k1 == @k1"), *columns, look, f"{k1:g}")
     one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
-    ring = curves.Look(style.INK)
-    curves.points(axes, one, "load_per_site", "contact_fraction", ring, filled=False, label="relaxed", size=5)
+    curves.points(axes, one, *columns, curves.Look(style.INK, filled=False), "relaxed", size=5)
     start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
     span = np.array([1.0, max(1.0, 0.6 / level)])
-    axes.plot(start * span, level * span, ":", color=style.INK, linewidth=1.2)
+    curves.dotted(axes, start * span, level * span)
     curves.note(axes, "slope 1", (start * 8, level * 15), where="right")
     axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
     curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
@@ -97,30 +93,23 @@ def figure_5(evidence: Evidence) -> PaperFigure:
 
     Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
     """
-    tables = {
-        state: curves.over_seeds(evidence, "self_affine_load", area, called="area")
-        for state, area in (("instantaneous", "initial_area"), ("relaxed", "relaxed_area"))
-    }
+    tables = _areas(evidence, "self_affine_load")
     return captioned(5, _draw_5(tables), tables, {"exponent": _EXPONENT})
 
 
 def _draw_5(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
-    axes = figure.add_subplot(xscale="log", yscale="log")
+    figure, axes = _panel()
     areas, relaxed = tables["instantaneous"], tables["relaxed"]
     sizes = areas["size"].unique()
     shrinking = np.linspace(5, 3, len(sizes))  # what lies on each other shows as rings
-    for size, look, points in zip(sizes, curves.looks(len(sizes)), shrinking, strict=True):
-        for state, filled in ((areas, True), (relaxed, False)):
-            label = f"${size:g}^2$ sites" if filled else None
-            here = state.query("size == @size")
-            curves.points(axes, here, "load", "area", look, filled=filled, label=label, size=float(points))
+    for (size, look), points in zip(curves.looks(sizes).items(), shrinking, strict=True):
+        full, open_ = (state[state["size"] == size] for state in (areas, relaxed))
+        curves.points(axes, full, "load", "area", look, f"${size:g}^2$ sites", float(points))
+        curves.points(axes, open_, "load", "area", look.open(), size=float(points))
         axes.axhline(size**2, color=look.color, linewidth=0.6, linestyle=(0, (6, 3)), zorder=0)
     axes.plot([], [], "o", color=style.INK, markerfacecolor="none", markersize=4.5, label="open: relaxed")
     curves.note(axes, "full contact", (float(areas["load"].min()), 1.5 * float(sizes.max()) ** 2))
-    part = areas[areas["area"] < _PARTIAL * areas["size"] ** 2]
-    if len(part):
-        _power_law(axes, part)
+    _power_law(axes, areas[areas["area"] < _PARTIAL * areas["size"] ** 2])
     axes.set_ylim(areas["area"].min() / 3, 3 * sizes.max() ** 2)
     curves.dress(axes, r"normal load  $F_N\,/\,k_0$", r"contact area  $A$  (sites)")
     curves.legend(axes, "lower right")
@@ -132,6 +121,6 @@ def _power_law(axes: Axes, areas: pd.DataFrame) -> None:
     loads, level = areas["load"].to_numpy(np.float64), areas["area"].to_numpy(np.float64)
     prefactor = 0.35 * float(np.exp(np.mean(np.log(level / loads**_EXPONENT))))
     ends = np.array([loads.min(), loads.max()])
-    axes.plot(ends, prefactor * ends**_EXPONENT, ":", color=style.INK, linewidth=1.2)
+    curves.dotted(axes, ends, prefactor * ends**_EXPONENT)
     middle = float(np.sqrt(ends.prod()))
     curves.note(axes, f"$F_N^{{{_EXPONENT:g}}}$", (1.5 * middle, 0.7 * prefactor * middle**_EXPONENT))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,6 +19,7 @@ from asperity.fits import jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.numbers import columns
 
 LABEL = 8.0
 """Font size of the labels of axes, points at final size."""
@@ -37,26 +37,31 @@ _MARKERS = "osD^vPX*"
 _DASHES = ((6, 1.5), (4, 1.5, 1, 1.5), (3, 1), (1.5, 1))
 
 
-@dataclass(frozen=True)
-class Look:
-    """Color, as ``#rrggbb``, and marker of one curve; either alone tells it from its neighbors."""
+class Look(NamedTuple):
+    """Color, as ``#rrggbb``, and marker of one curve, full or open; each tells it from its neighbors."""
 
     color: str
     marker: str = "o"
+    filled: bool = True
+
+    @property
+    def face(self) -> str:
+        """The color of the marker's face."""
+        return self.color if self.filled else "none"
+
+    def open(self) -> Look:
+        """Return the same, open."""
+        return self._replace(filled=False)
 
 
-def looks(count: int) -> list[Look]:
+def looks(values: Iterable[float]) -> dict[float, Look]:
     """Return a look for each of some values in order: dark to light, so that gray print keeps the order."""
-    shades = np.linspace(0, _LIGHTEST, count)
-    return [
-        Look(to_hex(colormaps["viridis"](shade)), _MARKERS[at % len(_MARKERS)])
-        for at, shade in enumerate(shades)
-    ]
-
-
-def finished(samples: Field) -> Field:
-    """Drop the runs (first axis) that are not finished, or lack what is asked for: those with NaN."""
-    return samples[np.isfinite(samples).reshape(len(samples), -1).all(axis=1)]
+    known = list(values)
+    shades = np.linspace(0, _LIGHTEST, len(known))
+    return {
+        value: Look(to_hex(colormaps["viridis"](shade)), _MARKERS[at % len(_MARKERS)])
+        for at, (value, shade) in enumerate(zip(known, shades, strict=True))
+    }
 
 
 def mean(samples: Field) -> Field:
@@ -70,95 +75,51 @@ def growth(areas: Field) -> Field:
 
 
 def over_seeds(
-    evidence: Evidence, study: str, name: str, *, called: str, statistic: Callable[[Field], Field] = mean
+    evidence: Evidence, study: str, name: str, called: str, statistic: Callable[[Field], Field] = mean
 ) -> pd.DataFrame:
     """Estimate a statistic of the surfaces for every value of the swept parameters of a study.
 
     The statistic, as in `asperity.fits.jackknife`, keeps the time, where there is one. The table has a row
     for each value of the swept parameters, and time: these, the statistic as it is called, the ends ``_low``
-    and ``_high`` of its 95 % interval, and ``seeds``. Values without a finished run have no row.
+    and ``_high`` of its 95 % interval, and ``seeds``.
     """
     values = evidence[study][name]
     swept = [str(dim) for dim in values.dims if dim not in ("seed", "time")]
     times = {"time": values["time"].to_numpy()} if "time" in values.dims else {}
-    columns = [called, f"{called}_low", f"{called}_high"]
     frames = []
     for place in product(*(values[dim].to_numpy() for dim in swept)):
         here = dict(zip(swept, place, strict=True))
-        samples = finished(evidence.samples(study, name, **here))
-        if len(samples):
-            found = jackknife(statistic, samples)
-            numbers = np.atleast_2d(np.stack([found.value, found.low, found.high], axis=-1))
-            table = pd.DataFrame(numbers, columns=columns).assign(seeds=found.runs)
-            frames.append(pd.DataFrame({**here, **times}, index=table.index).join(table))
-    return stacked(frames, [*swept, *times, *columns, "seeds"])
-
-
-def stacked(frames: Iterable[pd.DataFrame], columns: list[str]) -> pd.DataFrame:
-    """Put tables below each other; without any, an empty one of these columns."""
-    several = list(frames)
-    return pd.concat(several, ignore_index=True) if several else pd.DataFrame(columns=columns, dtype=float)
+        found = jackknife(statistic, evidence.samples(study, name, **here))
+        numbers = {key: np.atleast_1d(column) for key, column in columns(called, found).items()}
+        frames.append(pd.DataFrame({**here, **times, **numbers, "seeds": found.runs}))
+    return pd.concat(frames, ignore_index=True)
 
 
 def points(
-    axes: Axes,
-    table: pd.DataFrame,
-    x: str,
-    y: str,
-    look: Look,
-    *,
-    filled: bool = True,
-    label: str | None = None,
-    size: float = 3.5,
+    axes: Axes, table: pd.DataFrame, x: str, y: str, look: Look, label: str | None = None, size: float = 3.5
 ) -> None:
-    """Draw the columns x and y of a table, and ``_low`` and ``_high`` of y, as symbols with error bars.
-
-    Symbols are filled or open, of this size in points.
-    """
+    """Draw the columns x and y of a table, and ``_low`` and ``_high`` of y, as symbols with error bars."""
     value, low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("", "_low", "_high"))
-    below = np.minimum(value - low, value * (1 - _NEAR_ZERO))
     axes.errorbar(
         table[x].to_numpy(np.float64),
         value,
-        yerr=None if np.isnan(below).all() else np.nan_to_num(np.stack([below, high - value])),
+        yerr=np.stack([np.minimum(value - low, value * (1 - _NEAR_ZERO)), high - value]),
         fmt=look.marker,
         color=look.color,
         markersize=size,
-        markerfacecolor=look.color if filled else "none",
+        markerfacecolor=look.face,
         markeredgewidth=0.8,
         elinewidth=0.8,
         label=label,
     )
 
 
-def band(
-    axes: Axes,
-    table: pd.DataFrame,
-    x: str,
-    y: str,
-    look: Look,
-    *,
-    filled: bool = True,
-    label: str | None = None,
-) -> None:
-    """Draw a curve as a band, its interval, with some symbols, about two for each decade of `x`.
-
-    Arguments are those of `points`; `x` is above 0.
-    """
-    place = table[x].to_numpy(np.float64)
-    low, high = (table[f"{y}{end}"].to_numpy(np.float64) for end in ("_low", "_high"))
+def band(axes: Axes, table: pd.DataFrame, x: str, y: str, look: Look, label: str | None = None) -> None:
+    """Draw a curve as a band, its interval, with some symbols, about two for each decade of x, above 0."""
+    place, value, low, high = (table[name].to_numpy(np.float64) for name in (x, y, f"{y}_low", f"{y}_high"))
     axes.fill_between(place, low, high, color=look.color, alpha=0.25, linewidth=0)
-    axes.plot(
-        place,
-        table[y].to_numpy(np.float64),
-        look.marker,
-        color=look.color,
-        markersize=3,
-        markerfacecolor=look.color if filled else "none",
-        markeredgewidth=0.7,
-        markevery=max(1, round(place.size / (1 + 2 * np.log10(place[-1] / place[0])))),
-        label=label,
-    )
+    every = max(1, round(place.size / (1 + 2 * np.log10(place[-1] / place[0]))))
+    symbols(axes, place, value, look, markerfacecolor=look.face, markevery=every, label=label)
 
 
 def line(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, at: int, label: str) -> None:
@@ -167,12 +128,22 @@ def line(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, at: int, label: str
     axes.plot(x, y, color=look.color, linestyle=dashes, linewidth=1.3, label=label)
 
 
-def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look) -> Line2D:
-    """Draw computed points on a line, without error bars: open, so that the line is seen around them."""
-    [drawn] = axes.plot(
-        x, y, look.marker, color=look.color, markerfacecolor="white", markersize=3, markeredgewidth=0.7
-    )
+def dotted(axes: Axes, x: ArrayLike, y: ArrayLike, label: str | None = None) -> None:
+    """Draw what is there for comparison."""
+    axes.plot(x, y, ":", color=style.INK, linewidth=1.2, label=label)
+
+
+def symbols(axes: Axes, x: ArrayLike, y: ArrayLike, look: Look, **more: Any) -> Line2D:
+    """Draw points without error bars: white, if no more is said, so that a line is seen around them."""
+    shown: dict[str, Any] = {"markerfacecolor": "white", "markersize": 3, "markeredgewidth": 0.7, **more}
+    [drawn] = axes.plot(x, y, look.marker, color=look.color, **shown)
     return drawn
+
+
+def mark(marker: str, face: str, edge: str, label: str, size: float = 5) -> Line2D:
+    """Return a mark for a legend."""
+    look: dict[str, Any] = {"color": face, "markeredgecolor": edge, "markersize": size}
+    return Line2D([], [], ls="", marker=marker, label=label, **look)
 
 
 def dress(axes: Axes, x: str, y: str, *, panel: str = "") -> None:
@@ -196,7 +167,7 @@ def legend(
     Below the others stand symbols that go `together`, side by side for one label.
     """
     handles, labels = axes.get_legend_handles_labels()
-    several = {label: tuple(symbols) for label, symbols in (together or {}).items() if symbols}
+    several = {label: tuple(symbols) for label, symbols in (together or {}).items()}
     axes.legend(
         [*handles, *several.values()],
         [*labels, *several],

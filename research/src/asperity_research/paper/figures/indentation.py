@@ -19,7 +19,6 @@ from asperity.theory import (
     compliance_asymptote_paper,
     torus_compliance,
 )
-from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
@@ -40,26 +39,6 @@ _LATE = 1e-2
 """From where on the late form is drawn."""
 
 
-def figure_8(evidence: Evidence) -> PaperFigure:
-    """Draw G(x1, x2), its late form, and a simulated indentation; below, how far these are apart.
-
-    Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
-    """
-    simulated = indentation(evidence).query("R_viscous == 0")
-    ratios = (*_STIFFNESS_RATIOS, *simulated["k1"])
-    theory = _closed("x1", ratios, lambda x1: compliance(x1, _TIMES), "G")
-    late = _TIMES[_TIMES >= _LATE]
-    tables = {
-        "theory": theory,
-        "asymptotes": pd.DataFrame(
-            {"x2": late, "G": compliance_asymptote(late), "paper": compliance_asymptote_paper(late)}
-        ),
-        "simulated": simulated.reset_index(drop=True),
-    }
-    rounding = (tables["asymptotes"]["paper"] - tables["asymptotes"]["G"]).abs().max()
-    return captioned(8, _draw_8(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
-
-
 def indentation(evidence: Evidence) -> pd.DataFrame:
     """Depth to which the lone asperity of the study ``point`` has sunk in, beside what theory says.
 
@@ -69,23 +48,19 @@ def indentation(evidence: Evidence) -> pd.DataFrame:
     creep, R_viscous t / N0; ``plane`` the paper's G, for an endless lattice. A point is ``drawn`` beside it
     but at time 0, and once the two closed forms have differed by more than 1 %.
     """
-    dataset = evidence["point"]
-    time = dataset["time"].to_numpy()
+    dataset, sites = evidence["point"], int(evidence.sites("point"))
+    time, side = dataset["time"].to_numpy(), math.isqrt(sites)
     frames = []
     for k1, viscous in product(dataset["k1"].to_numpy(), dataset["R_viscous"].to_numpy()):
         run = dataset.sel(k1=k1, R_viscous=viscous)
-        if not np.isfinite(run["sites"]):
-            continue  # not finished
-        sites = int(run["sites"])
-        side = math.isqrt(sites)
         fallen = PEAK - run["separation"].to_numpy()[0] + run["approach"].to_numpy()
         depth = fallen / float(run["held"])
         lattice = torus_compliance(k1, time, (side, side), viscous) + viscous * time / sites
-        columns = {"k1": k1, "R_viscous": viscous, "sites": sites, "time": time}
-        columns |= {"depth": depth, "lattice": lattice, "deviation": depth / lattice - 1}
         plane = compliance(k1, time, viscous)
         # Once the dip has come round the lattice, chance crossings of the closed forms mean nothing.
         far = np.logical_or.accumulate(np.abs(lattice / plane - 1) > LARGE_LATTICE)
+        columns = {"k1": k1, "R_viscous": viscous, "sites": sites, "time": time}
+        columns |= {"depth": depth, "lattice": lattice, "deviation": depth / lattice - 1}
         frames.append(pd.DataFrame(columns | {"plane": plane, "drawn": ~far & (time > 0)}))
     return pd.concat(frames, ignore_index=True)
 
@@ -100,13 +75,28 @@ def _family(
     axes: Axes, theory: pd.DataFrame, simulated: pd.DataFrame, names: tuple[str, str], of: str
 ) -> list[Line2D]:
     """Draw the closed form and, beside it, what was simulated; what varies has a name in either table."""
-    marks, values = [], theory[names[0]].unique()
-    for at, (value, look) in enumerate(zip(values, curves.looks(len(values)), strict=True)):
+    marks = []
+    for at, (value, look) in enumerate(curves.looks(theory[names[0]].unique()).items()):
         part, run = theory[theory[names[0]] == value], simulated[simulated[names[1]] == value]
         curves.line(axes, part["x2"], part[of], look, at, label=f"{value:g}")
         if len(run):
             marks.append(curves.symbols(axes, run["time"], run["depth"], look))
     return marks
+
+
+def figure_8(evidence: Evidence) -> PaperFigure:
+    """Draw G(x1, x2), its late form, and a simulated indentation; below, how far these are apart.
+
+    Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
+    """
+    simulated = indentation(evidence).query("R_viscous == 0").reset_index(drop=True)
+    ratios = (*_STIFFNESS_RATIOS, *simulated["k1"])
+    theory = _closed("x1", ratios, lambda x1: compliance(x1, _TIMES), "G")
+    late = _TIMES[_TIMES >= _LATE]
+    forms = {"x2": late, "G": compliance_asymptote(late), "paper": compliance_asymptote_paper(late)}
+    tables = {"theory": theory, "asymptotes": pd.DataFrame(forms), "simulated": simulated}
+    rounding = float(np.abs(forms["paper"] - forms["G"]).max())
+    return captioned(8, _draw_8(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
 def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -116,11 +106,10 @@ def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
     below.set_yscale("log")
     theory, simulated, late = tables["theory"], tables["simulated"].query("time > 0"), tables["asymptotes"]
     marks = _family(above, theory, simulated.query("drawn"), ("x1", "k1"), "G")
-    ratios = theory["x1"].unique()
-    for x1, look in zip(ratios, curves.looks(len(ratios)), strict=True):
+    for x1, look in curves.looks(theory["x1"].unique()).items():
         run = simulated[simulated["k1"] == x1]
         curves.symbols(below, run["time"], run["deviation"].abs(), look)
-    above.plot(late["x2"], late["G"], ":", color=style.INK, linewidth=1.2, label="late form")
+    curves.dotted(above, late["x2"], late["G"], "late form")
     above.set_ylim(bottom=0)
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
@@ -146,16 +135,14 @@ def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes = figure.add_subplot(xscale="log")
     theory, simulated = tables["theory"], tables["simulated"].query("drawn")
     marks = _family(axes, theory, simulated, ("R_viscous", "R_viscous"), "depth")
-    mobilities = theory["R_viscous"]
-    for family, shift, slope, text in (
-        (theory[mobilities == mobilities.max()], 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$"),
-        (theory[mobilities == mobilities.min()], -0.12, LATE_SLOPE, r"slope $1/(8\pi)$"),
+    for mobility, shift, slope, text, factor, lift, where in (
+        (theory["R_viscous"].max(), 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$", 1 / 2, 0.03, "right"),
+        (theory["R_viscous"].min(), -0.12, LATE_SLOPE, r"slope $1/(8\pi)$", 3, -0.05, "left"),
     ):
-        ends = np.array([1e4, 1e7])
+        family, ends = theory[theory["R_viscous"] == mobility], np.array([1e4, 1e7])
         level = float(np.interp(math.log(ends[0]), np.log(family["x2"]), family["depth"])) + shift
-        axes.plot(ends, level + slope * np.log(ends / ends[0]), ":", color=style.INK, linewidth=1.2)
-        where = (ends[0] / 2, level + 0.03) if shift > 0 else (ends[0] * 3, level - 0.05)
-        curves.note(axes, text, where, where="right" if shift > 0 else "left")
+        curves.dotted(axes, ends, level + slope * np.log(ends / ends[0]))
+        curves.note(axes, text, (ends[0] * factor, level + lift), where=where)
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
