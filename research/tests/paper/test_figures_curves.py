@@ -21,12 +21,10 @@ from scipy import stats
 import asperity as asp
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.area import figure_2, figure_5
-from asperity_research.paper.figures.figure_3 import figure_3
-from asperity_research.paper.figures.figure_6 import figure_6
+from asperity_research.paper.figures.growth import figure_3, figure_6
 from asperity_research.paper.figures.indentation import figure_8, figure_9, indentation
 from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.studies import PEAK
-from asperity_research.paper.wording import spelled
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.typeset import rich
 
@@ -105,9 +103,9 @@ def point():
     return dataset({"k1": [1.0, 3.0], "R_viscous": [0.0, 0.5]}, run, times=POINT_TIMES, sites=heights.size)
 
 
-@pytest.fixture(scope="module", params=[4, 1], ids=["four seeds", "one seed"])
-def evidence(request, point):
-    return Evidence(Path(), studies_of(request.param) | {"point": point})
+@pytest.fixture(scope="module")
+def evidence(point):
+    return Evidence(Path(), studies_of(4) | {"point": point})
 
 
 @pytest.fixture(scope="module")
@@ -181,28 +179,6 @@ def test_over_seeds_is_the_mean_with_the_interval_of_student(evidence):
         assert (row["area_low"], row["area_high"]) == pytest.approx(interval, rel=1e-12, nan_ok=True)
 
 
-def test_over_seeds_leaves_out_what_is_not_finished():
-    study = studies_of(4)["load"].copy(deep=True)
-    study["initial_area"].loc[{"k1": 1.0, "load": 27.0, "seed": 2}] = np.nan
-    study["initial_area"].loc[{"k1": 10.0, "load": 27.0}] = np.nan
-    table = curves.over_seeds(Evidence(Path(), {"load": study}), "load", "initial_area", called="area")
-    here = table[table["load"] == 27.0].set_index("k1")
-    assert list(here.index) == [0.01, 1.0]
-    assert list(here["seeds"]) == [4, 3]
-    left = study["initial_area"].sel(k1=1.0, load=27.0).dropna("seed")
-    assert here["area"].iloc[1] == pytest.approx(float(left.mean()), rel=1e-12)
-    caption = spelled("{{ensemble(seeds, 'bars')}}", {"seeds": table["seeds"]})
-    assert caption.startswith("Means over 3 to 4 surfaces; bars: 95 %")
-
-
-def test_over_seeds_of_nothing_finished_is_an_empty_table():
-    study = studies_of(2)["aging"]
-    nothing = Evidence(Path(), {"aging": study.where(False)})
-    table = curves.over_seeds(nothing, "aging", "area", called="ratio", statistic=curves.growth)
-    assert list(table.columns) == ["k1", "load", "time", "ratio", "ratio_low", "ratio_high", "seeds"]
-    assert len(table) == 0
-
-
 def test_error_bars_end_where_the_interval_does_and_never_below_zero():
     table = pd.DataFrame({"x": [1.0, 2.0], "y": [2.0, 1.0], "y_low": [1.5, -1.0], "y_high": [2.5, 3.0]})
     axes = Figure().add_subplot(xscale="log", yscale="log")
@@ -215,7 +191,7 @@ def test_error_bars_end_where_the_interval_does_and_never_below_zero():
 
 
 def test_looks_darken_in_order_and_differ_in_markers():
-    looks = curves.looks(6)
+    looks = list(curves.looks(range(6)).values())
     rgb = [[int(look.color[at : at + 2], 16) for at in (1, 3, 5)] for look in looks]
     gray = [0.299 * r + 0.587 * g + 0.114 * b for r, g, b in rgb]  # luma, ITU-R BT.601
     assert all(later - earlier > 15 for earlier, later in pairwise(gray))
@@ -297,15 +273,6 @@ def test_figure_3_has_a_panel_a_stiffness_ratio_and_the_inset(made, evidence):
     assert slope(lines(inset, ":")[0]) == pytest.approx(0.5)
 
 
-def test_figure_3_lives_with_areas_that_do_not_grow():
-    study = studies_of(2)["aging"]
-    frozen = study.assign(area=study["area"] * 0 + 7.0)
-    one = figure_3(Evidence(Path(), {"aging": frozen}))
-    assert len(one.tables["fits"]) == 0
-    assert one.tables["growth"]["fitted"].isna().all()
-    assert "misses" not in one.caption
-
-
 def test_figure_5_counts_sites(made, evidence):
     [axes] = made[5].figure.axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
@@ -380,11 +347,6 @@ def test_indentation_agrees_with_the_closed_form_with_and_without_viscous_creep(
     assert late["depth"] > 0.5 * late["time"] / late["sites"]
 
 
-def test_indentation_leaves_out_what_is_not_finished(point):
-    part = point.where(point["k1"] == 3.0)
-    assert set(indentation(Evidence(Path(), {"point": part}))["k1"]) == {3.0}
-
-
 def test_figure_8_shows_theory_and_simulation(made, evidence):
     above, below = made[8].figure.axes
     assert (above.get_xscale(), below.get_xscale(), below.get_yscale()) == ("log", "log", "log")
@@ -443,10 +405,3 @@ def test_figure_9_draws_the_lattice_only_while_it_stands_for_the_plane(made):
     # 24 sites: the dip of width (r t)^(1/2) or t^(1/4) comes round before the end in the one case only.
     last = simulated[simulated["time"] == POINT_TIMES[-1]].set_index("R_viscous")
     assert not last.loc[0.5, "drawn"]
-
-
-def test_figure_9_without_simulations_of_its_ratio(point):
-    one = figure_9(Evidence(Path(), {"point": point.sel(k1=[1.0])}))
-    assert len(one.tables["simulated"]) == 0
-    assert "Symbols" not in one.caption
-    one.figure.savefig(io.BytesIO(), dpi=60)

@@ -13,7 +13,6 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
@@ -23,10 +22,9 @@ from asperity.figures import style
 from asperity.lattice import Field
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian, self_affine
-from asperity_research.paper.figures.figure_1 import figure_1
-from asperity_research.paper.figures.figure_4 import figure_4
-from asperity_research.paper.figures.figure_7 import figure_7
+from asperity_research.paper.figures.maps import figure_4, figure_7
 from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure
+from asperity_research.paper.figures.sketch import figure_1
 from asperity_research.studies.evidence import Evidence
 
 SIZE = 32
@@ -212,18 +210,6 @@ def test_the_curves_are_means_over_the_seeds(evidence: InMemory, maps: PaperFigu
     assert low < 1 < high  # the reference: contacts strewn at random
     assert "means over 3 surfaces" in maps.caption
     assert "95 % intervals" in maps.caption
-
-
-def test_one_seed_has_no_error_bars(evidence: InMemory) -> None:
-    one = dict([next(iter(evidence.kept["maps"].items()))])
-    drawn = figure_7(InMemory(folder=Path("nowhere"), kept={"maps": one}))
-    assert drawn.tables["patches_ensemble"]["stderr"].isna().all()
-    assert (drawn.tables["patches_ensemble"]["seeds"] == 1).all()
-    assert "There are no error bars." in drawn.caption
-    bars = [
-        line for axes in drawn.figure.axes for line in axes.collections if isinstance(line, LineCollection)
-    ]
-    assert not bars
 
 
 def test_figures_have_journal_width_legible_text_and_simple_tags(

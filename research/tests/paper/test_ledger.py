@@ -7,8 +7,9 @@ import pytest
 from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
-from asperity_research.paper.claims.measures import between, crossing, exponent, growth_slope, mean_of
+from asperity_research.paper.claims.measures import between, crossing, exponent, growth_slope
 from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact, together
+from asperity_research.studies.numbers import mean_of
 
 
 def estimate(value, half, runs=4):
