@@ -72,15 +72,15 @@ def test_mistakes_are_told(asperity: Asperity) -> None:
     assert not Path("new").exists()
 
 
-def test_inputs_are_replaced_when_asked(asperity: Asperity) -> None:
-    for flags, expected in (((), 0), ((), 2), (("--overwrite",), 0)):
-        assert asperity("challenge", "write", "new", "--problem", "dense", *flags)[0] == expected
-    assert np.load("new/dense/heights.npy").shape == (128, 128)
-
-
-def test_inputs_are_written_beside_what_a_folder_holds(asperity: Asperity) -> None:
+def test_inputs_are_written_beside_what_a_folder_holds_and_replaced_when_asked(asperity: Asperity) -> None:
     Path("mine").mkdir()
     Path("mine/notes.txt").write_text("kept")
-    for problem in ("dense", "dilute"):
-        assert asperity("challenge", "write", "mine", "--problem", problem)[0] == 0
+    for problem, flags, expected in (
+        ("dense", (), 0),
+        ("dilute", (), 0),
+        ("dense", (), 2),
+        ("dense", ("--overwrite",), 0),
+    ):
+        assert asperity("challenge", "write", "mine", "--problem", problem, *flags)[0] == expected
     assert sorted(path.name for path in Path("mine").iterdir()) == ["dense", "dilute", "notes.txt"]
+    assert np.load("mine/dense/heights.npy").shape == (128, 128)

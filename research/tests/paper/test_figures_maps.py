@@ -74,18 +74,8 @@ def evidence() -> InMemory:
 
 
 @pytest.fixture(scope="module")
-def sketch(evidence: InMemory) -> PaperFigure:
-    return figure_1(evidence)
-
-
-@pytest.fixture(scope="module")
-def load_maps(evidence: InMemory) -> PaperFigure:
-    return figure_4(evidence)
-
-
-@pytest.fixture(scope="module")
-def maps(evidence: InMemory) -> PaperFigure:
-    return figure_7(evidence)
+def made(evidence: InMemory) -> list[PaperFigure]:
+    return [figure_1(evidence), figure_4(evidence), figure_7(evidence)]
 
 
 def points(axes: Axes, color: str) -> set[tuple[int, int]]:
@@ -117,7 +107,8 @@ def panel(drawn: PaperFigure, title: str) -> Axes:
     return axes
 
 
-def test_the_sketch_draws_the_simulated_line(evidence: InMemory, sketch: PaperFigure) -> None:
+def test_the_sketch_draws_the_simulated_line(evidence: InMemory, made: list[PaperFigure]) -> None:
+    sketch = made[0]
     run = evidence.fields("sketch", seed=0)
     table = sketch.tables["sites"]
     assert sketch.number == 1
@@ -142,14 +133,14 @@ def test_the_sketch_draws_the_simulated_line(evidence: InMemory, sketch: PaperFi
     assert (before["u"] == before["u0"]).all()
 
 
-def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, load_maps: PaperFigure) -> None:
+def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, made: list[PaperFigure]) -> None:
+    load_maps = made[1]
     loads = evidence["load_maps"]["load"].values
     for letter, load in zip("bcd", loads, strict=True):
         touching = evidence.fields("load_maps", load=float(load), seed=0)["in_contact"][0]
         axes = panel(load_maps, f"({letter})")
-        assert (
-            points(axes, style.INK) == sites_of(touching) == listed(load_maps.tables["contacts"], load=load)
-        )
+        assert points(axes, style.INK) == sites_of(touching)
+        assert listed(load_maps.tables["contacts"], load=load) == sites_of(touching)
         assert f"F_N/k_0 = {load:g}" in axes.get_title()
         assert f"$A$ = {int(touching.sum())}" in axes.get_title()
         # The sites themselves lie below the marks, so that no seams show between these.
@@ -164,7 +155,8 @@ def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, load_maps:
     assert f"{SIZE} × {SIZE} sites" in load_maps.caption
 
 
-def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, maps: PaperFigure) -> None:
+def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, made: list[PaperFigure]) -> None:
+    maps = made[2]
     run = evidence.fields("maps", seed=0)
     first = run["in_contact"][0]
     states = [*run["in_contact"], run["in_contact_relaxed"]]
@@ -186,7 +178,8 @@ def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, maps: PaperF
     assert r"t \to \infty" in panel(maps, "(d)").get_title()
 
 
-def test_the_curves_are_means_over_the_seeds(evidence: InMemory, maps: PaperFigure) -> None:
+def test_the_curves_are_means_over_the_seeds(evidence: InMemory, made: list[PaperFigure]) -> None:
+    maps = made[2]
     seeds = evidence["maps"]["seed"].values
     runs = [contact_maps(evidence.fields("maps", seed=int(seed))) for seed in seeds]
     contacts = [[np.isin(states, (1, 2)) for states in run.states] for run in runs]
@@ -212,14 +205,9 @@ def test_the_curves_are_means_over_the_seeds(evidence: InMemory, maps: PaperFigu
     assert "95 % intervals" in maps.caption
 
 
-def test_figures_have_journal_width_legible_text_and_simple_tags(
-    sketch: PaperFigure, load_maps: PaperFigure, maps: PaperFigure
-) -> None:
-    for drawn in (sketch, load_maps, maps):
+def test_figures_have_journal_width_legible_text_and_simple_tags(made: list[PaperFigure]) -> None:
+    for drawn in made:
         assert drawn.figure.get_figwidth() == PAGE
-        assert set(re.findall(r"</?(\w+)>", drawn.caption)) == {"i", "sub"} | (
-            {"sup"} if drawn is sketch else set()
-        )
+        assert {"i", "sub"} <= set(re.findall(r"</?(\w+)>", drawn.caption)) <= {"i", "sub", "sup"}
         assert "{" not in drawn.caption
-        sizes = [float(text.get_fontsize()) for text in drawn.figure.findobj(Text) if text.get_text()]
-        assert min(sizes) >= 7
+        assert min(float(text.get_fontsize()) for text in drawn.figure.findobj(Text) if text.get_text()) >= 7

@@ -8,7 +8,7 @@ from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
 from asperity_research.paper.claims.measures import between, crossing, exponent, growth_slope
-from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact, together
+from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact
 from asperity_research.studies.numbers import mean_of
 
 
@@ -35,46 +35,36 @@ def test_interval_decides(value, half, verdict):
     assert measurement(value, half).verdict is verdict
 
 
-def test_range_may_have_one_side():
+def test_ranges_with_one_side_and_numbers_without_an_interval():
     assert Measurement("more than 2", estimate(5.0, 1.0), low=2.0).verdict is Verdict.AGREES
     assert Measurement("at most 2", estimate(5.0, 1.0), high=2.0).verdict is Verdict.DIFFERS
-
-
-def test_exact_numbers_have_no_interval():
     assert Measurement("none", exact(0.0), 0, 0).verdict is Verdict.AGREES
     assert Measurement("none", exact(1.0), 0, 0).verdict is Verdict.DIFFERS
 
 
-def test_together_one_that_differs_decides():
-    agrees, differs, open_ = measurement(1.0, 0.05), measurement(2.0, 0.05), measurement(1.0, 0.5)
-    assert together([agrees]) is Verdict.AGREES
-    assert together([agrees, open_]) is Verdict.UNDECIDED
-    assert together([agrees, open_, differs]) is Verdict.DIFFERS
+AGREES, DIFFERS, OPEN = measurement(1.0, 0.05), measurement(2.0, 0.05), measurement(1.0, 0.5)
 
 
 def finding(measured, corrected=()):
     return Finding("key", "Section 1", "a claim", tuple(measured), tuple(corrected), "so")
 
 
-def test_a_correction_counts_only_where_the_letter_differs():
-    agrees, differs, open_ = measurement(1.0, 0.05), measurement(2.0, 0.05), measurement(1.0, 0.5)
-    assert finding([differs], [agrees]).verdict is Verdict.CORRECTED
-    assert finding([differs], [differs]).verdict is Verdict.DIFFERS
-    assert finding([differs], [open_, differs]).verdict is Verdict.DIFFERS
-    assert finding([differs]).verdict is Verdict.DIFFERS
-    assert finding([agrees], [differs]).verdict is Verdict.AGREES
-    assert finding([open_], [agrees]).verdict is Verdict.UNDECIDED
-
-
-def test_a_claim_whose_correction_is_undecided_is_undecided():
-    agrees, differs = measurement(1.0, 0.05), measurement(2.0, 0.05)
-    still_open = finding([differs, agrees], [agrees, measurement(1.0, 0.5, low=0.75, high=1.25)])
-    assert still_open.verdict is Verdict.UNDECIDED
-    assert still_open.waits_for_correction
-    assert still_open.needs == "about 16 seeds in place of 4"
-    as_it_stands = finding([measurement(1.0, 0.2)], [agrees])
-    assert as_it_stands.verdict is Verdict.UNDECIDED
-    assert not as_it_stands.waits_for_correction
+@pytest.mark.parametrize(
+    ("measured", "corrected", "verdict"),
+    [
+        ([AGREES], [], Verdict.AGREES),
+        ([AGREES, OPEN], [], Verdict.UNDECIDED),
+        ([AGREES, OPEN, DIFFERS], [], Verdict.DIFFERS),
+        ([DIFFERS], [AGREES], Verdict.CORRECTED),
+        ([DIFFERS], [DIFFERS], Verdict.DIFFERS),
+        ([DIFFERS], [OPEN, DIFFERS], Verdict.DIFFERS),
+        ([DIFFERS, AGREES], [AGREES, OPEN], Verdict.UNDECIDED),
+        ([AGREES], [DIFFERS], Verdict.AGREES),
+        ([OPEN], [AGREES], Verdict.UNDECIDED),
+    ],
+)
+def test_one_number_that_differs_decides_and_a_correction_counts_only_then(measured, corrected, verdict):
+    assert finding(measured, corrected).verdict is verdict
 
 
 def test_undecided_claims_say_what_it_would_take():
@@ -82,7 +72,11 @@ def test_undecided_claims_say_what_it_would_take():
     assert finding([measurement(1.0, 0.2, runs=5)]).needs == "about 20 seeds in place of 5"
     assert "end of its range" in finding([measurement(1.1001, 0.2)]).needs
     assert finding([measurement(1.0, math.nan, runs=1)]).needs == "more than one seed"
-    assert finding([measurement(1.0, 0.05)]).needs == ""
+    assert finding([AGREES]).needs == ""
+    corrected = finding([DIFFERS, AGREES], [AGREES, measurement(1.0, 0.5, low=0.75, high=1.25)])
+    assert corrected.waits_for_correction
+    assert corrected.needs == "about 16 seeds in place of 4"
+    assert not finding([OPEN], [AGREES]).waits_for_correction
 
 
 def test_measures_on_known_curves():
