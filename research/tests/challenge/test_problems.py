@@ -101,8 +101,9 @@ def test_any_type_of_number_gives_the_same_answer():
         assert all(np.array_equal(found[name], usual[name]) for name in usual)
     wrongs = (("rtol", "0.01"), ("rtol", True), ("halvings", 1.0), ("halvings", True), ("halvings", -1))
     for name, value in wrongs:
+        wrong: dict[str, Any] = {name: value}
         with refuses(name):
-            challenge.solve(small, **{name: value})
+            challenge.solve(small, **wrong)
 
 
 def test_only_a_continuum_has_something_between_its_sites():

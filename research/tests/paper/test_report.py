@@ -86,7 +86,7 @@ class Page:
         closed = re.sub(r"<(meta|img|br)\b([^>]*)>", r"<\1\2/>", path.read_text(encoding="utf-8"))
         self.folder, self.root = path.parent, ElementTree.fromstring(closed)
         self.tags = {one.tag for one in self.root.iter()}
-        self.words = "".join(self.root.find("body").itertext())
+        self.words = "".join(self.root[1].itertext())
         self.text = " ".join(self.words.split())
 
     def values(self, attribute):

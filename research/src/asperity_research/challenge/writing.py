@@ -96,13 +96,14 @@ def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
         if surface.pixel_size is not None:
             tables |= {"file_unit": surface.unit, "length_unit": surface.length_unit}
             tables["pixel_size"] = list(surface.pixel_size)
+    solved = {key: table for key, table in asked.run.items() if key != "surface"}
     named = f"# problem: {asked.name}\n"
     columns = ",".join(column.heading for column in (asked.abscissa, *asked.asked))
     places = [f"{place:.12g}{',' * len(asked.asked)}\n" for place in asked.answer.abscissa]
     texts = {
         "problem.txt": in_words(asked, surface),
         "answer.csv": f"{named}{columns}\n{''.join(places)}",  # nothing in it but where it is asked
-        "run.toml": named + tomli_w.dumps({"surface": {}} | asked.run | {"surface": tables}),
+        "run.toml": named + tomli_w.dumps({"surface": tables, **solved}),
     }
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -58,8 +58,8 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
     for k1 in areas["k1"].unique():
         fraction = dilute_area(loads, compliance(k1, 0.0), GaussianHeights(rms=1.0))
         apart = (fraction <= _DILUTE) & (_FAR_APART * np.sqrt(1 / k1) < fraction**-0.5)
-        table = pd.DataFrame({"k1": k1, "load_per_site": loads, "contact_fraction": fraction})
-        frames.append(table[apart])
+        columns = {"load_per_site": loads[apart], "contact_fraction": fraction[apart]}
+        frames.append(pd.DataFrame({"k1": k1, **columns}))
     return pd.concat(frames, ignore_index=True)
 
 

@@ -95,6 +95,11 @@ def over_seeds(
     return pd.concat(frames, ignore_index=True)
 
 
+def parts(table: pd.DataFrame, by: str | list[str]) -> Iterable[tuple[Any, pd.DataFrame]]:
+    """Return the parts of a table, each with the value of a column, or the values of several, that it has."""
+    return table.groupby(by)
+
+
 def points(
     axes: Axes, table: pd.DataFrame, x: str, y: str, look: Look, label: str | None = None, size: float = 3.5
 ) -> None:

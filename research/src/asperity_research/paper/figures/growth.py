@@ -36,7 +36,7 @@ def figure_3(evidence: Evidence) -> PaperFigure:
     growth = curves.over_seeds(evidence, "aging", "area", "area_ratio", curves.growth)
     growth.insert(2, "load_per_site", growth["load"] / sites)
     fits = []
-    for (k1, load), part in growth.groupby(["k1", "load"]):
+    for (k1, load), part in curves.parts(growth, ["k1", "load"]):
         areas = evidence.samples("aging", "area", k1=k1, load=load)
         fit = ensemble(saturation, part["time"].to_numpy(), areas)
         growth.loc[part.index, "fitted"] = fit.mean.area_ratio(part["time"])
@@ -53,9 +53,9 @@ def _draw_3(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     *panels, inset = figure.subplots(1, growth["k1"].nunique() + 1)
     inset.set(xscale="log", yscale="log")
-    for at, (axes, (k1, here)) in enumerate(zip(panels, growth.groupby("k1"), strict=True)):
+    for at, (axes, (k1, here)) in enumerate(zip(panels, curves.parts(growth, "k1"), strict=True)):
         axes.set_xscale("log")
-        for load, part in here.groupby("load_per_site"):
+        for load, part in curves.parts(here, "load_per_site"):
             curves.band(axes, part, "time", "area_ratio", looks[load], f"{load:g}")
             axes.plot(part["time"], part["fitted"], "-", color=style.INK, linewidth=0.6)
         curves.dress(axes, _TIME, _RATIO, panel=f"({'abcdefgh'[at]})")
@@ -105,13 +105,13 @@ def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
     raw.set(xscale="log", yscale="log")
     stiff = float(area["k1"].max())
     stiffest = area[area["k1"] == stiff]
-    for place, part in stiffest.groupby(["load", "size"]):
+    for place, part in curves.parts(stiffest, ["load", "size"]):
         curves.band(raw, part, "time", "area", looks[place])
-    for load, part in stiffest.groupby("load"):
+    for load, part in curves.parts(stiffest, "load"):
         text = rf"$F_N/k_0 = {load:g}$" if load == stiffest["load"].max() else f"{load:g}"
         last = part[part["time"] == part["time"].max()]
-        at = float(last["time"].iloc[0]), 1.3 * float(last[["area", "area_high"]].max(axis=None))
-        curves.note(raw, text, at, where="right")
+        end = float(last["time"].iloc[0]), 1.3 * float(last[["area", "area_high"]].max(axis=None))
+        curves.note(raw, text, end, where="right")
     curves.dress(raw, _TIME, r"contact area  $A(t)$  (sites)", panel="(a)")
     raw.set_title(rf"$k_1/k_0 = {stiff:g}$", fontsize=curves.LABEL, pad=3)
     raw.set_ylim(top=2.0 * float(stiffest["area"].max()))
@@ -120,10 +120,10 @@ def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
         # Symbols take turns: at each time one load and size has its own.
         face = {"markerfacecolor": look.color if look.filled else "white", "markeredgewidth": 0.7}
         how: dict[str, Any] = {"markevery": (at, len(looks)), "linewidth": 0.6, "markersize": 3.5, **face}
-        for _, part in growth.groupby(["load", "size"]).get_group(place).groupby("k1"):
+        for _, part in curves.parts(growth.groupby(["load", "size"]).get_group(place), "k1"):
             scaled.plot(part["time"], part["area_ratio"], marker=look.marker, color=look.color, **how)
     _last_intervals(scaled, growth, looks)
-    for _, fitted in tables["fitted"].groupby("k1"):
+    for _, fitted in curves.parts(tables["fitted"], "k1"):
         scaled.plot(fitted["time"], fitted["area_ratio"], "--", color=style.INK, linewidth=1.0, zorder=5)
     curves.dress(scaled, _TIME, _RATIO, panel="(b)")
     scaled.plot([], [], "--", color=style.INK, linewidth=1.0, label="logarithm")
@@ -155,7 +155,7 @@ def _last_intervals(
     Below those of each stiffness ratio, and above those of the largest, is its name.
     """
     last = growth[growth["time"] == growth["time"].max()]
-    for at, (place, part) in enumerate(last.groupby(["load", "size"])):
+    for at, (place, part) in enumerate(curves.parts(last, ["load", "size"])):
         aside = part.assign(time=part["time"] * 10 ** (0.4 + 0.25 * at))
         curves.points(axes, aside, "time", "area_ratio", looks[place], size=2.5)
     middle = float(last["time"].iloc[0]) * 10 ** (0.4 + 0.125 * (len(looks) - 1))

@@ -135,14 +135,15 @@ def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes = figure.add_subplot(xscale="log")
     theory, simulated = tables["theory"], tables["simulated"].query("drawn")
     marks = _family(axes, theory, simulated, ("R_viscous", "R_viscous"), "depth")
-    for mobility, shift, slope, text, factor, lift, where in (
-        (theory["R_viscous"].max(), 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$", 1 / 2, 0.03, "right"),
-        (theory["R_viscous"].min(), -0.12, LATE_SLOPE, r"slope $1/(8\pi)$", 3, -0.05, "left"),
+    for mobility, shift, slope, text, factor, lift in (
+        (theory["R_viscous"].max(), 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$", 1 / 2, 0.03),
+        (theory["R_viscous"].min(), -0.12, LATE_SLOPE, r"slope $1/(8\pi)$", 3, -0.05),
     ):
         family, ends = theory[theory["R_viscous"] == mobility], np.array([1e4, 1e7])
         level = float(np.interp(math.log(ends[0]), np.log(family["x2"]), family["depth"])) + shift
         curves.dotted(axes, ends, level + slope * np.log(ends / ends[0]))
-        curves.note(axes, text, (ends[0] * factor, level + lift), where=where)
+        at = (ends[0] * factor, level + lift)
+        curves.note(axes, text, at, where="right" if shift > 0 else "left")
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})

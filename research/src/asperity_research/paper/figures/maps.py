@@ -153,7 +153,7 @@ def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, 
     """Draw maps and curves; say also how wide the marks are."""
     rows = math.ceil(len(maps.times) / _COLUMNS)
     figure = Figure(figsize=(PAGE, 2.4 * rows + 2.3), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(2.4 * rows + 0.3, 2.0))
+    upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=(2.4 * rows + 0.3, 2.0))[:, 0]
     panels = upper.subplots(rows, _COLUMNS, squeeze=False).ravel()
     for axes in panels[len(maps.times) :]:
         axes.set_axis_off()
@@ -171,8 +171,8 @@ def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, 
     below: dict[str, Any] = {"loc": "outside lower center", "ncols": 3, "fontsize": LABEL, "frameon": False}
     upper.legend(handles=handles, handletextpad=0.1, **below)
     panel_c, letter = _draw_curves(lower, tables["patches_ensemble"], len(maps.times))
-    handles, labels = panel_c.get_legend_handles_labels()
-    lower.legend(handles, [f"({letter})  {labels[0]}", *labels[1:]], **below)
+    drawn, labels = panel_c.get_legend_handles_labels()
+    lower.legend(drawn, [f"({letter})  {labels[0]}", *labels[1:]], **below)
     side, width = _side_of_marks(panels[0], maps.heights.shape[1], _READABLE)
     for axes, states in zip(panels, maps.states, strict=False):
         # Open circles differ from the other marks without color.
