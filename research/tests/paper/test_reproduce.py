@@ -31,21 +31,21 @@ class _NothingIsRunError(Exception):
 
 
 @pytest.fixture
-def asperity(monkeypatch, capsys):
+def reproduce(reproduction, monkeypatch, capsys):
+    """The command in the folder of the reproduction."""
     monkeypatch.setattr(command, "QUICK", TINY)
 
-    def call(*words):
-        status = main(["reproduce", *map(str, words)])
-        said = capsys.readouterr()
-        return status, said.out, said.err
+    def call(*flags):
+        status = main(["reproduce", "--out", str(reproduction[0]), "--quick", "--seed", "3", *flags])
+        assert status == 0
+        return capsys.readouterr()
 
     return call
 
 
-def test_report_of_finished_studies(reproduction, evidence, asperity):
+def test_report_of_finished_studies(reproduction, evidence, reproduce):
     folder, _ = reproduction
-    status, out, err = asperity("--out", folder, "--quick", "--seed", "3")
-    assert status == 0
+    out, err = reproduce()
     assert "study" not in err  # nothing was left to run
     assert out.rstrip().endswith("report.html")
     findings = ledger(evidence)
@@ -66,17 +66,16 @@ def test_report_of_finished_studies(reproduction, evidence, asperity):
     assert "--seed 3" in page
 
 
-def test_only_what_is_missing_is_run(reproduction, asperity):
-    folder, prepared = reproduction
-    sketch = next(one for one in prepared if one.campaign.name == "sketch")
+def test_only_what_is_missing_is_run(reproduction, reproduce):
+    sketch = next(one for one in reproduction[1] if one.campaign.name == "sketch")
     (run,) = sketch.plan.runs
     shutil.rmtree(sketch.folder / "runs.zarr" / run.identity)
     assert tally(sketch.plan, sketch.folder).done == 0
-    status, _, err = asperity("--out", folder, "--quick", "--seed", "3", "--workers", "1")
-    assert status == 0
+    _, err = reproduce("--workers", "1")
     assert err.count("study") == 1
     assert sketch.campaign.purpose in err
     assert tally(sketch.plan, sketch.folder).done == 1
+    assert re.search(r"^all +0 runs", reproduce("--dry-run").out, re.MULTILINE)
 
 
 def test_every_study_is_an_ordinary_campaign(tmp_path):
@@ -134,17 +133,9 @@ def test_an_unfinished_study_is_not_judged(tmp_path):
 
 
 def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
-    sketch = "sketch"
     with prepared_in(tmp_path / "out", TINY) as prepared:
-        one = next(each for each in prepared if each.campaign.name == sketch)
+        one = next(each for each in prepared if each.campaign.name == "sketch")
         do_here([one])
         (one.folder / "plan.json").write_text("{}")
         run_campaigns([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
-    assert Evidence(tmp_path / "out" / HOME.inside)[sketch].attrs["finished"] == 1
-
-
-def test_dry_run_counts_what_is_done(reproduction, asperity):
-    folder, _ = reproduction
-    status, out, _ = asperity("--out", folder, "--quick", "--seed", "3", "--dry-run")
-    assert status == 0
-    assert re.search(r"^all +0 runs", out, re.MULTILINE)
+    assert Evidence(tmp_path / "out" / HOME.inside)["sketch"].attrs["finished"] == 1
