@@ -1,84 +1,67 @@
 """The sketch and the maps: what is drawn is what was simulated."""
 
-from __future__ import annotations
-
 import math
 import re
-from dataclasses import dataclass, field
-from pathlib import Path
 
 import matplotlib.colors
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from asperity import age, press, relax
 from asperity.analysis import clustering, contact_maps, patches, turnover, with_limit
 from asperity.figures import style
-from asperity.lattice import Field
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian, self_affine
 from asperity_research.paper.figures.maps import figure_4, figure_7
-from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure
+from asperity_research.paper.figures.paper_figure import PAGE
 from asperity_research.paper.figures.sketch import figure_1
-from asperity_research.studies.evidence import Evidence
 
 SIZE = 32
 TIMES = [0.0, 1.0, 100.0]
 
 
-@dataclass(frozen=True)
-class InMemory(Evidence):
-    """Studies that were never on a disk: the fields of each run, by study and by what names the run."""
+class InMemory:
+    """Studies that were never on a disk: the runs of each, by load or by seed."""
 
-    kept: dict[str, dict[tuple[tuple[str, float], ...], xr.Dataset]] = field(default_factory=dict)
+    def __init__(self, **runs):
+        self.runs = runs
 
-    def __getitem__(self, study: str) -> xr.Dataset:
-        names = [dict(name) for name in self.kept[study]]
-        coordinates = {key: sorted({name[key] for name in names}) for key in names[0]}
-        first = next(iter(self.kept[study].values()))
-        load = np.full((len(coordinates["seed"]), 1), float(first["load"][0]))
-        series = {} if "load" in coordinates else {"load": (("seed", "time"), load)}
-        return xr.Dataset(series, coords=coordinates)
+    def __getitem__(self, study):
+        seeds = [0] if study == "load_maps" else list(self.runs[study])
+        load = next(iter(self.runs[study].values()))["load"].values[:1]
+        return xr.Dataset({"load": (("seed", "time"), [load] * len(seeds))}, coords={"seed": seeds})
 
-    def fields(self, study: str, **where: float) -> xr.Dataset:
-        return self.kept[study][tuple(sorted(where.items()))]
+    def values(self, study, name):
+        return list(self.runs[study])
+
+    def fields(self, study, seed, load=None):
+        return self.runs[study][seed if load is None else load]
 
 
-def history(heights: Field, *, k1: float, load: float, times: list[float]) -> xr.Dataset:
+def history(heights, times, k1=10.0, load=3.0):
     contact = press(heights, spring_lattice(k0=1.0, k1=k1), load=load)
     return with_limit(age(contact, times[1:], fields_at=times, rtol=1e-2).dataset, relax(contact))
 
 
 @pytest.fixture(scope="module")
-def evidence() -> InMemory:
-    loads = (3.0, 30.0, 300.0)
+def evidence():
     rough = [self_affine(SIZE, hurst=0.5, delta=0.01, seed=seed) for seed in range(3)]
-    pressed = {load: history(rough[0], k1=10.0, load=load, times=[0.0, 0.01]) for load in loads}
-    line = history(gaussian((32,)), k1=1.0, load=10.0, times=[0.0, 100.0])
     return InMemory(
-        folder=Path("nowhere"),
-        kept={
-            "sketch": {(("seed", 0),): line},
-            "load_maps": {(("load", load), ("seed", 0)): run for load, run in pressed.items()},
-            "maps": {
-                (("seed", seed),): history(heights, k1=10.0, load=3.0, times=TIMES)
-                for seed, heights in enumerate(rough)
-            },
-        },
+        sketch={0: history(gaussian((32,)), [0.0, 100.0], k1=1.0, load=10.0)},
+        load_maps={load: history(rough[0], [0.0, 0.01], load=load) for load in (3.0, 30.0, 300.0)},
+        maps={seed: history(heights, TIMES) for seed, heights in enumerate(rough)},
     )
 
 
 @pytest.fixture(scope="module")
-def made(evidence: InMemory) -> list[PaperFigure]:
+def made(evidence):
     return [figure_1(evidence), figure_4(evidence), figure_7(evidence)]
 
 
-def points(axes: Axes, color: str) -> set[tuple[int, int]]:
+def points(axes, color):
     """Columns and rows of the square marks of a color."""
     wanted = matplotlib.colors.to_rgba(color)
     return {
@@ -89,25 +72,25 @@ def points(axes: Axes, color: str) -> set[tuple[int, int]]:
     }
 
 
-def listed(table: pd.DataFrame, **where: float | str) -> set[tuple[int, int]]:
+def listed(table, **where):
     for name, value in where.items():
         table = table[table[name] == value]
     return set(zip(table["x"].tolist(), table["y"].tolist(), strict=True))
 
 
-def sites_of(mask: xr.DataArray) -> set[tuple[int, int]]:
+def sites_of(mask):
     rows, columns = np.nonzero(mask.values)
     return set(zip(columns.tolist(), rows.tolist(), strict=True))
 
 
-def panel(drawn: PaperFigure, title: str) -> Axes:
+def panel(drawn, title):
     (axes,) = [
         axes for axes in drawn.figure.axes if title in axes.get_title() or title in axes.get_title("left")
     ]
     return axes
 
 
-def test_the_sketch_draws_the_simulated_line(evidence: InMemory, made: list[PaperFigure]) -> None:
+def test_the_sketch_draws_the_simulated_line(evidence, made):
     sketch = made[0]
     run = evidence.fields("sketch", seed=0)
     table = sketch.tables["sites"]
@@ -133,11 +116,11 @@ def test_the_sketch_draws_the_simulated_line(evidence: InMemory, made: list[Pape
     assert (before["u"] == before["u0"]).all()
 
 
-def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, made: list[PaperFigure]) -> None:
+def test_the_load_maps_mark_every_site_in_contact(evidence, made):
     load_maps = made[1]
-    loads = evidence["load_maps"]["load"].values
+    loads = evidence.values("load_maps", "load")
     for letter, load in zip("bcd", loads, strict=True):
-        touching = evidence.fields("load_maps", load=float(load), seed=0)["in_contact"][0]
+        touching = evidence.fields("load_maps", load=load, seed=0)["in_contact"][0]
         axes = panel(load_maps, f"({letter})")
         assert points(axes, style.INK) == sites_of(touching)
         assert listed(load_maps.tables["contacts"], load=load) == sites_of(touching)
@@ -146,7 +129,7 @@ def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, made: list
         # The sites themselves lie below the marks, so that no seams show between these.
         sites = np.asarray(axes.images[-1].get_array())
         np.testing.assert_array_equal(sites[..., 3] > 0, touching.values)
-    heights = evidence.fields("load_maps", load=float(loads[0]), seed=0)["heights"].values
+    heights = evidence.fields("load_maps", load=loads[0], seed=0)["heights"].values
     topography = load_maps.tables["topography"]
     np.testing.assert_array_equal(topography["height"], heights[topography["y"], topography["x"]])
     image = panel(load_maps, "(a)").images[0]
@@ -155,7 +138,7 @@ def test_the_load_maps_mark_every_site_in_contact(evidence: InMemory, made: list
     assert f"{SIZE} × {SIZE} sites" in load_maps.caption
 
 
-def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, made: list[PaperFigure]) -> None:
+def test_the_aging_maps_mark_what_came_and_went(evidence, made):
     maps = made[2]
     run = evidence.fields("maps", seed=0)
     first = run["in_contact"][0]
@@ -178,7 +161,7 @@ def test_the_aging_maps_mark_what_came_and_went(evidence: InMemory, made: list[P
     assert r"t \to \infty" in panel(maps, "(d)").get_title()
 
 
-def test_the_curves_are_means_over_the_seeds(evidence: InMemory, made: list[PaperFigure]) -> None:
+def test_the_curves_are_means_over_the_seeds(evidence, made):
     maps = made[2]
     seeds = evidence["maps"]["seed"].values
     runs = [contact_maps(evidence.fields("maps", seed=int(seed))) for seed in seeds]
@@ -205,7 +188,7 @@ def test_the_curves_are_means_over_the_seeds(evidence: InMemory, made: list[Pape
     assert "95 % intervals" in maps.caption
 
 
-def test_figures_have_journal_width_legible_text_and_simple_tags(made: list[PaperFigure]) -> None:
+def test_figures_have_journal_width_legible_text_and_simple_tags(made):
     for drawn in made:
         assert drawn.figure.get_figwidth() == PAGE
         assert {"i", "sub"} <= set(re.findall(r"</?(\w+)>", drawn.caption)) <= {"i", "sub", "sup"}

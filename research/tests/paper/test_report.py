@@ -35,11 +35,6 @@ def estimate(value, half, runs=4):
     return Estimate(value, half / 3, value - half, value + half, runs)
 
 
-def undetermined(value, runs):
-    unknown = np.full_like(value, np.nan)[()]
-    return Estimate(value, unknown, unknown, unknown, runs)
-
-
 def drawn(number, title="Area <i>A</i> against load", caption="1 < 2 & <i>F</i><sub>N</sub>"):
     figure = Figure(figsize=(COLUMN, 2))
     axes = figure.subplots()
@@ -210,77 +205,53 @@ def test_section_of_a_place(place, section):
 
 
 @pytest.mark.parametrize(
-    ("value", "written_as"),
+    ("say", "given", "said"),
     [
-        (0.0, "0"),
-        (1 / 3, "0.3333"),
-        (2.0, "2"),
-        (0.99996, "1"),
-        (-0.40396, "−0.404"),
-        (12345.6, "12346"),
-        (99999.7, "100000"),
-        (123456.0, "1.235 × 10<sup>5</sup>"),
-        (1e-9, "10<sup>−9</sup>"),
-        (2.3e-12, "2.3 × 10<sup>−12</sup>"),
-        (math.nan, "not determined"),
-        (-math.inf, "−∞"),
+        (typeset.number, 0.0, "0"),
+        (typeset.number, 1 / 3, "0.3333"),
+        (typeset.number, 2.0, "2"),
+        (typeset.number, 0.99996, "1"),
+        (typeset.number, -0.40396, "−0.404"),
+        (typeset.number, 12345.6, "12346"),
+        (typeset.number, 99999.7, "100000"),
+        (typeset.number, 123456.0, "1.235 × 10<sup>5</sup>"),
+        (typeset.number, 1e-9, "10<sup>−9</sup>"),
+        (typeset.number, 2.3e-12, "2.3 × 10<sup>−12</sup>"),
+        (typeset.number, -math.inf, "−∞"),
+        (typeset.interval, estimate(0.803, 0.012), "0.803 [0.791, 0.815]"),
+        (typeset.interval, estimate(1234.5, 150.0), "1234 [1084, 1384]"),
+        (typeset.interval, estimate(123456.0, 3400.0), "(1.235 [1.201, 1.269]) × 10<sup>5</sup>"),
+        (typeset.interval, estimate(3.2e-7, 2e-8), "(3.20 [3.00, 3.40]) × 10<sup>−7</sup>"),
+        (typeset.interval, estimate(0.0, 0.5), "0.00 [−0.50, 0.50]"),
+        (typeset.interval, exact(1 / 3), "0.3333"),
+        (typeset.interval, exact(0.0), "0"),
+        (typeset.interval, estimate(1.0, 1e-12), "1"),
+        (typeset.interval, estimate(1e-12, 1e-13), "(1.00 [0.90, 1.10]) × 10<sup>−12</sup>"),
+        (typeset.interval, estimate(0.31, math.nan), "0.31"),
+        (typeset.interval, estimate(math.nan, math.nan), "not determined"),
+        (lambda ends: typeset.bounds(*ends), (0.9, 1.1), "0.9 to 1.1"),
+        (lambda ends: typeset.bounds(*ends), (-math.inf, 1e-3), "at most 0.001"),
+        (lambda ends: typeset.bounds(*ends), (2, math.inf), "at least 2"),
+        (lambda ends: typeset.bounds(*ends), (1, 1), "1"),
+        (lambda ends: typeset.bounds(*ends), (-math.inf, math.inf), "any number"),
+        (typeset.rich, "<i>a</i> < b <b>&amp;", "<i>a</i> &lt; b &lt;b&gt;&amp;amp;"),
+        (
+            typeset.plain,
+            "<i>F</i><sub>N</sub><sup>0.8</sup> 10<sup>6</sup> x<sup>2</sup>",
+            "F_N^(0.8) 10^6 x^2",
+        ),
+        (report.rich_numbered, "from 1 to 1e+06, then", "from 1 to 10<sup>6</sup>, then"),
+        (report.rich_numbered, "<i>x</i> < 2.5e-05", "<i>x</i> &lt; 2.5 × 10<sup>−5</sup>"),
+        (report.rich_numbered, "1e+09 and 3e+10", "10<sup>9</sup> and 3 × 10<sup>10</sup>"),
+        (report.rich_numbered, "file1e+06, 1e6 and 1e+06x", "file1e+06, 1e6 and 1e+06x"),
+        (report.rich_numbered, "Eqs. (uq), (u); Fig. 8", "Eqs. (6), (8); Fig. 8"),
+        (report.rich_numbered, "Eq. (vt) to Eq. (ndet) (a)", "Eq. (11) to Eq. (16) (a)"),
+        (report.rich_numbered, "Eqs. (a) and (log)", "Eqs. (4) and (5)"),
+        (report.rich_numbered, "Eq. (7), Eq. (new)", "Eq. (7), Eq. (new)"),
     ],
 )
-def test_numbers(value, written_as):
-    assert typeset.number(value) == written_as
-
-
-@pytest.mark.parametrize(
-    ("given", "written_as"),
-    [
-        (estimate(0.803, 0.012), "0.803 [0.791, 0.815]"),
-        (estimate(1234.5, 150.0), "1234 [1084, 1384]"),
-        (estimate(123456.0, 3400.0), "(1.235 [1.201, 1.269]) × 10<sup>5</sup>"),
-        (estimate(3.2e-7, 2e-8), "(3.20 [3.00, 3.40]) × 10<sup>−7</sup>"),
-        (estimate(0.0, 0.5), "0.00 [−0.50, 0.50]"),
-        (exact(1 / 3), "0.3333"),
-        (exact(0.0), "0"),
-        (estimate(1.0, 1e-12), "1"),
-        (estimate(1e-12, 1e-13), "(1.00 [0.90, 1.10]) × 10<sup>−12</sup>"),
-        (undetermined(0.31, 1), "0.31"),
-        (undetermined(math.nan, 4), "not determined"),
-    ],
-)
-def test_intervals(given, written_as):
-    assert typeset.interval(given) == written_as
-
-
-def test_ranges_in_words():
-    assert typeset.bounds(0.9, 1.1) == "0.9 to 1.1"
-    assert typeset.bounds(-math.inf, 1e-3) == "at most 0.001"
-    assert typeset.bounds(2, math.inf) == "at least 2"
-    assert typeset.bounds(1, 1) == "1"
-    assert typeset.bounds(-math.inf, math.inf) == "any number"
-
-
-def test_texts():
-    assert typeset.rich("<i>a</i> < b <b>&amp;") == "<i>a</i> &lt; b &lt;b&gt;&amp;amp;"
-    assert (
-        typeset.plain("<i>F</i><sub>N</sub><sup>0.8</sup> 10<sup>6</sup> x<sup>2</sup>")
-        == "F_N^(0.8) 10^6 x^2"
-    )
-
-
-@pytest.mark.parametrize(
-    ("text", "written_as"),
-    [
-        ("from 1 to 1e+06, then", "from 1 to 10<sup>6</sup>, then"),
-        ("<i>x</i> < 2.5e-05", "<i>x</i> &lt; 2.5 × 10<sup>−5</sup>"),
-        ("1e+09 and 3e+10", "10<sup>9</sup> and 3 × 10<sup>10</sup>"),
-        ("file1e+06, 1e6 and 1e+06x", "file1e+06, 1e6 and 1e+06x"),
-        ("Section 5, Eqs. (uq), (u); Fig. 8", "Section 5, Eqs. (6), (8); Fig. 8"),
-        ("Eq. (vt) to Eq. (ndet) (a)", "Eq. (11) to Eq. (16) (a)"),
-        ("Eqs. (a) and (log)", "Eqs. (4) and (5)"),
-        ("Eq. (7), Eq. (new)", "Eq. (7), Eq. (new)"),
-    ],
-)
-def test_equations_and_powers_of_ten_in_texts(text, written_as):
-    assert report.rich_numbered(text) == written_as
+def test_numbers_and_texts_as_they_are_set(say, given, said):
+    assert say(given) == said
 
 
 def test_colors_have_contrast():
