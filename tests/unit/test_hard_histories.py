@@ -97,14 +97,6 @@ def test_the_widest_times_that_are_taken(shape):
     assert history.final.area == pytest.approx(asp.relax(contact).area, abs=1)
 
 
-def test_errors_in_contact_are_not_overrated():
-    solid = asp.solids.spring_lattice(k0=38.2, k1=206_000.0, R=74.2, R_viscous=0.0941)
-    contact = asp.press(spike((29, 38), 45), solid, separation=4.8)
-    history = asp.age(contact, [0.04, 41.0], hold="load")
-    by_fields = asp.age(contact, [0.04, 41.0], hold="load", solver=ActiveSet())
-    np.testing.assert_array_equal(history.dataset["area"], by_fields.dataset["area"])
-
-
 @pytest.mark.parametrize(
     ("shape", "solid", "control", "last", "limit"),
     [
