@@ -71,8 +71,8 @@ def by_exhaustion(problem):
     n = problem.lattice.sites
     S = np.stack([problem.lattice.apply(problem.stiffness, row) for row in np.eye(n)])
     b = problem.lattice.backward(problem.rhs)
-    for held in itertools.product([False, True], repeat=n):
-        held, free = np.flatnonzero(held), np.flatnonzero(~np.array(held))
+    for contacts in map(np.array, itertools.product([False, True], repeat=n)):
+        held, free = np.flatnonzero(contacts), np.flatnonzero(~contacts)
         if len(free) == n and problem.load_controlled:
             continue
         u = problem.heights.copy()
