@@ -12,9 +12,10 @@ import pytest
 
 import asperity as asp
 from asperity.contact import ActiveSet, Multigrid, active_set
+from asperity.contact.arrays import library
 from asperity.contact.cascade import cold_start, independent_asperities
 from asperity.contact.contact_sites import solved_on_contacts
-from asperity.contact.free_sites import Accuracy
+from asperity.contact.free_sites import Accuracy, _added_up, _density
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.line_sites import LineSites
 from asperity.contact.pinning import effective_pinning
@@ -160,6 +161,20 @@ def test_the_solution_says_who_solved(max_cycles, solver):
     assert found.solver == solver
     assert found.iterations >= max_cycles or solver == "Cycles"
     np.testing.assert_array_equal(found.in_contact, ActiveSet().solve(problem, None, TOLERANCE).in_contact)
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+def test_a_density_of_contacts_has_their_number_and_place(edges):
+    shape, coarse, xp = (64, 96), Lattice((15, 21), edges=edges), library("numpy")
+    contacts = np.zeros(shape, int)
+    contacts[27:35, 43:51] = 1
+    density = _density(_added_up(contacts, xp), coarse, float, xp)
+    assert density.mean() == pytest.approx(contacts.mean(), rel=0.01)  # ripples are clipped
+    for axis, (n, m) in enumerate(zip(shape, coarse.shape, strict=True)):
+        # A coarse site stands on a fine one, or in the middle of its cell where edges reflect.
+        place = np.arange(m) * n / m if edges == "periodic" else (np.arange(m) + 0.5) * n / m - 0.5
+        part = density.sum(axis=1 - axis)
+        assert part @ place / part.sum() == pytest.approx(n // 2 - 1.5, abs=0.05 * n / m)
 
 
 @pytest.mark.parametrize("size", [128, 384])
