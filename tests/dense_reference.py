@@ -10,6 +10,7 @@ C vanish at wave vector 0), F is applied evenly and X is the mean of u. In time 
 
 import numpy as np
 import scipy.integrate
+import scipy.linalg
 
 
 class Dense:
@@ -86,6 +87,21 @@ class Dense:
         )
         assert found.success
         return found.y[:, -1].reshape(len(self.C), self.n)
+
+    def exactly(self, duration, load=None, position=None):
+        """Anchors after a while, from none, while contacts stay: affine rates, by an exponential."""
+        size = self.n * len(self.C)
+
+        def speed(state):
+            v = state.reshape(-1, self.n)
+            y, _, _ = self.contact(v, load, position)
+            return np.concatenate([rate @ (y - field) for rate, field in zip(self.rate, v, strict=True)])
+
+        constant = speed(np.zeros(size))
+        affine = np.zeros((size + 1, size + 1))
+        affine[:size, :size] = 1e3 * (np.array([speed(row) for row in 1e-3 * np.eye(size)]) - constant).T
+        affine[:size, size] = constant
+        return scipy.linalg.expm(duration * affine)[:size, size].reshape(-1, self.n)
 
     def energy(self, y, v):
         """Elastic energy."""

@@ -64,10 +64,9 @@ def test_the_command_writes_them_and_says_what_would_change(tmp_path):
     made = 1e-7 * asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, seed=1)
     np.save(tmp_path / "scan.npy", made)
     out = tmp_path / "out"
-    words = ["--file-unit", "m", "--pixel-size", "1e-6", "--length-unit", "m", "--young", "3GPa"]
-    words += ["--branch", "0.5 1s", "--first", "0.1s", "--last", "100s", "--pressure", "1MPa", "--quiet"]
-    words += ["--surface", str(tmp_path / "scan.npy"), "--resolution-study", "--out", str(out)]
-    assert main(["predict", *words]) == 0
+    words = "predict --file-unit m --pixel-size 1e-6 --length-unit m --young 3GPa --first 0.1s --last 100s"
+    words += f" --pressure 1MPa --quiet --resolution-study --surface {tmp_path / 'scan.npy'} --out {out}"
+    assert main([*words.split(), "--branch", "0.5 1s"]) == 0
     rows = (out / "resolution.csv").read_text("utf-8").splitlines()
     assert len(rows) == 4
     assert "How far the scan suffices" in (out / "prediction.html").read_text("utf-8")

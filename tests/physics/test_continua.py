@@ -1,4 +1,4 @@
-"""Elastic half-spaces against closed forms: Hertz, Westergaard, Johnson, Persson."""
+"""Elastic half-spaces against an independent operator, Hertz, Westergaard, Johnson and Persson."""
 
 from functools import cache
 
@@ -8,7 +8,7 @@ import scipy.linalg
 
 import asperity as asp
 from tests.continua import pressed
-from tests.surfaces import correlated
+from tests.surfaces import correlated, uncorrelated
 
 GPA, MICRON = 1e9, 1e-6
 
@@ -152,22 +152,6 @@ def test_crossed_waves_close_at_the_pressure_of_full_contact():
     assert share == pytest.approx(np.pi * (3 / (8 * np.pi) * 0.01) ** (2 / 3), rel=0.03)
 
 
-def test_two_bodies_share_the_displacement_that_one_has():
-    young, poisson = (3.0, 7.0), (0.2, 0.45)
-    heights = correlated(32, hurst=0.8)
-    one = asp.solids.half_space(modulus=asp.solids.contact_modulus(young, poisson))
-    contact = pressed(heights, one, load=20.0, spacing=(2.0, 1.0))
-    q = 2 * np.pi * np.hypot(np.fft.fftfreq(32, 2.0)[:, None], np.fft.fftfreq(32)[None, :])
-    q[0, 0] = np.inf
-    moved = sum(
-        np.fft.ifft2(2 * (1 - nu**2) / (E * q) * np.fft.fft2(contact.pressure)).real
-        for E, nu in zip(young, poisson, strict=True)
-    )
-    gap = contact.separation + moved - heights
-    assert np.abs(gap[contact.in_contact]).max() < 1e-7
-    assert gap.min() > -1e-7
-
-
 def self_affine(n, longest, shortest, hurst, seed):
     """Waves of random phase between two wavelengths in sites, and the rms slope."""
     q = np.hypot(np.fft.fftfreq(n)[:, None], np.fft.fftfreq(n)[None, :])
@@ -215,3 +199,40 @@ def test_persson_is_a_diffusion_of_pressure_absorbed_at_zero():
     for index in (10, 40, 120):
         share = asp.theory.persson_area((index + 1) * step, modulus=E, slope=slope)
         assert reached[index].sum() == pytest.approx(share, abs=1e-4)
+
+
+def forces(heights, u, modulus, load):
+    """E*|q|/2 applied by numpy's complex transform, and the load spread evenly: no code of the package."""
+    ny, nx = heights.shape
+    q = 2 * np.pi * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.fftfreq(nx)[None, :])
+    return np.fft.ifft2(modulus * q / 2 * np.fft.fft2(u)).real + load / heights.size
+
+
+@pytest.mark.parametrize(
+    "heights", [uncorrelated(64), correlated(128, hurst=0.8)], ids=["white", "self-affine"]
+)
+@pytest.mark.parametrize("pressure", [0.002, 0.1])
+def test_contact_is_in_equilibrium_by_an_independent_operator(heights, pressure):
+    load = pressure * heights.size
+    contact = asp.press(heights, asp.solids.half_space(modulus=2.0), load=load)
+    force = forces(heights, contact.u, 2.0, load)
+    touching = contact.u == heights
+    mean = load / touching.sum()
+    assert (contact.u >= heights).all()
+    assert np.abs(force[~touching]).max() <= 1e-8 * mean
+    assert force[touching].min() >= -1e-8 * mean
+    np.testing.assert_array_equal(touching, contact.in_contact)
+    assert contact.load == pytest.approx(load, rel=1e-8)
+    assert contact.separation == pytest.approx(contact.u.mean(), rel=1e-9)
+
+
+@pytest.mark.parametrize("above", [1e-3, 3.0])
+def test_heights_of_mean_zero_touch_everywhere_from_the_load_that_flattens_them_on(above):
+    # The datum is then 0 but for rounding, beside which the last digit of the heights is large.
+    heights = asp.surfaces.spectral((64, 64), rms_slope=0.1, seed=1)
+    flattening = -forces(heights, heights, 1.0, 0.0).min()
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0), pressure=flattening * (1 + above))
+    assert contact.area == heights.size
+    assert contact.load == pytest.approx(flattening * (1 + above) * heights.size, rel=1e-12)
+    less = asp.press(heights, asp.solids.half_space(modulus=1.0), pressure=flattening * (1 - 1e-3))
+    assert less.area < heights.size

@@ -8,44 +8,22 @@ from asperity.aging import creep
 from asperity.contact.state import control_of
 from asperity.errors import ConvergenceError
 from asperity.solids import spring_lattice
-from asperity.theory import full_contact_load
 from tests.independent import assert_equilibrium, prove
 from tests.refusals import refuses
 from tests.surfaces import correlated, uncorrelated
 
-STIFFNESS_RATIOS = [0.01, 0.1, 1.0, 10.0, 100.0]
-LOADS_PER_SITE = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0]
 
-
-@pytest.mark.parametrize("k1", STIFFNESS_RATIOS)
-@pytest.mark.parametrize("rough", [uncorrelated(64), correlated(64)], ids=["uncorrelated", "correlated"])
-def test_instantaneous_and_relaxed_contact_from_first_touch_to_full_contact(rough, k1):
-    solid = spring_lattice(k0=1.0, k1=k1)
-    full = full_contact_load(rough, k0=1.0, k1=k1) * (1 + 1e-9)
-    areas = []
-    for load in [p * rough.size for p in LOADS_PER_SITE if p * rough.size < full] + [full]:
-        contact = press(rough, solid, load=load)
-        assert_equilibrium(contact, k0=1.0, k1=k1, load=load)
-        assert_equilibrium(relax(contact), k0=1.0, k1=k1, load=load)
-        again = press(rough, solid, separation=contact.separation)
-        assert_equilibrium(again, k0=1.0, k1=k1, load=load)
-        assert again.area == contact.area
-        assert_equilibrium(relax(again), k0=1.0, k1=k1)
-        areas.append(contact.area)
-    assert areas == sorted(areas)
-    assert areas[0] < 0.01 * rough.size
-    assert areas[-1] == rough.size
-
-
-@pytest.mark.parametrize("hold", ["load", "separation"])
 @pytest.mark.parametrize("k1", [0.01, 1.0, 100.0])
-@pytest.mark.parametrize("R_viscous", [0.0, 0.1])
+@pytest.mark.parametrize(("R_viscous", "hold"), [(0.0, "load"), (0.1, "load"), (0.1, "separation")])
 def test_every_frame_of_an_aging_contact(k1, hold, R_viscous):
     rough = uncorrelated(48)
     solid = spring_lattice(k0=1.0, k1=k1, R_viscous=R_viscous)
-    for p in (1e-3, 0.05, 2.0):
+    for p in (1e-5, 1e-3, 0.05, 2.0):
         load = p * rough.size
         contact = press(rough, solid, load=load)
+        assert_equilibrium(relax(contact), k0=1.0, k1=k1, load=load)
+        again = press(rough, solid, separation=contact.separation)
+        assert_equilibrium(again, k0=1.0, k1=k1, load=load)
         for frame in creep(contact, np.geomspace(1e-3, 1e3, 7), control=control_of(contact, hold)):
             held = load if hold == "load" else None
             assert_equilibrium(frame.contact, k0=1.0, k1=k1, load=held)
@@ -61,7 +39,7 @@ def test_a_single_site_carries_a_very_small_load():
     assert abs(proof.load / 1e-5 - 1) <= 3.0 * 2**-50 / 1e-5
 
 
-@pytest.mark.parametrize("shape", [(1,), (2,), (7,), (64,), (1, 5), (2, 3), (9, 16), (31, 8)])
+@pytest.mark.parametrize("shape", [(1,), (2,), (7,), (1, 5), (2, 3), (9, 16)])
 def test_lattices_of_any_shape(shape):
     rough = np.random.default_rng(3).normal(size=shape)
     solid = spring_lattice(k0=0.7, k1=2.0)
@@ -79,14 +57,6 @@ def test_a_press_that_the_heights_cannot_resolve_is_refused_under_either_control
     for held in ({"separation": rough.max() - 1e-3}, {"load": 1e-3 * 1e-9 * rough.size}):
         with refuses(kind=ConvergenceError):
             press(rough, weak, **held)
-
-
-def test_no_contact_at_a_large_separation():
-    rough = uncorrelated(16)
-    contact = press(rough, spring_lattice(k0=1.0, k1=3.0), separation=rough.max() + 0.5)
-    assert contact.area == 0
-    assert contact.load == 0
-    np.testing.assert_allclose(contact.u, rough.max() + 0.5, rtol=1e-15)
 
 
 def test_warm_start_changes_the_work_and_not_the_result():

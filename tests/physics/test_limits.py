@@ -12,8 +12,7 @@ ROUGH = uncorrelated(24)
 LATE = [1e2, 1e6]
 
 
-@pytest.mark.parametrize("R_viscous", [0.0, 0.3])
-@pytest.mark.parametrize("k0", [0.0, 1.0])
+@pytest.mark.parametrize(("k0", "R_viscous"), [(0.0, 0.3), (1.0, 0.0), (1.0, 0.3)])
 def test_a_long_run_under_load_ends_at_the_limit(k0, R_viscous):
     contact = press(ROUGH, spring_lattice(k0=k0, k1=3.0, R_viscous=R_viscous), load=30.0)
     limit, final = relax(contact), age(contact, LATE, rtol=5e-4).final
@@ -60,7 +59,7 @@ def test_viscous_creep_under_load_has_a_limit_of_shape_but_the_body_sinks_withou
 
 
 @pytest.mark.parametrize("k0", [0.0, 1.0])
-@pytest.mark.parametrize("above", np.linspace(0.01, 40.0, 7))
+@pytest.mark.parametrize("above", [0.01, 40.0])
 def test_a_body_that_hangs_free_stays_as_it_is(k0, above):
     solid = spring_lattice(k0=k0, k1=3.0, R_viscous=0.1)
     contact = press(ROUGH, solid, separation=ROUGH.max() + above)
@@ -82,11 +81,11 @@ def test_independent_springs_let_go_one_by_one_as_the_load_dies_out():
     np.testing.assert_allclose(history.final.u0[3, 4], 0.7, atol=1e-3)  # within rtol of the stretch
 
 
-def test_a_solid_that_is_soft_to_some_waves_only_is_refused():
-    solid = Solid(
-        permanent=lambda lattice: np.where(lattice.lam > 4, lattice.lam, 0.0),
-        branches=spring_lattice(k0=1.0, k1=3.0).branches,
-    )
+def test_limits_that_depend_on_the_path_or_on_soft_waves_are_refused():
+    with refuses("contact"):
+        relax(press(ROUGH, spring_lattice(k0=0.0, k1=3.0), separation=1.0))
+    branches = spring_lattice(k0=1.0, k1=3.0).branches
+    solid = Solid(lambda lattice: np.where(lattice.lam > 4, lattice.lam, 0.0), branches)
     with refuses("solid"):
         relax(press(ROUGH, solid, load=10.0))
 
@@ -97,28 +96,6 @@ def test_without_mobility_nothing_creeps():
     np.testing.assert_array_equal(relax(contact).in_contact, contact.in_contact)
 
 
-def test_independent_springs_relax_to_full_contact():
-    limit = relax(press(ROUGH, spring_lattice(k0=0.0, k1=3.0), load=1.0))
-    assert limit.area == ROUGH.size
-    np.testing.assert_allclose(limit.force, 1.0 / ROUGH.size, rtol=1e-10)
-
-
-def test_a_limit_that_depends_on_the_path_is_refused():
-    contact = press(ROUGH, spring_lattice(k0=0.0, k1=3.0), separation=1.0)
-    with refuses("contact"):
-        relax(contact)
-
-
 def test_an_aged_contact_relaxes_to_the_same_limit():
     contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=30.0)
     np.testing.assert_allclose(relax(age(contact, [3.0]).final).u, relax(contact).u, atol=1e-8)
-
-
-def test_aging_in_two_parts_is_aging_in_one():
-    contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=30.0)
-    first = age(contact, [2.0], rtol=1e-4).final
-    np.testing.assert_allclose(
-        age(first, [5.0], rtol=1e-4).final.u0,
-        age(contact, [7.0], rtol=1e-4).final.u0,
-        atol=3e-4 * contact.u.std(),
-    )

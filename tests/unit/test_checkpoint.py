@@ -74,60 +74,36 @@ SOLIDS = {
     "a law beside a permanent share": asp.solids.half_space(modulus=3.0, creep=EYRING, permanent=0.4),
     "springs that no others join": asp.solids.spring_lattice(k0=0.0, k1=3.0),
     "branches": asp.solids.half_space(modulus=3.0, branches=[(0.3, 0.5), (0.3, 5.0)]),
-    "branches under a rigid machine": asp.solids.half_space(
-        modulus=3.0, branches=[(0.3, 0.5)], apparatus=np.inf
-    ),
+    "a rigid machine": asp.solids.half_space(modulus=3.0, branches=[(0.3, 0.5)], apparatus=np.inf),
 }
+
+
+def run_of(contact, times, protocol=None, **others):
+    return {"contact": contact, "times": times, "protocol": protocol, **others}
+
+
+def yielding(creep):
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0, creep=creep, hardness=1.0)
+    contact = asp.press(uncorrelated(16), solid, load=40.0)
+    return run_of(contact, [0.5, 1.5, 2.0, 2.5], YIELDS, rtol=2e-2, fields_at=[0.0, 1.5])
+
+
+ELASTIC = asp.press(SMALL, SOLIDS["branches"], load=8.0)
+UNLOADED = asp.press(SMALL, SOLIDS["branches"], load=0.0)
 LEFT_TO_FIELDS: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "solver": Multigrid(max_cycles=0)}
 RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
-    "once": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[6]]),
-    "often": ({"contact": CONTACT, "times": TIMES, "fields_at": KEEP}, [TIMES[1], TIMES[5], TIMES[-1]]),
+    "often": (run_of(CONTACT, TIMES, fields_at=KEEP), [TIMES[1], TIMES[5], TIMES[-1]]),
     "where cycles get nowhere": (LEFT_TO_FIELDS, [TIMES[1], TIMES[8]]),
-    **{
-        f"{name}, {of}": (
-            {"contact": HEAVY, "times": times, "protocol": protocol, "fields_at": times, "solver": solver},
-            times,
-        )
-        for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS))
-        for of, solver in (("springs", None), ("fields", ActiveSet()))
-    },
-    **{
-        f"yielding, {of}": (
-            {
-                "contact": asp.press(
-                    uncorrelated(16),
-                    asp.solids.spring_lattice(k0=1.0, k1=3.0, creep=law, hardness=1.0),
-                    load=40.0,
-                ),
-                "times": [0.5, 1.5, 2.0, 2.5],
-                "protocol": YIELDS,
-                "rtol": 2e-2,
-                "fields_at": [0.0, 1.5],
-            },
-            [0.5, 1.5, 2.0, 2.5],
-        )
-        for of, law in (("springs", None), ("a law", asp.solids.Eyring(rate=1e-2, stress=0.3)))
-    },
-    **{
-        name: (
-            {"contact": asp.press(SMALL, solid, load=8.0), "times": [0.5, 2.0, 6.0, 6.5], "protocol": EASED},
-            [0.5, 2.0, 6.5],
-        )
-        for name, solid in SOLIDS.items()
-    },
-    "exact": (
-        {"contact": asp.press(SMALL, SOLIDS["branches"], load=8.0), "times": [0.1, 1.0, 10.0]},
-        [0.1, 1.0],
-    ),
-    "a ramp from no load": (
-        {
-            "contact": asp.press(SMALL, SOLIDS["branches"], load=0.0),
-            "times": [0.3, 1.2, 2.4, 3.0],
-            "protocol": [P.Ramp(2.4, load=9.0), P.Hold(1.0)],
-        },
-        [1.2],
-    ),
+    "yielding": (yielding(None), [0.5, 1.5, 2.0, 2.5]),
+    "yielding by a law": (yielding(asp.solids.Eyring(rate=1e-2, stress=0.3)), [0.5, 1.5, 2.0, 2.5]),
+    "exact": (run_of(ELASTIC, [0.1, 1.0, 10.0]), [0.1, 1.0]),
+    "from no load": (run_of(UNLOADED, [0.3, 1.2, 3.0], [P.Ramp(2.4, load=9.0), P.Hold(1.0)]), [1.2]),
 }
+for of, solver in (("springs", None), ("fields", ActiveSet())):
+    for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):
+        RUNS[f"{name}, {of}"] = run_of(HEAVY, times, protocol, fields_at=times, solver=solver), times
+for name, solid in SOLIDS.items():
+    RUNS[name] = run_of(asp.press(SMALL, solid, load=8.0), [0.5, 2.0, 6.0, 6.5], EASED), [0.5, 2.0, 6.5]
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -142,7 +118,9 @@ def test_stopped_and_resumed(tmp_path, name):
     resumed = asp.age(**arguments, checkpoint=checkpoint, progress=lambda frame: seen.append(frame.time))
     assert seen[0] == stops[-1]
     assert set(arguments["times"]) <= set(resumed.time.values.tolist())
-    xr.testing.assert_identical(resumed.dataset, undisturbed.dataset)
+    finished = asp.age(**arguments, checkpoint=checkpoint)
+    for history in (resumed, finished):
+        xr.testing.assert_identical(history.dataset, undisturbed.dataset)
     if name == "exact":
         assert "exact_contact" in undisturbed.dataset.attrs
     if name.startswith("yielding"):
@@ -158,17 +136,11 @@ def test_whole_fields_take_over_where_cycles_get_nowhere_and_frames_say_so():
     assert [frame.solved_by for frame in frames] == ["", *len(TIMES) * ["fields"]]
 
 
-def test_a_finished_run_resumes_to_the_same(tmp_path):
-    place = Checkpoint(tmp_path / "place.npz", every=0.0)
-    first, second = (asp.age(CONTACT, TIMES, fields_at=KEEP, checkpoint=place).dataset for _ in range(2))
-    xr.testing.assert_identical(first, second)
-
-
 def test_the_checkpoint_of_another_run_is_refused(here):
-    arguments: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "fields_at": KEEP}
+    arguments, _ = RUNS["often"]
     asp.age(**arguments, checkpoint=Checkpoint("place.npz", every=0.0))
-    of_a_law: dict[str, Any] = {"contact": asp.press(SMALL, SOLIDS["a law"], load=8.0), "times": [1.0]}
-    asp.age(**of_a_law, checkpoint=Checkpoint("law.npz", every=0.0))
+    of_a_law = asp.press(SMALL, SOLIDS["a law"], load=8.0)
+    asp.age(of_a_law, [1.0], checkpoint=Checkpoint("law.npz", every=0.0))
     other_law = asp.solids.half_space(modulus=3.0, creep=asp.solids.Garofalo(0.1, 0.3, 1.5))
     with refuses("checkpoint", kind=CheckpointError):
         asp.age(asp.press(SMALL, other_law, load=8.0), [1.0], checkpoint="law.npz")

@@ -5,13 +5,13 @@ import pytest
 
 import asperity as asp
 from asperity.aging import creep
-from asperity.aging.spring_steps import SpringSteps
 from asperity.contact.multigrid import Multigrid
 from tests.surfaces import correlated
 
 
-@pytest.mark.parametrize("control", [{"load": 2e4}, {"separation": -20.0}])
-@pytest.mark.parametrize("last", [1e6, 1e12, 1e18, 1e28])
+@pytest.mark.parametrize(
+    ("control", "last"), [({"load": 2e4}, 1e6), ({"load": 2e4}, 1e28), ({"separation": -20.0}, 1e18)]
+)
 def test_springs_that_all_touch_end_up_alike(control, last):
     contact = asp.press(correlated(24, seed=8), asp.solids.spring_lattice(k0=0.0, k1=1.5, R=1.0), **control)
     assert contact.in_contact.all()
@@ -20,21 +20,16 @@ def test_springs_that_all_touch_end_up_alike(control, last):
     assert final.load == pytest.approx(contact.load, rel=1e-3)  # creep on no base keeps the mean
 
 
-@pytest.mark.parametrize("control", [{"load": 20.0}, {"separation": 1.2}])
-def test_springs_pressed_bear_what_each_is_compressed_by(control):
-    heights = np.random.default_rng(4).normal(size=(21, 18))
-    contact = asp.press(heights, asp.solids.spring_lattice(k0=0.0, k1=2.5), **control)
-    force = 2.5 * np.maximum(heights - contact.separation, 0.0)
-    np.testing.assert_allclose(contact.force, force, atol=1e-12 * force.max())
-    np.testing.assert_array_equal(contact.in_contact, force > 0)
-    assert force.sum() == pytest.approx(contact.load, rel=1e-12)
-
-
-@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
-@pytest.mark.parametrize("control", [{"load": 20.0}, {"separation": 1.2}])
-@pytest.mark.parametrize("mobilities", [(1.0, 0.0), (1.0, 0.2), (0.0, 1.0)])
+@pytest.mark.parametrize(
+    ("edges", "control", "mobilities"),
+    [
+        ("reflecting", {"load": 12.0}, (1.0, 0.0)),
+        ("periodic", {"load": 12.0}, (0.0, 1.0)),
+        ("periodic", {"separation": 1.2}, (1.0, 0.2)),
+    ],
+)
 def test_histories_are_those_of_the_fourier_solver(edges, control, mobilities):
-    rough = asp.surfaces.Surface(np.random.default_rng(2).normal(size=(24, 21)), edges=edges)
+    rough = asp.surfaces.Surface(np.random.default_rng(2).normal(size=(16, 15)), edges=edges)
     solid = asp.solids.spring_lattice(k0=0.0, k1=2.0, R=mobilities[0], R_viscous=mobilities[1])
     contact, times = asp.press(rough, solid, **control), np.geomspace(1e-2, 1e3, 6)
     found, other = (
@@ -51,17 +46,11 @@ def test_histories_are_those_of_the_fourier_solver(edges, control, mobilities):
         assert one.contact.load == pytest.approx(two.contact.load, abs=1e-3 * contact.load)
 
 
-def test_nine_decades_take_few_cycles(monkeypatch):
-    heights, steps = np.random.default_rng(6).normal(size=(64, 64)), []
-    solve = SpringSteps.attempt
-
-    def counted(self, *values):
-        steps.append(self)
-        return solve(self, *values)
-
-    monkeypatch.setattr(SpringSteps, "attempt", counted)
+def test_nine_decades_take_few_cycles():
+    heights = np.random.default_rng(6).normal(size=(64, 64))
     contact = asp.press(heights, asp.solids.spring_lattice(k0=0.0, k1=3.0), load=0.06 * heights.size)
     history = asp.age(contact, np.geomspace(1e-3, 1e6, 37)).dataset
     assert history["area"].values[-1] == heights.size
-    assert len(steps) < 175  # 148
-    assert int(history["iterations"].sum()) < 11 * len(steps)  # 9
+    steps = int((history["steps"] + history["rejected"]).sum())
+    assert steps < 175  # 148
+    assert int(history["iterations"].sum()) < 11 * steps  # 9

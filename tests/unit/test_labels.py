@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import asperity as asp
 from asperity.analysis.scan import written
@@ -13,13 +12,6 @@ from asperity.figures.style import spelled
 
 P = asp.protocols
 ROUGH = np.random.default_rng(3).normal(size=(16, 16))
-
-
-@pytest.fixture(scope="module")
-def slid() -> asp.History:
-    contact = asp.press(ROUGH, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=80.0)
-    protocol = [P.Slide(distance=2.0, velocity=1.0), P.Hold(4.0), P.Slide(distance=2.0, velocity=1.0)]
-    return asp.age(contact, times=[2.0, 6.0, 8.0], fields_at=[0.0, 2.0, 6.0, 8.0], protocol=protocol)
 
 
 def test_quantities_have_a_prefix_where_that_is_short() -> None:
@@ -46,27 +38,10 @@ def test_the_summary_states_the_units_of_activated_creep() -> None:
     assert "temperature = 298.1 K" in said
 
 
-def test_maps_of_a_made_surface_name_no_file() -> None:
-    rough = asp.surfaces.Surface(ROUGH, pixel_size=(2.0, 2.0))
-    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=80.0)
-    maps = asp.analysis.contact_maps(asp.age(contact, [1.0], fields_at=[0.0, 1.0]).dataset)
-    assert (maps.pixel_size, maps.length_unit) == (2.0, "length unit")
-
-
-def test_the_shade_of_a_slide_is_explained(slid: asp.History) -> None:
-    axes = asp.figures.sliding_figure(slid.dataset).axes[0]
-    assert any("shade" in text for text in axes.get_legend_handles_labels()[1])
-
-
-def test_friction_that_does_not_change_is_drawn_flat() -> None:
+def test_the_shade_of_a_slide_is_explained_and_friction_that_does_not_change_is_flat() -> None:
     contact = asp.press(ROUGH, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=0.0), load=80.0)
     series = asp.age(contact, [2.0], protocol=[P.Slide(distance=2.0, velocity=1.0)]).dataset
-    low, high = asp.figures.sliding_figure(asp.friction.add_friction(series, 0.5)).axes[0].get_ylim()
-    assert low == 0.0
-    assert high > series["area"].values.max() * 0.5 / 80.0
-
-
-def test_the_axis_of_patch_sizes_ends_near_the_largest(slid: asp.History) -> None:
-    size = asp.figures.patch_figure(slid.dataset).axes[1]
-    largest = float(slid.dataset["largest_patch_size"].max())
-    assert largest < size.get_ylim()[1] < 2 * largest
+    axes = asp.figures.sliding_figure(asp.friction.add_friction(series, 0.5)).axes[0]
+    assert any("shade" in text for text in axes.get_legend_handles_labels()[1])
+    assert axes.get_ylim()[0] == 0.0
+    assert axes.get_ylim()[1] > series["area"].values.max() * 0.5 / 80.0
