@@ -166,16 +166,6 @@ def test_a_ratio_of_means_of_two_samples():
     assert float(found.stderr) == pytest.approx(sem(y - ratio * x) / x.mean(), rel=0.05)
 
 
-def test_the_interval_of_the_jackknife_covers():
-    rng = np.random.default_rng(3)
-    hits = 0
-    for _ in range(1000):
-        found = jackknife(lambda sample: np.log(sample.mean()), rng.normal(10, 1, size=5))
-        hits += bool(found.low <= math.log(10) <= found.high)
-    # 950 expected with a standard deviation of 7: a band of three.
-    assert 929 <= hits <= 971
-
-
 def test_an_ensemble_is_the_fit_of_the_mean_with_the_scatter_of_the_runs():
     # Curves of a logarithm that differ as a whole, as those of surfaces do.
     rng = np.random.default_rng(1)

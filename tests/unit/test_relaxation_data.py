@@ -72,14 +72,6 @@ def test_noisy_data_give_the_solid_back_within_the_stated_error(kind):
     assert deviation.max() < found.series.error
 
 
-def test_exact_dynamic_moduli_on_the_fits_own_times_are_met_exactly():
-    own = PronySeries(2.0, ((0.2, 0.01), (0.3, 1.0), (0.4, 100.0)))
-    found = fit(measured("dynamic", own, np.geomspace(1e-2, 1e2, 33)))  # falling, as instruments sweep
-    np.testing.assert_allclose(np.array(found.series.branches), np.array(own.branches), rtol=1e-9)
-    assert found.series.error < 1e-12
-    assert found.data.columns[0][0] == 1e-2
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_two_exact_branches_are_found(kind):
     data = measured(kind, TWO, SECONDS)
@@ -88,6 +80,7 @@ def test_two_exact_branches_are_found(kind):
     assert found.series.permanent == pytest.approx(TWO.permanent, rel=1e-6)
     assert found.series.modulus == pytest.approx(TWO.modulus, rel=1e-6)
     assert found.per_decade is None
+    assert (np.diff(found.data.columns[0]) > 0).all()  # also of a frequency that was swept downward
     np.testing.assert_allclose(fit(data, branches=2).series.branches, TWO.branches, rtol=1e-6)
     on_grid = fit(data, per_decade=1)
     assert on_grid.systematic
@@ -150,13 +143,11 @@ def test_creep_that_flows_is_a_fluid_and_creep_that_does_not_a_solid():
 
 
 def test_other_temperatures_shift_the_data():
-    data = measured("relaxation", SOLID, TIME)
-    warm, cold = fit(data.shifted(1e-2), per_decade=1), fit(data, per_decade=1).series.shifted(1e-2)
-    assert warm.series.span == pytest.approx((1e-6, 1e2))
-    t = np.geomspace(1e-6, 1e2, 30)
-    np.testing.assert_allclose(warm.series.modulus_at(t), cold.modulus_at(t), rtol=1e-9)
-    swept = measured("dynamic", SOLID, TIME)
-    np.testing.assert_allclose(swept.shifted(10.0).columns[0], swept.columns[0] / 10)
+    for kind, factor in (("relaxation", 10), ("creep", 10), ("dynamic", 1 / 10)):
+        data = measured(kind, SOLID, TIME)
+        shifted = data.shifted(10.0)
+        np.testing.assert_allclose(shifted.columns[0], factor * data.columns[0])
+        np.testing.assert_array_equal(shifted.columns[1], data.columns[1])
 
 
 G = np.array([5.0, 4.0, 3.0, 2.5, 2.2, 2.1])

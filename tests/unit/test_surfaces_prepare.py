@@ -1,5 +1,6 @@
 """The rules that make a measurement ready: filling, tilt, spikes, unit, square pixels, periodicity."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -65,53 +66,38 @@ def test_fill_creates_no_summit(offset):
     assert np.unique(prepare.fill(level)).tolist() == [0.1]
 
 
-@pytest.mark.parametrize(("rule", "order"), [("plane", 1), ("quadratic", 2)])
+@pytest.mark.parametrize("rule", ["mean", "plane", "quadratic"])
 @pytest.mark.parametrize("shape", [(12, 9), (30,), (1, 8), (2, 2)])
-def test_a_polynomial_is_removed_and_told(shape, rule, order):
-    grids = np.meshgrid(*(np.arange(float(n)) for n in shape), indexing="ij")
-    terms = [np.ones(shape), *grids]
-    terms += [grids[a] * grids[b] for a in range(len(shape)) for b in range(a, len(shape))][
-        : 99 * (order - 1)
-    ]
-    numbers = [5.1, *([0.25, -2.0][: len(shape)]), *([0.5, -0.125, 0.0625][: len(terms) - 1 - len(shape)])]
-    heights = sum(number * term for number, term in zip(numbers, terms, strict=True))
+def test_the_polynomial_of_least_squares_is_removed_and_told(shape, rule):
+    axes = np.indices(shape).astype(float)
+    pairs = list(itertools.combinations_with_replacement(axes, 2)) if rule == "quadratic" else []
+    terms = [np.ones(shape), *axes, *(one * other for one, other in pairs)]
+    heights = np.random.default_rng(1).normal(size=shape) + 1e4
     defined = np.ones(shape, dtype=bool)
-    if heights.size > 20:
-        defined.flat[[3, 11, 12]] = False
+    defined.flat[[3, 11] if heights.size > 20 else []] = False
     left, found = levelling.remove_tilt(np.where(defined, heights, 1e3), defined, rule)
-    np.testing.assert_allclose(left[defined], 0, atol=1e-11)
-    np.testing.assert_allclose(left[~defined], (1e3 - heights)[~defined])
-    if heights.size > 20:
-        assert found == pytest.approx(numbers)
     told = sum(number * term for number, term in zip(found, terms, strict=True))
-    np.testing.assert_allclose(told[defined], heights[defined])
-    # Of anything else, what is left has nothing along any term.
-    noise = np.random.default_rng(1).normal(size=shape) + 1e4
-    left, _ = levelling.remove_tilt(noise, np.ones(shape, dtype=bool), rule)
-    for term in terms:
-        assert np.sum(left * term) == pytest.approx(0, abs=1e-8 * max(np.sum(np.abs(term)), 1))
-
-
-def test_the_mean_is_removed_or_nothing():
-    heights = np.array([[1.0, 2.0], [3.0, 90.0]])
-    defined = heights < 90
-    for rule, mean in (("mean", 2.0), ("none", 0.0)):
-        level, coefficients = levelling.remove_tilt(heights, defined, rule)
-        np.testing.assert_array_equal(level, heights - mean)
-        assert coefficients == [mean, 0.0, 0.0]
+    np.testing.assert_allclose(left, np.where(defined, heights, 1e3) - told, atol=1e-9)
+    # What is left is orthogonal to each term, and nothing of a polynomial.
+    for term in terms[:1] if rule == "mean" else terms:
+        assert np.sum((left * term)[defined]) == pytest.approx(0, abs=1e-8 * max(np.sum(np.abs(term)), 1))
+    if rule == "mean":
+        assert not any(found[1:])
+    else:
+        assert not levelling.remove_tilt(told, np.ones(shape, dtype=bool), rule)[0].any()
 
 
 def test_the_bow_of_a_scan_is_removed_as_it_was_added():
     heights = rough(1, roll_off=20)
     bowed = heights + 7 * U**2 + 11 * V**2 + 3 * U * V - 4 * U
-    bowed[20:24, 30:33] = np.nan
-    plain, found = (as_read(one, tilt="quadratic") for one in (heights, bowed))
-    known = ~np.isnan(bowed)
-    # Less of the heights' own long waves is seen where pixels are undefined.
-    np.testing.assert_allclose(found.heights[known], plain.heights[known], atol=0.01)
-    array = Surface(heights + 7 * U**2 + 11 * V**2, "um", edges="reflecting").level("quadratic")
-    np.testing.assert_allclose(array.heights, plain.heights, atol=1e-12)
+    plain = as_read(heights, tilt="quadratic").heights
+    array = Surface(bowed, "um", edges="reflecting").level("quadratic")
+    np.testing.assert_allclose(array.heights, plain, atol=1e-12)
     assert (array.unit, array.edges, array.provenance["tilt_rule"]) == ("um", "reflecting", "quadratic")
+    bowed[20:24, 30:33] = np.nan
+    found, known = as_read(bowed, tilt="quadratic").heights, ~np.isnan(bowed)
+    # Less of the heights' own long waves is seen where pixels are undefined.
+    np.testing.assert_allclose(found[known], plain[known], atol=0.01)
 
 
 def test_spikes_are_counted_and_filled_if_asked_and_no_other_pixel():
@@ -201,40 +187,36 @@ def test_units_are_converted_or_kept_or_become_the_rms():
 
 
 @pytest.mark.parametrize(("ratio", "kept"), [(3.0, 4), (2.5, 4), (1.3, 9)])
-def test_oblong_pixels_are_averaged_along_the_finer_axis(ratio, kept):
+def test_oblong_pixels_are_averaged_along_the_finer_axis_when_asked(ratio, kept):
     heights = np.random.default_rng(1).normal(size=(5, 12))
     slow = np.zeros((5, kept))
     for pixel in range(kept):
         for place in range(12):
             overlap = min(place + 1, (pixel + 1) * ratio) - max(place, pixel * ratio)
             slow[:, pixel] += max(overlap, 0) / ratio * heights[:, place]
-    coarse, size = prepare.square(heights, (ratio * 0.1, 0.1))
-    np.testing.assert_allclose(coarse, slow, atol=1e-13)
-    assert size == pytest.approx((ratio * 0.1, ratio * 0.1))
-    turned, _ = prepare.square(heights.T, (0.1, ratio * 0.1))
-    np.testing.assert_array_equal(turned, coarse.T)
+    asked = {"tilt": "none", "resample": True, "unit": "rms"}
+    surface = as_read(heights, pixel_size=(ratio * 0.1, 0.1), **asked)
+    np.testing.assert_allclose(surface.heights, slow / slow.std(), atol=1e-13)
+    assert surface.pixel_size == pytest.approx((ratio * 0.1, ratio * 0.1))
+    record: Any = surface.provenance
+    assert (record["resampled"], record["final_shape"], record["original_shape"]) == (
+        True,
+        [5, kept],
+        [5, 12],
+    )
+    turned = as_read(heights.T, pixel_size=(0.1, ratio * 0.1), **asked)
+    np.testing.assert_array_equal(turned.heights, surface.heights.T)
 
 
 def test_square_and_unknown_pixels_stay():
-    heights = np.ones((4, 5))
-    sizes: list[Any] = [None, (2.0, 2.0), (2.0, 2.01)]
+    heights = np.random.default_rng(1).normal(size=(4, 5))
+    sizes: list[Any] = [None, (2.0, 2.01)]
     for size in sizes:
-        left, kept = prepare.square(heights, size)
-        assert left is heights
-        assert kept == size
+        kept = as_read(heights, tilt="none", pixel_size=size, resample=True)
+        np.testing.assert_array_equal(kept.heights, heights)
+        assert kept.pixel_size == size
     with refuses("resample"):
-        prepare.square(heights, (3.0, 1.0))
-
-
-@pytest.mark.parametrize("shape", [(5, 4), (7,)])
-def test_mirror_doubles_and_alters_nothing(shape):
-    heights = np.random.default_rng(0).normal(size=shape)
-    mirrored = prepare.make_periodic(heights, "mirror")
-    assert mirrored.shape == tuple(2 * n for n in shape)
-    np.testing.assert_array_equal(mirrored[tuple(slice(n) for n in shape)], heights)
-    for axis in range(heights.ndim):
-        np.testing.assert_array_equal(mirrored, np.flip(mirrored, axis=axis))
-    np.testing.assert_array_equal(prepare.make_periodic(heights, "wrap"), heights)
+        as_read(heights, pixel_size=(3.0, 1.0), resample=True)
 
 
 def test_taper_is_half_a_cosine_toward_the_mean_along_each_axis():

@@ -60,25 +60,6 @@ def test_self_affine_equals_the_paper_site_by_site(size, hurst, delta):
     np.testing.assert_allclose(fast, slow, rtol=0, atol=1e-13 * np.abs(fast).max())
 
 
-def structure_exponent(size, hurst, lags, seeds):
-    """Half the slope of <[xi(r) - xi(0)]^2> in r, both logarithmic."""
-    structure = np.zeros(len(lags))
-    for seed in range(seeds):
-        xi = self_affine(size, hurst=hurst, seed=seed)
-        structure += [np.mean((xi - np.roll(xi, r, 0)) ** 2 + (xi - np.roll(xi, r, 1)) ** 2) for r in lags]
-    return np.polyfit(np.log(lags), np.log(structure), 1)[0] / 2
-
-
-def test_structure_function_grows_with_the_hurst_exponent():
-    # Midpoints without further additions approach the exponent from below as the range of scales opens: the
-    # larger squares leave a background that is smooth, so its increments grow with the distance itself.
-    near = structure_exponent(1024, 0.5, [8, 16, 32, 64], 4)
-    far = structure_exponent(128, 0.5, [8, 16, 32], 40)
-    assert far < near < 0.5
-    assert near == pytest.approx(0.5, abs=0.04)
-    assert structure_exponent(1024, 0.3, [8, 16, 32, 64], 2) == pytest.approx(0.3, abs=0.02)
-
-
 def test_wrong_numbers_are_refused():
     # Other types of numbers are tried on all public functions, in test_public_calls.
     wrong: dict[str, Any] = {"size": (1, 3, 100), "hurst": (0, 1.01), "delta": (0, -1.0), "seed": (-1,)}
