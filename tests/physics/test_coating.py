@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.polynomial import polynomial
 
 import asperity as asp
 from asperity.lattice import Lattice
 from asperity.solids.coating import Coated, Material
+from tests.continua import talbot
 from tests.refusals import refuses
 from tests.surfaces import correlated
 
@@ -39,11 +39,11 @@ def stiffness_of_layers(q, thickness, film, base):
 
     top = solutions(film, 0.0, (1, -1))
     bottom, below = solutions(film, -thickness, (1, -1)), solutions(base, -thickness, (1,))
-    matrix = np.zeros((6, 6))
+    matrix = np.zeros((6, 6), dtype=complex)
     matrix[:2, :4] = top[2:]
     matrix[2:, :4], matrix[2:, 4:] = bottom, -below
     found = np.linalg.solve(matrix, [1.0, 0, 0, 0, 0, 0])
-    return 1 / float(top[0] @ found[:4])
+    return 1 / (top[0] @ found[:4])
 
 
 @pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])
@@ -64,17 +64,6 @@ def test_limits_are_a_half_space_and_a_layer():
     assert hard.flat[0] == 0
 
 
-def talbot(transform, t, count=24):
-    """Numerical inverse of a Laplace transform (A. Talbot, J. Inst. Math. Appl. 23, 97 (1979))."""
-    r = 2 * count / (5 * t)
-    theta = np.arange(1, count) * np.pi / count
-    s = r * theta * (1 / np.tan(theta) + 1j)
-    sigma = theta + (theta / np.tan(theta) - 1) / np.tan(theta)
-    values = np.array([transform(one) for one in s])
-    total = 0.5 * np.exp(r * t) * transform(r).real
-    return r / count * (total + np.sum((np.exp(t * s) * values * (1 + 1j * sigma)).real))
-
-
 POWER_LAW = asp.relaxation.power_law(modulus=1.0, exponent=0.5, time=1.0, first=1e-2, last=1e6).branches
 
 
@@ -87,17 +76,12 @@ def test_relaxation_in_time_is_that_of_the_transform(x, branches):
     line = Lattice((64,), (2 * np.pi / 64 / x * FILM["thickness"],))  # wave 1 has q thickness = x
     spectra = solid.on(line)
 
-    def modulus(s, at_once, poisson, parts):
-        relaxed = sum(share / (1 + s * tau) for share, tau in parts)
-        return at_once * (1 - poisson) / 2 * (1 - relaxed)
+    def modulus(s, at_once, parts):
+        return at_once * (1 - sum(share / (1 + s * tau) for share, tau in parts))
 
     def transform(s):
-        film, base = modulus(s, 2.0, 0.4, branches), modulus(s, 0.5, 0.25, base_branches)
-        g, near, nu1, nu0 = film / base, np.exp(-2 * x), 0.4, 0.25
-        m, n = (g - 1) / (g + 3 - 4 * nu1), 1 - 4 * (1 - nu1) / (1 + g * (3 - 4 * nu0))
-        top = polynomial.polyval(near, [1.0, 4 * m * x, -m * n])
-        bottom = polynomial.polyval(near, [1.0, -(m + n + 4 * m * x**2), m * n])
-        return film / (1 - nu1) * bottom / top / s
+        film, base = modulus(s, 2.0, branches), modulus(s, 0.5, base_branches)
+        return stiffness_of_layers(x, 1.0, (film, 0.4), (base, 0.25)) / s
 
     at_once = (spectra.permanent + spectra.creeping.sum(axis=0))[1]
     scale = at_once / (talbot(transform, 1e-9) or 1.0)

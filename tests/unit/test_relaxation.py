@@ -21,6 +21,7 @@ from asperity.relaxation import (
     wlf,
 )
 from asperity.relaxation.laws import mittag_leffler
+from tests.continua import talbot
 from tests.refusals import refuses
 
 
@@ -31,20 +32,15 @@ def series(count, permanent, decades=8.0):
     return PronySeries(3.5, tuple(zip(shares.tolist(), times.tolist(), strict=True)))
 
 
-def compliance_by_talbot(solid, time, nodes=22):
-    """J(t) from its Laplace transform 1/(s^2 G(s)), by J. Abate and P. P. Valko's fixed Talbot contour."""
+def compliance_by_talbot(solid, time):
+    """J(t) from its Laplace transform 1/(s^2 G(s))."""
     shares, times = np.array(solid.branches).T
-    angle = np.arange(1, nodes) * math.pi / nodes
-    r = 2 * nodes / (5 * time)
-    s = r * angle * (1 / np.tan(angle) + 1j)
-    sigma = angle + (angle / np.tan(angle) - 1) / np.tan(angle)
 
     def transform(s):
-        x = s[:, None] * times
-        return 1 / (s * solid.modulus * (solid.permanent + (shares * x / (1 + x)).sum(-1)))
+        x = s * times
+        return 1 / (s * solid.modulus * (solid.permanent + (shares * x / (1 + x)).sum()))
 
-    ends = 0.5 * math.exp(r * time) * transform(np.array([r]))[0]
-    return float(r / nodes * (ends + np.sum(np.exp(time * s) * transform(s) * (1 + 1j * sigma))).real)
+    return talbot(transform, time)
 
 
 @pytest.mark.parametrize(("count", "permanent"), [(1, 0.3), (3, 0.0), (70, 1e-6)])

@@ -45,20 +45,13 @@ def test_door_accepts_whatever_is_an_array_and_never_aliases_it():
 
 
 def test_door_refuses_what_is_no_surface():
-    holed = np.zeros((4, 5))
-    holed[1, 3] = holed[2, 0] = math.nan
-    holed[3, 3] = -math.inf
+    # More is given to `asperity.press` in test_refusals, by way of the same door.
     wrong: list[Any] = [
-        1.0,
-        np.zeros((2, 3, 4)),
-        np.zeros((3, 0)),
         "rough",
         None,
         [True, False],
-        np.zeros(3, dtype=complex),
         np.array(["2020-01-01"], dtype="datetime64[D]"),
         np.array([1.0, None]),
-        holed,
         np.ma.masked_equal([[0.0, 1.0], [7.0, 7.0]], 7.0),
     ]
     if np.finfo(np.longdouble).max > np.finfo(float).max:

@@ -108,10 +108,9 @@ def test_the_hurst_exponent_is_found(hurst):
             low, high = found.fit.interval
             assert low <= hurst <= high, (name, seed, found.fit)
             assert high - low < 0.35, (name, seed, found.fit)
-            middle = math.sqrt(found.wave_number[0] * found.wave_number[-1])
-            near = int(np.argmin(np.abs(np.log(found.wave_number / middle))))
-            there = found.fit.power(found.wave_number[near])
-            assert float(there) == pytest.approx(found.power[near], rel=0.5)
+            middle = found.wave_number.size // 2
+            there = found.fit.power(found.wave_number[middle])
+            assert float(there) == pytest.approx(found.power[middle], rel=0.5)
 
 
 def test_the_range_ends_at_roll_off_and_cutoff_or_where_it_is_told():
@@ -129,13 +128,13 @@ def test_the_range_ends_at_roll_off_and_cutoff_or_where_it_is_told():
 def test_a_mirrored_scan_is_measured_once(tmp_path):
     part = spectral((300, 300), hurst=0.7, cutoff=3, seed=2)[:120, :150]
     np.save(tmp_path / "scan.npy", part)
-    mirrored, alone, edges = (
+    mirrored, *alone = (
         power_spectrum(read(tmp_path / "scan.npy", periodic=rule, pixel_size=0.5))
         for rule in ("mirror", "wrap", "reflect")
     )
     assert mirrored.window == "Hann"
-    np.testing.assert_array_equal(mirrored.power, alone.power)
-    np.testing.assert_array_equal(mirrored.power, edges.power)
+    for other in alone:
+        np.testing.assert_array_equal(mirrored.power, other.power)
     assert mirrored.fit is not None
     assert mirrored.fit.longest <= 0.5 * 120 / 3
 
@@ -191,36 +190,36 @@ def test_a_self_affine_spectrum_gives_the_spectral_surface(shape, size, hurst):
 
 @pytest.mark.filterwarnings("ignore:invalid value")
 def test_what_is_no_spectrum_is_refused():
-    rough = gaussian((32, 32))
-    calls: list[tuple[str, Any, dict[str, Any]]] = [
-        ("hurst", spectral, {"hurst": 1.1}),
-        ("cutoff", spectral, {"cutoff": 1.0}),
-        ("cutoff", spectral, {"cutoff": 17.0, "roll_off": 16.0}),
-        ("roll_off", spectral, {"roll_off": 1.0}),
-        ("rms_slope", spectral, {"rms_slope": 0.0}),
-        ("roughness", spectral, {"rms_slope": 1.0, "rms_height": 2.0}),
-        ("spacing", spectral, {"spacing": (1.0, 2.0, 3.0)}),
-        ("shape", spectral, {"cutoff": 50.0, "roll_off": 60.0}),
-        *(
-            ("spectrum", from_spectrum, {"spectrum": wrong})
-            for wrong in (
-                ([1.0, 1.0], [2.0, 2.0]),
-                ([1.0, 2.0], [2.0, 2.0, 2.0]),
-                ([100.0, 200.0], [1.0, 1.0]),
-                3.0,
-                lambda q: -q,
-                lambda q: np.log(q - 1.0),
-                lambda q: q[:3],
-            )
-        ),
-        ("q", from_spectrum, {"spectrum": ([0.0, 1.0], [1.0, 1.0])}),
-        ("C", from_spectrum, {"spectrum": ([1.0, 2.0], [1.0, 0.0])}),
-        ("longest, shortest", power_spectrum, {"longest": 2.2, "shortest": 2.1}),
-        ("shortest", power_spectrum, {"longest": 5.0, "shortest": 6.0}),
+    of_own: list[tuple[str, Any]] = [
+        ("spectrum", ([1.0, 1.0], [2.0, 2.0])),
+        ("spectrum", ([1.0, 2.0], [2.0, 2.0, 2.0])),
+        ("spectrum", ([100.0, 200.0], [1.0, 1.0])),
+        ("spectrum", 3.0),
+        ("spectrum", lambda q: -q),
+        ("spectrum", lambda q: np.log(q - 1.0)),
+        ("spectrum", lambda q: q[:3]),
+        ("q", ([0.0, 1.0], [1.0, 1.0])),
+        ("C", ([1.0, 2.0], [1.0, 0.0])),
     ]
-    for name, make, options in calls:
+    for name, wrong in of_own:
         with refuses(name):
-            make(rough if make is power_spectrum else (32, 16), **options)
+            from_spectrum((32, 16), wrong)
+    self_affine: list[tuple[str, dict[str, Any]]] = [
+        ("hurst", {"hurst": 1.1}),
+        ("cutoff", {"cutoff": 1.0}),
+        ("cutoff", {"cutoff": 17.0, "roll_off": 16.0}),
+        ("roll_off", {"roll_off": 1.0}),
+        ("rms_slope", {"rms_slope": 0.0}),
+        ("roughness", {"rms_slope": 1.0, "rms_height": 2.0}),
+        ("spacing", {"spacing": (1.0, 2.0, 3.0)}),
+        ("shape", {"cutoff": 50.0, "roll_off": 60.0}),
+    ]
+    for name, options in self_affine:
+        with refuses(name):
+            spectral((32, 16), **options)
+    for name, longest, shortest in (("longest, shortest", 2.2, 2.1), ("shortest", 5.0, 6.0)):
+        with refuses(name):
+            power_spectrum(gaussian((32, 32)), longest=longest, shortest=shortest)
 
 
 @pytest.mark.parametrize(
