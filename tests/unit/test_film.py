@@ -28,21 +28,16 @@ def aged():
     return age(contact, [0.1, 1.0, 10.0], fields_at=[0.0, 0.5, 10.0], rtol=1e-2)
 
 
-def frame(film, number):
-    """Map and place of the pointer."""
-    film._func(number)
-    left, right = film._fig.axes
-    return left.images[0].get_array(), float(right.lines[-1].get_xdata()[0])
-
-
 def test_each_frame_is_a_map_and_its_time(aged):
     film = aged.animate()
     assert isinstance(film, Film)
     black = to_rgb("black")
     left_end = film._fig.axes[1].get_xlim()[0]
     for number, time in enumerate((left_end, 0.5, 10.0)):
-        drawn, place = frame(film, number)
-        assert place == pytest.approx(time)
+        film._func(number)
+        left, right = film._fig.axes
+        drawn = left.images[0].get_array()
+        assert right.lines[-1].get_xdata()[0] == pytest.approx(time)
         touching = aged["in_contact"].values[number]
         kept = touching & aged["in_contact"].values[0]
         np.testing.assert_array_equal((drawn == black).all(axis=-1), kept)

@@ -132,22 +132,11 @@ def test_pure_logarithm_leaves_a_open_but_not_C():
 
 @pytest.mark.parametrize("law", [saturation, logarithm])
 def test_a_late_piece_of_a_logarithm_does_not_determine_its_beginning(law):
-    time = TIME[40:]
-    rng = np.random.default_rng(0)
-    area = 7 * (1 + 0.3 * np.log1p(time / 2)) * (1 + 1e-3 * rng.normal(size=time.size))
-    fit = law(time, area)
-    assert all(math.isfinite(value) for value in (fit.C, fit.t0, fit.initial_area, fit.initial_area_stderr))
-    assert fit.t0_stderr > fit.t0
-    assert fit.initial_area_stderr > 0.1 * fit.initial_area
-    # What the piece does determine, the curve itself, is there.
-    assert fit.predict(time) == pytest.approx(area, rel=5e-3)
-
-
-def test_a_search_along_a_valley_ends():
-    """Times long after t0: along a line the squares hardly change, and a search for the last digit creeps."""
+    """Along a valley the squares hardly change: a search for the last digit would creep there, and must end."""
     time, noise = np.geomspace(10, 3e3, 36), np.random.default_rng(8).normal(size=36)
-    fit = saturation(time, 1 + 0.004 * np.log1p(time / 4e-3) + 6e-4 * noise)
+    fit = law(time, 1 + 0.004 * np.log1p(time / 4e-3) + 6e-4 * noise)
     assert fit.rms_residual == pytest.approx(6e-4, rel=0.3)
+    assert all(math.isfinite(value) for value in (fit.C, fit.t0, fit.initial_area, fit.initial_area_stderr))
     assert fit.t0_stderr > fit.t0
 
 

@@ -89,14 +89,6 @@ def test_a_blurred_disc(width):
     assert seen.patches.count == 1
 
 
-def test_a_pixel_that_is_larger_than_a_patch_sees_it_or_not():
-    touching = np.zeros((40, 40), dtype=bool)
-    touching[2:5, 2:5] = True  # 9 of the 64 sites of a pixel
-    assert asp.observe(touching, pixel=8.0, threshold=0.5).area == 0
-    assert asp.observe(touching, pixel=8.0, threshold=9 / 64).area == 64
-    assert asp.observe(touching, pixel=8.0).area == pytest.approx(9)
-
-
 def test_lengths_are_those_of_the_contact(contact):
     assert 20 < contact.area < 700
     itself = asp.observe(contact, threshold=0.5)

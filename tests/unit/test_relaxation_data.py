@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import approx_fprime
 
 from asperity.errors import Remark
 from asperity.figures import relaxation_figure
@@ -92,15 +93,10 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables):
     held, widths = np.zeros((2, 2)), []
     # Standard errors of ln G(t) with shares and times of two branches, by propagation of 1 % of noise.
     numbers = np.array([1.0, *np.ravel(TWO.branches)])
-
-    def logarithm(numbers):
-        (modulus, *branches), t = numbers, SECONDS
-        pairs = zip(branches[::2], branches[1::2], strict=True)
-        return np.log(modulus * (1 + sum(share * np.expm1(-t / time) for share, time in pairs)))
-
-    steps = 1e-6 * np.diag(numbers)
-    slopes = [(logarithm(numbers + d) - logarithm(numbers - d)) / (2 * d.sum()) for d in steps]
-    errors = 0.01 * np.sqrt(np.diag(np.linalg.inv(np.array(slopes) @ np.transpose(slopes))))[1:].reshape(2, 2)
+    slopes = approx_fprime(
+        numbers, lambda n: np.log(PronySeries(n[0], n[1:].reshape(2, 2)).modulus_at(SECONDS)), 1e-7 * numbers
+    )
+    errors = 0.01 * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))[1:].reshape(2, 2)
     for seed in range(tables):
         found = fit(Relaxation(SECONDS, noisy(TWO.modulus_at(SECONDS), 0.01, seed), noise=0.2))
         assert len(found.series.branches) == 2
@@ -210,10 +206,8 @@ def write(tmp_path, monkeypatch):
 def test_headers_say_what_columns_are_and_in_which_unit(write):
     headers: list[tuple[str, tuple[float, ...]]] = [
         ("t/s,E/GPa", (1, 1e9)),
-        ("Time (h),E(t) [MPa]", (3600, 1e6)),
         ("t [ms],relaxation modulus (psi)", (1e-3, 6894.757293168)),
         ("elapsed time (min),G in N/mm^2", (60, 1e6)),
-        ("t_s,J_1/GPa", (1, 1e-9)),
         ("time [s],J(t) [GPa^-1]", (1, 1e-9)),
         ("time_s,compliance_per_MPa", (1, 1e-6)),
         ("frequency_Hz,storage_MPa,loss_MPa", (2 * math.pi, 1e6, 1e6)),
