@@ -48,7 +48,7 @@ def stiffness_of_layers(q, thickness, film, base):
 
 @pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])
 def test_the_stiffness_is_that_of_the_equations_of_elasticity(film, base):
-    coated = Coated(Material(*film, ()), Material(*base, ()), 1.0)
+    coated = Coated(Material(film[0], film[1], ()), Material(base[0], base[1], ()), 1.0)
     x = np.array([0.05, 0.4, 1.0, 3.0])
     expected = [stiffness_of_layers(one, 1.0, film, base) for one in x]
     np.testing.assert_allclose(coated.over_wave_number(x, 0.0) * x, expected, rtol=1e-9)

@@ -132,7 +132,7 @@ def test_pure_logarithm_leaves_a_open_but_not_C():
 
 @pytest.mark.parametrize("law", [saturation, logarithm])
 def test_a_late_piece_of_a_logarithm_does_not_determine_its_beginning(law):
-    """Along a valley the squares hardly change: a search for the last digit would creep there, and must end."""
+    """Along a valley the squares hardly change: a search for the last digit would creep there."""
     time, noise = np.geomspace(10, 3e3, 36), np.random.default_rng(8).normal(size=36)
     fit = law(time, 1 + 0.004 * np.log1p(time / 4e-3) + 6e-4 * noise)
     assert fit.rms_residual == pytest.approx(6e-4, rel=0.3)

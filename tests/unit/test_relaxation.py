@@ -121,7 +121,7 @@ def test_dynamic_moduli_are_the_transform_of_relaxation():
     solid = PronySeries(2.0, ((0.3, 0.2), (0.5, 3.0)))
     end = 2.0 * solid.permanent
     for omega in (0.1, 1.0, 8.0):
-        part = {"wvar": omega, "epsabs": 1e-12, "limit": 400}
+        part: dict[str, Any] = {"wvar": omega, "epsabs": 1e-12, "limit": 400}
         storage, loss = (
             omega * quad(lambda t: float(solid.modulus_at(t)) - end, 0, 80, weight=weight, **part)[0]
             for weight in ("sin", "cos")

@@ -124,21 +124,21 @@ def test_surface_is_an_array_that_cannot_be_changed():
 
 
 @pytest.mark.parametrize(
-    ("lengths", "across", "units"),
+    ("unit", "size", "lateral", "across", "units"),
     [
-        (("nm", (0.5,), "um"), 500, ("1", "1/nm")),  # 1 nm in 500 nm
-        (("rms", (0.5,), "um"), 0.5, ("rms/um", "rms/um^2")),
-        (("nm", None, None), 1.0, ("nm/pixel", "nm/pixel^2")),
-        (("nm", (0.5,), None), 0.5, ("nm/unit of length", "nm/(unit of length)^2")),
+        ("nm", (0.5,), "um", 500, ("1", "1/nm")),  # 1 nm in 500 nm
+        ("rms", (0.5,), "um", 0.5, ("rms/um", "rms/um^2")),
+        ("nm", None, None, 1.0, ("nm/pixel", "nm/pixel^2")),
+        ("nm", (0.5,), None, 0.5, ("nm/unit of length", "nm/(unit of length)^2")),
     ],
 )
-def test_surface_converts_its_pixel_size_to_measure_its_slope(lengths, across, units):
-    told = {"undefined_pixels": 2}
-    ramp, bowl = (Surface(np.arange(5.0) ** n, *lengths, told).describe() for n in (1, 2))
+def test_surface_converts_its_pixel_size_to_measure_its_slope(unit, size, lateral, across, units):
+    told: Any = {"undefined_pixels": 2}
+    ramp, bowl = (Surface(np.arange(5.0) ** n, unit, size, lateral, told).describe() for n in (1, 2))
     assert ramp.rms_slope == pytest.approx(1 / across)
     assert bowl.rms_curvature == pytest.approx(2 / across**2)
     assert (ramp.slope_unit, ramp.curvature_unit) == units
-    assert (ramp.unit, ramp.undefined_pixels) == (lengths[0], 2)
+    assert (ramp.unit, ramp.undefined_pixels) == (unit, 2)
 
 
 def test_a_part_by_pixels_and_by_lengths():
@@ -187,7 +187,7 @@ def test_a_band_of_waves(edges):
 
 def test_a_band_of_a_reflecting_surface_is_that_of_its_mirror_images():
     np.save("a.npy", ROUGH)
-    limits = {"shortest": 4.0, "longest": 20.0}
+    limits: dict[str, Any] = {"shortest": 4.0, "longest": 20.0}
     images, alone = (read("a.npy", periodic=rule, tilt="mean", **limits) for rule in ("mirror", "reflect"))
     assert (images.edges, alone.edges, alone.shape) == ("periodic", "reflecting", ROUGH.shape)
     np.testing.assert_array_equal(images.scan.heights, alone.heights)
