@@ -178,7 +178,7 @@ def test_an_ensemble_is_the_fit_of_the_mean_with_the_scatter_of_the_runs():
     # The mean curve is a logarithm again, with the mean slope: its error is that of a mean.
     slope = found.parameters["slope"]
     assert float(slope.value) == pytest.approx(growth.mean(), rel=1e-6)
-    assert float(slope.stderr) == pytest.approx(float(sem(growth)[0]), rel=1e-5)
+    assert float(slope.stderr) == pytest.approx(sem(growth, axis=None), rel=1e-5)
     # The curve itself is exact: the errors of a single fit know nothing of the scatter.
     assert found.mean.slope_stderr < 1e-6 * float(slope.stderr)
     # Any fit serves.

@@ -66,7 +66,11 @@ def test_balls_stand_where_they_are_told_and_the_highest_wins():
         expected = np.where(square <= radius**2, np.maximum(expected, ball), expected)
     np.testing.assert_allclose(made.heights, expected, atol=1e-14)
     assert made.provenance["y"] == [5.0, 20.0, 22.0]
-    texts = {"radii": ["4 m", "600 cm", "5 m"], "heights": ["0.5 m", "0 m", "-50 cm"], "pixel_size": "1 m"}
+    texts: Any = {
+        "radii": ["4 m", "600 cm", "5 m"],
+        "heights": ["0.5 m", "0 m", "-50 cm"],
+        "pixel_size": "1 m",
+    }
     written = array((32, 48), places=[("5 m", "6 m"), ("20 m", "30 m"), ("22 m", "3300 cm")], **texts)
     np.testing.assert_allclose(written.heights, made.heights, atol=1e-12)
 

@@ -108,12 +108,13 @@ def test_text_is_read_with_any_delimiter():
 
 
 def test_the_labels_of_pandas_are_no_heights():
-    for options, told in (
+    cases: list[tuple[Any, list[str]]] = [
         ({}, ["columns and lines"]),
         ({"index": False}, ["columns"]),
         ({"header": False}, ["lines"]),
         ({"index": False, "header": False}, []),
-    ):
+    ]
+    for options, told in cases:
         pd.DataFrame(ROUGH).to_csv("surface.csv", **options)
         surface = read("surface.csv", **AS_IT_IS)
         np.testing.assert_array_equal(surface.heights, ROUGH)
