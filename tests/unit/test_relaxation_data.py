@@ -317,13 +317,3 @@ def test_on_a_plateau_the_last_modulus_stays_within_the_misfit(modulus, per_deca
     crept = fit(Creep(SECONDS, 1 / modulus), per_decade=1.0, extrapolate="plateau")
     compliance = crept.series.compliance_at([5e3, 1e5])
     np.testing.assert_allclose(compliance, 1 / modulus[-1], rtol=crept.series.error)
-
-
-@pytest.mark.slow
-def test_the_tables_that_noise_would_give_end_in_a_plateau_too():
-    data = Relaxation(SECONDS, noisy(TO_LAST.modulus_at(SECONDS), 0.01, 0))
-    drawn = fit(data, extrapolate="plateau").resampled
-    assert len(drawn) > 100
-    for one in drawn:
-        last = one.data.columns[1][0][-1]
-        np.testing.assert_allclose(one.series.modulus_at(5e3), last, rtol=one.series.error)
