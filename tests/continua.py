@@ -1,4 +1,4 @@
-"""Contacts of continua on lattices of any spacing and edges, made by hand; and the creep of branches."""
+"""Contacts of continua on lattices of any spacing and edges, made by hand; and transforms of their creep."""
 
 import numpy as np
 
@@ -25,3 +25,14 @@ def love(shape, sides):
             r = np.hypot(Y, X)
             integral += 4 * v * w * (X * np.log(Y + r) + Y * np.log(X + r))
     return integral / np.pi
+
+
+def talbot(transform, t, count=22):
+    """Numerical inverse of a Laplace transform; A. Talbot (1979), J. Abate and P. P. Valko (2004)."""
+    theta = np.arange(1, count) * np.pi / count
+    r = 2 * count / (5 * t)
+    s = r * theta * (1 / np.tan(theta) + 1j)
+    sigma = theta + (theta / np.tan(theta) - 1) / np.tan(theta)
+    values = np.array([transform(one) for one in s])
+    ends = 0.5 * np.exp(r * t) * transform(r).real
+    return r / count * (ends + np.sum((np.exp(t * s) * values * (1 + 1j * sigma)).real))

@@ -1,26 +1,22 @@
 """Single asperities: their shapes in closed form, their units, and what is refused."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.lattice import Edges
 from asperity.surfaces import Surface, array, paraboloid, punch, sphere
 from tests.refusals import refuses
 
 MICRON = 1e-6
 
 
-def middle(n: int, step: float) -> Any:
+def middle(n, step):
     return step * (np.arange(n) - (n - 1) / 2)
 
 
-@pytest.mark.parametrize("shape", [(40, 61), (33, 32)])
-def test_a_ball_is_exact_and_stands_on_a_flat_at_its_center(shape: Any) -> None:
-    steps, radius = (1e-6, 0.5e-6), 12e-6
+def test_a_ball_is_exact_and_stands_on_a_flat_at_its_center():
+    shape, steps, radius = (40, 61), (1e-6, 0.5e-6), 12e-6
     ball = sphere(shape, radius=radius, pixel_size=steps)
     y, x = (middle(n, step) for n, step in zip(shape, steps, strict=True))
     distance = np.hypot(y[:, None], x)
@@ -28,7 +24,6 @@ def test_a_ball_is_exact_and_stands_on_a_flat_at_its_center(shape: Any) -> None:
     on_it = distance <= radius
     np.testing.assert_allclose(np.hypot(distance, ball.heights + radius)[on_it], radius, rtol=1e-14)
     assert (ball.heights[~on_it] == -radius).all()
-    assert 0 < on_it.sum() < on_it.size
     assert -radius < ball.heights[on_it].min()
     assert ball.heights.max() == pytest.approx(0, abs=max(steps) ** 2 / radius)
     np.testing.assert_array_equal(ball.heights, ball.heights[::-1, ::-1])
@@ -37,48 +32,30 @@ def test_a_ball_is_exact_and_stands_on_a_flat_at_its_center(shape: Any) -> None:
     assert ball.provenance == made | {"pixel_size": list(steps), "length_unit": "m"}
 
 
-def test_a_large_ball_keeps_all_digits() -> None:
+def test_a_large_ball_keeps_all_digits():
     # To the order that doubles hold, 1 km of radius fall by r^2 / 2 R: 1e-15 m, where R is known to 1e-13 m.
-    ball = sphere((65, 65), radius=1e3, pixel_size=MICRON)
+    ball = sphere((65, 65), radius="1 km", pixel_size="1 um")
     square = middle(65, MICRON) ** 2
     np.testing.assert_allclose(ball.heights, -(square[:, None] + square) / 2e3, rtol=1e-14)
 
 
-def test_texts_with_units_are_taken() -> None:
-    one, other = (
-        sphere((16, 16), radius="1 mm", pixel_size="1 um"),
-        sphere((16, 16), radius=1e-3, pixel_size=1e-6),
-    )
-    np.testing.assert_allclose(one.heights, other.heights, rtol=1e-12)
-    places: Any = [("3 um", "4 um"), ("9 um", "8 um")]
-    one = array((16, 16), places=places, radii=["4 um", "5 um"], heights=["0 m", "-1 um"], pixel_size="1 um")
-    numbers: Any = [[3e-6, 4e-6], [9e-6, 8e-6]]
-    other = array((16, 16), places=numbers, radii=[4e-6, 5e-6], heights=[0, -1e-6], pixel_size=1e-6)
-    np.testing.assert_allclose(one.heights, other.heights, atol=1e-18)
-
-
-def test_a_paraboloid_has_its_curvatures() -> None:
+def test_a_paraboloid_has_its_curvatures():
     one = paraboloid((30, 31), radius=("2 mm", "0.5 mm"), pixel_size=(2e-6, 1e-6))
     for axis, radius, step in ((0, 2e-3, 2e-6), (1, 0.5e-3, 1e-6)):
         np.testing.assert_allclose(np.diff(one.heights, 2, axis) / step**2, -1 / radius, rtol=1e-9)
     assert one.heights.max() == -(1e-6**2) / 4e-3
-    round_one, ball = (
-        make((64, 64), radius=1e-3, pixel_size=MICRON).heights for make in (paraboloid, sphere)
-    )
-    assert np.abs(round_one - ball).max() < (45e-6) ** 4 / (8 * 1e-9) * 1.01  # r^4 / 8 R^3
 
 
-def test_a_punch_is_flat_on_the_sites_whose_center_is_within_its_edge() -> None:
+def test_a_punch_is_flat_on_the_sites_whose_center_is_within_its_edge():
     one = punch((64, 65), radius=20e-6, pixel_size=MICRON)
     within = np.hypot(np.arange(64)[:, None] - 31.5, np.arange(65) - 32) <= 20
     np.testing.assert_array_equal(one.heights, np.where(within, 0.0, -20e-6))
     # A site on the very edge counts on either side, whatever rounding does.
     edge = punch((9, 9), radius=3 * 0.1e-6, pixel_size=0.1e-6).heights == 0
-    assert edge[4].tolist() == [False, *[True] * 7, False]
-    assert edge[:, 4].tolist() == edge[4].tolist()
+    assert edge[4].tolist() == edge[:, 4].tolist() == [False, *[True] * 7, False]
 
 
-def test_balls_stand_where_they_are_told_and_the_highest_wins() -> None:
+def test_balls_stand_where_they_are_told_and_the_highest_wins():
     places, radii, tops = [[5.0, 6.0], [20.0, 30.0], [22.0, 33.0]], [4.0, 6.0, 5.0], [0.5, 0.0, -0.5]
     made = array((32, 48), places=places, radii=radii, heights=tops, pixel_size=1.0)
     grid = np.indices((32, 48))
@@ -88,60 +65,47 @@ def test_balls_stand_where_they_are_told_and_the_highest_wins() -> None:
         ball = top - radius + np.sqrt(np.maximum(radius**2 - square, 0))
         expected = np.where(square <= radius**2, np.maximum(expected, ball), expected)
     np.testing.assert_allclose(made.heights, expected, atol=1e-14)
-    assert [made.heights[5, 6], made.heights[20, 30]] == [0.5, 0.0]
     assert made.provenance["y"] == [5.0, 20.0, 22.0]
-    alone = array((16, 17), places=[[7.5, 8.0]], radii=6.0, pixel_size=1.0)
-    np.testing.assert_array_equal(
-        alone.heights, sphere((16, 17), radius=6.0, pixel_size=1.0, edges="reflecting").heights
-    )
+    texts: Any = {
+        "radii": ["4 m", "600 cm", "5 m"],
+        "heights": ["0.5 m", "0 m", "-50 cm"],
+        "pixel_size": "1 m",
+    }
+    written = array((32, 48), places=[("5 m", "6 m"), ("20 m", "30 m"), ("22 m", "3300 cm")], **texts)
+    np.testing.assert_allclose(written.heights, made.heights, atol=1e-12)
 
 
-def test_on_a_periodic_lattice_a_ball_goes_on_at_the_other_edge() -> None:
-    def ball(y: float, x: float, edges: Edges) -> Any:
+def test_on_a_periodic_lattice_a_ball_goes_on_at_the_other_edge():
+    def ball(y, x, edges):
         return array((20, 24), places=[[y, x]], radii=7.0, pixel_size=1.0, edges=edges)
 
-    inside, wrapped = ball(9, 11, "periodic"), ball(1, 22, "periodic")
+    inside, wrapped, cut = ball(9, 11, "periodic"), ball(1, 22, "periodic"), ball(1, 22, "free")
     np.testing.assert_array_equal(np.roll(inside.heights, (-8, 11), (0, 1)), wrapped.heights)
     assert wrapped.edges == "periodic"
-    assert (ball(1, 22, "free").heights <= wrapped.heights).all()
-    assert (ball(1, 22, "free").heights < wrapped.heights).any()
+    assert (cut.heights <= wrapped.heights).all()
+    assert (cut.heights < wrapped.heights).any()
 
 
-WRONG: list[tuple[Any, str, dict[str, Any]]] = [
-    (sphere, "shape", {"shape": 256}),
-    (sphere, "shape", {"shape": (256,)}),
-    (sphere, "radius", {"radius": 0}),
-    (sphere, "radius", {"radius": -1e-3}),
-    (sphere, "radius", {"radius": 0.9e-6}),
-    (sphere, "radius", {"radius": np.inf}),
-    (sphere, "radius", {"radius": "1"}),
-    (sphere, "radius", {"radius": "1 s"}),
-    (sphere, "radius", {"radius": (1e-3, 2e-3)}),
-    (sphere, "pixel_size", {"pixel_size": 0.0}),
-    (sphere, "pixel_size", {"pixel_size": "1 kg"}),
-    (sphere, "edges", {"edges": "open"}),
-    (paraboloid, "radius", {"radius": (1e-3, 2e-3, 3e-3)}),
-    (paraboloid, "radius", {"radius": (1e-3, -2e-3)}),
-    (punch, "radius", {"radius": 1e-7}),
-    (array, "places", {"places": [(1e-5, 1e-5), (1e-3, 1e-5)]}),
-    (array, "places", {"places": [(1e-5, -2e-6)]}),
-    (array, "places", {"places": (1e-5, 1e-5)}),
-    (array, "places", {"places": [(1e-5, 1e-5, 0.0)]}),
-    (array, "places", {"places": []}),
-    (array, "places", {"places": [("1 um", "2 s")]}),
-    (array, "places", {"places": None}),
-    (array, "radii", {"radii": [1e-3, 2e-3, 3e-3]}),
-    (array, "radii", {"radii": [1e-3, 0.0]}),
-    (array, "heights", {"heights": [0.0, 1e-6, 0.0]}),
-    (array, "heights", {"heights": np.inf}),
+WRONG: list[tuple[Any, str, list[Any]]] = [
+    (sphere, "shape", [256, (256,)]),
+    (sphere, "radius", [0.9e-6, np.inf, "1", "1 s", (1e-3, 2e-3)]),
+    (sphere, "pixel_size", [0.0, "1 kg"]),
+    (sphere, "edges", ["open"]),
+    (paraboloid, "radius", [(1e-3, 2e-3, 3e-3), (1e-3, -2e-3)]),
+    (punch, "radius", [1e-7]),
+    (array, "places", [[(1e-5, 1e-5), (1e-3, 1e-5)], [(1e-5, -2e-6)], (1e-5, 1e-5), []]),
+    (array, "places", [[("1 um", "2 s")], None]),
+    (array, "radii", [[1e-3, 2e-3, 3e-3], [1e-3, 0.0]]),
+    (array, "heights", [[0.0, 1e-6, 0.0], np.inf]),
 ]
 
 
-def test_what_is_no_asperity_is_refused() -> None:
+def test_what_is_no_asperity_is_refused():
     places = [(1e-5, 1e-5), (2e-5, 3e-5)]
-    for make, name, wrong in WRONG:
+    for make, name, values in WRONG:
         given: dict[str, Any] = {"shape": (64, 48), "pixel_size": 1e-6}
         given |= {"places": places, "radii": 1e-3} if make is array else {"radius": 1e-3}
         assert isinstance(make(**given), Surface)
-        with refuses(name):
-            make(**given | wrong)
+        for wrong in values:
+            with refuses(name):
+                make(**given | {name: wrong})

@@ -1,54 +1,59 @@
-"""The rules that make a measurement ready: filling, tilt, unit, periodicity."""
+"""The rules that make a measurement ready: filling, tilt, spikes, unit, square pixels, periodicity."""
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.surfaces import levelling, prepare
+from asperity.surfaces import Surface, levelling, prepare, read, spectral
 from tests.refusals import refuses
 
-
-def relaxed(heights: Any, sweeps: int = 4000) -> Any:
-    """Harmonic filling by Jacobi sweeps, site by site: slow and obvious."""
-    missing = [tuple(site) for site in np.argwhere(np.isnan(heights))]
-    filled = np.where(np.isnan(heights), np.nanmean(heights), heights)
-    for _ in range(sweeps):
-        old = filled.copy()
-        for site in missing:
-            around = []
-            for axis, n in enumerate(heights.shape):
-                for step in (-1, 1):
-                    other = list(site)
-                    other[axis] += step
-                    if 0 <= other[axis] < n:
-                        around.append(old[tuple(other)])
-            filled[site] = sum(around) / len(around)
-    return filled
+EDGES = "the contact would be at the edges"
+U, V = np.meshgrid(np.linspace(-1, 1, 96), np.linspace(-1, 1, 80), indexing="ij")
 
 
-def holed(shape: Any, fraction: float, seed: int) -> Any:
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def as_read(heights, **options):
+    np.save("scan.npy", heights)
+    return read("scan.npy", **{"periodic": "reflect", **options})
+
+
+def rough(seed, **options):
+    """A part of a larger surface, of rms height 1."""
+    heights = spectral((256, 256), cutoff=4, seed=seed, **options)[:96, :80]
+    return heights / heights.std()
+
+
+def holed(shape, fraction, seed):
     rng = np.random.default_rng(seed)
     heights = rng.normal(size=shape)
     heights[rng.random(shape) < fraction] = np.nan
     return heights
 
 
-@pytest.mark.parametrize("shape", [(7, 6), (1, 9), (12,)])
-def test_fill_equals_slow_relaxation(shape: Any) -> None:
+@pytest.mark.parametrize("shape", [(7, 6), (12,)])
+def test_a_filled_pixel_is_the_mean_of_its_neighbors(shape):
     heights = holed(shape, 0.4, seed=8)
     heights.flat[0] = np.nan  # a corner too
     filled = prepare.fill(heights)
-    np.testing.assert_allclose(filled, relaxed(heights), atol=1e-10)
-    defined = ~np.isnan(heights)
-    np.testing.assert_array_equal(filled[defined], heights[defined])
+    for site in np.ndindex(shape):
+        steps = [step * axis for axis in np.eye(len(shape), dtype=int) for step in (-1, 1)]
+        around = [tuple(site + step) for step in steps]
+        around = [other for other in around if all(0 <= i < n for i, n in zip(other, shape, strict=True))]
+        known = not np.isnan(heights[site])
+        expected = heights[site] if known else np.mean([filled[other] for other in around])
+        assert filled[site] == pytest.approx(expected, abs=0 if known else 1e-12)
 
 
-@pytest.mark.parametrize("offset", [0.0, 1e6])
-def test_fill_creates_no_summit(offset: float) -> None:
+def test_fill_creates_no_summit():
     # Offsets bring out rounding: a filled pixel must not stick out even by one unit in the last place.
     for seed in range(5):
-        heights = holed((40, 40), 0.5, seed) + offset
+        heights = holed((40, 40), 0.5, seed) + 1e6
         filled = prepare.fill(heights)
         padded = np.pad(filled, 1, constant_values=-np.inf)
         around = np.stack([padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]])
@@ -60,76 +65,153 @@ def test_fill_creates_no_summit(offset: float) -> None:
     assert np.unique(prepare.fill(level)).tolist() == [0.1]
 
 
-def test_mean_and_none() -> None:
-    heights = np.array([[1.0, 2.0], [3.0, 90.0]])
-    defined = np.array([[True, True], [True, False]])
-    level, coefficients = levelling.remove_tilt(heights, defined, "mean")
-    np.testing.assert_array_equal(level, heights - 2)
-    assert coefficients == [2.0, 0.0, 0.0]
-    same, nothing = levelling.remove_tilt(heights, defined, "none")
-    np.testing.assert_array_equal(same, heights)
-    assert nothing == [0.0, 0.0, 0.0]
+@pytest.mark.parametrize("rule", ["mean", "plane", "quadratic"])
+@pytest.mark.parametrize("shape", [(12, 9), (30,), (1, 8), (2, 2)])
+def test_the_polynomial_of_least_squares_is_removed_and_told(shape, rule):
+    axes = np.indices(shape).astype(float)
+    pairs = list(itertools.combinations_with_replacement(axes, 2)) if rule == "quadratic" else []
+    terms = [np.ones(shape), *axes, *(one * other for one, other in pairs)]
+    heights = np.random.default_rng(1).normal(size=shape) + 1e4
+    defined = np.ones(shape, dtype=bool)
+    defined.flat[[3, 11] if heights.size > 20 else []] = False
+    left, found = levelling.remove_tilt(np.where(defined, heights, 1e3), defined, rule)
+    told = sum(number * term for number, term in zip(found, terms, strict=True))
+    np.testing.assert_allclose(left, np.where(defined, heights, 1e3) - told, atol=1e-9)
+    # What is left is orthogonal to each term, and nothing of a polynomial.
+    for term in terms[:1] if rule == "mean" else terms:
+        assert np.sum((left * term)[defined]) == pytest.approx(0, abs=1e-8 * max(np.sum(np.abs(term)), 1))
+    if rule == "mean":
+        assert not any(found[1:])
+    else:
+        assert not levelling.remove_tilt(told, np.ones(shape, dtype=bool), rule)[0].any()
 
 
-def test_units_are_converted_or_kept_or_become_the_rms() -> None:
+def test_the_bow_of_a_scan_is_removed_as_it_was_added():
+    heights = rough(1, roll_off=20)
+    bowed = heights + 7 * U**2 + 11 * V**2 + 3 * U * V - 4 * U
+    plain = as_read(heights, tilt="quadratic").heights
+    array = Surface(bowed, "um", edges="reflecting").level("quadratic")
+    np.testing.assert_allclose(array.heights, plain, atol=1e-12)
+    assert (array.unit, array.edges, array.provenance["tilt_rule"]) == ("um", "reflecting", "quadratic")
+    bowed[20:24, 30:33] = np.nan
+    found, known = as_read(bowed, tilt="quadratic").heights, ~np.isnan(bowed)
+    # Less of the heights' own long waves is seen where pixels are undefined.
+    np.testing.assert_allclose(found[known], plain[known], atol=0.01)
+
+
+def test_spikes_are_counted_and_filled_if_asked_and_no_other_pixel():
+    heights = rough(2, roll_off=20) + 30 * V  # a tilt that hides spikes and is bent by them
+    dusty = heights.copy()
+    places = (np.array([3, 40, 41, 90]), np.array([70, 10, 10, 50]))
+    dusty[places] += [40, 400, 400, 12]
+    dusty[50, 50] -= 30.0  # a pit is none
+    told, found = as_read(dusty, tilt="none"), as_read(dusty, despike=True)
+    assert len(as_read(dusty).remarks) == 1
+    np.testing.assert_array_equal(told.heights, dusty)
+    assert found.remarks == ()
+    assert (found.provenance["despiked_pixels"], found.provenance["outlying_pixels"]) == (4, 0)
+    holed = dusty.copy()
+    holed[places] = np.nan
+    same = as_read(holed)
+    np.testing.assert_array_equal(found.heights, same.heights)
+    array = Surface(dusty, edges="reflecting").level(despike=True)
+    np.testing.assert_array_equal(array.heights, same.heights)
+    assert "despiked_pixels" not in same.provenance
+    white = np.random.default_rng(3).normal(size=(50, 60))
+    white[10, 7], white[20, 30] = 8.0, 30.0
+    facts: Any = as_read(white).provenance
+    assert (facts["outlying_pixels"], facts["outlying_height"]) == (2, pytest.approx(30, rel=0.1))
+
+
+def test_what_is_no_spike_stays():
+    heights = rough(3)
+    before, after = (as_read(heights, despike=wanted) for wanted in (False, True))
+    np.testing.assert_array_equal(before.heights, after.heights)
+    assert after.provenance["despiked_pixels"] == 0
+    # Where most heights are equal, no scale tells which are far.
+    assert as_read(np.eye(9), tilt="none").remarks == ()
+    # Pillars on a fifth of a plate: heights, whatever the median says.
+    plate = 0.01 * rough(4) + 5.0 * (np.arange(80) % 5 == 0)
+    for attempt in (lambda: as_read(plate, despike=True), lambda: Surface(plate).level(despike=True)):
+        with refuses("despike"):
+            attempt()
+    with refuses("tilt"):
+        Surface(plate).level("parabola")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("form", [V**2, 0.4 * U**2 + V**2 + 0.5 * U * V])
+def test_a_bow_that_puts_the_contact_at_the_edges_is_remarked(form):
+    bowed = rough(1, roll_off=20) + 12 * form + 3 * U
+    bowed[1, 5] += 500.0  # which is most of the variance
+    assert [remark.startswith(EDGES) for remark in as_read(bowed).remarks] == [False, True]
+    assert as_read(bowed, tilt="quadratic", despike=True).remarks == ()
+    assert not [r for r in as_read(bowed, longest=20.0).remarks if r.startswith(EDGES)]
+    assert Surface(bowed).level(despike=True).remarks[0].startswith(EDGES)
+    # The same upside down touches in the middle.
+    assert as_read(rough(0, roll_off=20) - 12 * form).remarks == ()
+
+
+@pytest.mark.parametrize(("most", "options"), [(1, {}), (0, {"roll_off": 40.0})])
+def test_self_affine_surfaces_have_no_bow(most, options):
+    fired = 0
+    for seed in range(50):
+        for heights in (rough(seed, **options), spectral((96, 96), cutoff=4, seed=seed, **options)):
+            remarks = Surface(heights, edges="reflecting").level().remarks
+            fired += any(remark.startswith(EDGES) for remark in remarks)
+    assert fired <= most
+
+
+def test_small_and_flat_surfaces_tell_no_bow():
+    for heights in (np.zeros((20, 20)), U[:3, :3] ** 2, np.arange(9.0), np.ones((1, 1))):
+        assert levelling.bow(heights) == {"bow_variance": 0.0, "highest_at_edges": 0.0}
+
+
+def test_units_are_converted_or_kept_or_become_the_rms():
     heights = np.array([1.0, -1.0, 3.0, -3.0])
-    for unit, target, factor in (
-        ("m", "nm", 1e9),
-        ("nm", "m", 1e-9),
-        ("um", "mm", 1e-3),
-        ("angstrom", "pm", 100.0),
-        ("nm", "nm", 1.0),
-    ):
-        assert prepare.scale_factor(heights, unit, target, largest=3.0) == (factor, target)
-    assert prepare.scale_factor(heights, "V", None, largest=3.0) == (1.0, "V")
+    for unit, target, factor in (("um", "nm", 1e3), ("angstrom", "um", 1e-4), ("V", None, 1.0)):
+        assert prepare.scale_factor(heights, unit, target, largest=3.0) == (factor, target or unit)
     factor, unit = prepare.scale_factor(heights, "1", "rms", largest=3.0)
     assert unit == "rms"
     assert np.std(heights * factor) == pytest.approx(1.0)
     with refuses("unit"):
         prepare.scale_factor(heights, "V", "nm", largest=1.0)
-    with refuses("unit"):  # what rounding leaves of a plane is no roughness to divide by
-        prepare.scale_factor(np.array([0.0, 1e-15, 0.0]), "nm", "rms", largest=5.0)
 
 
 @pytest.mark.parametrize(("ratio", "kept"), [(3.0, 4), (2.5, 4), (1.3, 9)])
-def test_oblong_pixels_are_averaged_along_the_finer_axis(ratio: float, kept: int) -> None:
+def test_oblong_pixels_are_averaged_along_the_finer_axis_when_asked(ratio, kept):
     heights = np.random.default_rng(1).normal(size=(5, 12))
     slow = np.zeros((5, kept))
     for pixel in range(kept):
         for place in range(12):
             overlap = min(place + 1, (pixel + 1) * ratio) - max(place, pixel * ratio)
             slow[:, pixel] += max(overlap, 0) / ratio * heights[:, place]
-    coarse, size = prepare.square(heights, (ratio * 0.1, 0.1))
-    np.testing.assert_allclose(coarse, slow, atol=1e-13)
-    assert size == pytest.approx((ratio * 0.1, ratio * 0.1))
-    turned, _ = prepare.square(heights.T, (0.1, ratio * 0.1))
-    np.testing.assert_array_equal(turned, coarse.T)
+    asked = {"tilt": "none", "resample": True, "unit": "rms"}
+    surface = as_read(heights, pixel_size=(ratio * 0.1, 0.1), **asked)
+    np.testing.assert_allclose(surface.heights, slow / slow.std(), atol=1e-13)
+    assert surface.pixel_size == pytest.approx((ratio * 0.1, ratio * 0.1))
+    record: Any = surface.provenance
+    assert (record["resampled"], record["final_shape"], record["original_shape"]) == (
+        True,
+        [5, kept],
+        [5, 12],
+    )
+    turned = as_read(heights.T, pixel_size=(0.1, ratio * 0.1), **asked)
+    np.testing.assert_array_equal(turned.heights, surface.heights.T)
 
 
-def test_square_and_unknown_pixels_stay() -> None:
-    heights = np.ones((4, 5))
-    sizes: list[Any] = [None, (2.0, 2.0), (2.0, 2.01)]
+def test_square_and_unknown_pixels_stay():
+    heights = np.random.default_rng(1).normal(size=(4, 5))
+    sizes: list[Any] = [None, (2.0, 2.01)]
     for size in sizes:
-        left, kept = prepare.square(heights, size)
-        assert left is heights
-        assert kept == size
+        kept = as_read(heights, tilt="none", pixel_size=size, resample=True)
+        np.testing.assert_array_equal(kept.heights, heights)
+        assert kept.pixel_size == size
     with refuses("resample"):
-        prepare.square(heights, (3.0, 1.0))
+        as_read(heights, pixel_size=(3.0, 1.0), resample=True)
 
 
-@pytest.mark.parametrize("shape", [(5, 4), (7,), (1, 3)])
-def test_mirror_doubles_and_alters_nothing(shape: Any) -> None:
-    heights = np.random.default_rng(0).normal(size=shape)
-    mirrored = prepare.make_periodic(heights, "mirror")
-    assert mirrored.shape == tuple(2 * n for n in shape)
-    np.testing.assert_array_equal(mirrored[tuple(slice(n) for n in shape)], heights)
-    for axis in range(heights.ndim):
-        np.testing.assert_array_equal(mirrored, np.flip(mirrored, axis=axis))
-    np.testing.assert_array_equal(prepare.make_periodic(heights, "wrap"), heights)
-
-
-def test_taper_is_half_a_cosine_toward_the_mean_along_each_axis() -> None:
-    def weight(n: int) -> Any:
+def test_taper_is_half_a_cosine_toward_the_mean_along_each_axis():
+    def weight(n):
         """Half a cosine over a tenth of n pixels, at their middles."""
         place = np.minimum(np.arange(n) + 0.5, n - np.arange(n) - 0.5)
         return np.where(place < 0.1 * n, 0.5 * (1 - np.cos(np.pi * place / (0.1 * n))), 1.0)

@@ -84,6 +84,6 @@ def position(table: Table, column: int | str) -> int:
         return table.names.index(name)
     if name.isdecimal() and int(name) < len(table.names):
         return int(name)
-    known = ", ".join(repr(known) for known in table.names if known)[:120]
-    expected = f"{f'one of {known}, or ' if known else ''}a number from 0 to {len(table.names) - 1}"
+    known = f"one of {named(table).removeprefix('columns ')}, or " if any(table.names) else ""
+    expected = f"{known}a number from 0 to {len(table.names) - 1}"
     raise InputError(f"column {column!r} of {table.name}", expected=expected, got="no such column")

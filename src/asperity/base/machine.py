@@ -11,8 +11,7 @@ from pathlib import Path
 from asperity.base.words import data_size
 from asperity.errors import TooLargeError
 
-_NO_LIMIT = 2**60
-"""Limits above it are how the system writes that there is none."""
+_NO_LIMIT = 2**60  # limits above it are how the system writes that there is none
 
 
 def cores() -> int:
@@ -27,19 +26,14 @@ def usual_threads() -> int:
 
 
 def available() -> int:
-    """Bytes that this process can still get.
-
-    The least of what the machine has free (caches that it would give up count as free), what the control
-    groups of the process leave (containers, batch systems), and its limit on address space.
-    """
+    """Bytes that this process can still get: the least of what anything leaves it."""
     return max(0, min([_machine(), *_control_groups(), *_address_space()]))
 
 
 def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) -> None:
     """Refuse a lattice of this shape for which there is not enough memory, at so many bytes a site.
 
-    `TooLargeError` says what is needed, what there is, and the largest lattice with equal sides that
-    would fit, of a power of two where only those are of use.
+    `TooLargeError` says the largest lattice with equal sides that would fit, or of a power of two.
     """
     there = available()
     total = needed * math.prod(shape)
@@ -56,6 +50,7 @@ def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) 
 
 
 def _machine() -> int:
+    """What is free; caches that the machine would give up count as free."""
     for line in _lines(Path("/proc/meminfo")):
         if line.startswith("MemAvailable:"):
             return int(line.split()[1]) * 1024

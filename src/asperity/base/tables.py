@@ -23,11 +23,8 @@ from asperity.errors import InputError
 
 # A comma separates cells unless something else does, or the cells are quoted.
 _DIALECTS = tuple((separator, decimal) for separator in (";", "\t", ",", " ") for decimal in (".", ","))
-_LOOKED_AT = 100
-"""First lines, and first cells of each, by which the separator is found."""
-
-_ONE_COLUMN = 0.01
-"""Weight of a line of one cell: numbers in two columns or more are preferred."""
+_LOOKED_AT = 100  # first lines, and first cells of each, by which the separator is found
+_ONE_COLUMN = 0.01  # weight of a line of one cell: numbers in two columns or more are preferred
 
 MISSING = ("", "nan", "na", "n/a", "null")
 """What may stand, in letters of any size, where a number is missing."""

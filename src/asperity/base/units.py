@@ -45,7 +45,6 @@ def number(name: str, value: object, unit: str, **bounds: Any) -> float:
     """Take a number as `checks.number` does, or a text with a unit, such as ``"5 MPa"``.
 
     A text gives `InUnits`: whoever uses it asks `check_units` whether there are units at all.
-    `InputError` as `checks.number`; or the text has no unit of this kind.
     """
     if not (unit and has_unit(value)):
         return checks.number(name, value, **bounds)
@@ -75,8 +74,7 @@ def numbers(name: str, values: object, unit: str) -> object:
 def check_units(*tables: object, si: bool, line: bool = False) -> None:
     """Refuse numbers in tables that were written with a unit where nothing else has any; `InputError`.
 
-    With `si`, lengths are in metres and forces in newtons; those of a line contact for each metre of its
-    length.
+    With `si` all is in SI, forces on a line contact for each metre of its length.
     """
     for found in written_with_units(tables):
         if not si:

@@ -103,7 +103,12 @@ class Curve:
             time = labels["time"]
         given = Series.checked(time, area, stderr)
         for name, values in (("time", given.x), ("area", given.y), ("stderr", given.stderr)):
-            _refuse_overflow(name, values)
+            # Squares and ratios of others would leave the range of numbers.
+            numbers = np.zeros(0) if values is None else values
+            beyond = numbers[(numbers > LARGEST) | ((numbers > 0) & (numbers < 1 / LARGEST))]
+            if len(beyond):
+                expected = f"numbers up to {LARGEST:g} (0, or from {1 / LARGEST:g})"
+                raise InputError(name, expected=expected, got=float(beyond[0]))
         zeros = int(np.searchsorted(given.x, 0.0, side="right"))
         known = zeros == 1 and stderr is None
         parameters += not known
@@ -125,15 +130,6 @@ class Curve:
     def time_scales(self) -> Floats:
         """Values of t0 to start from."""
         return np.geomspace(0.1, 10 * self.points.x[-1], 20)
-
-
-def _refuse_overflow(name: str, values: Floats | None) -> None:
-    """Refuse numbers above 0 of which squares or ratios leave the range of numbers."""
-    values = np.zeros(0) if values is None else values
-    beyond = values[(values > LARGEST) | ((values > 0) & (values < 1 / LARGEST))]
-    if len(beyond):
-        expected = f"numbers up to {LARGEST:g} (0, or from {1 / LARGEST:g})"
-        raise InputError(name, expected=expected, got=float(beyond[0]))
 
 
 def refuse_decline(series: Series, name: str = "area") -> None:

@@ -72,9 +72,7 @@ class GrowthFit(FitResult):
         """A(t) at times not below 0, in the unit of the areas given; any shape."""
         return np.asarray(self.initial_area * self.area_ratio(time))[()]
 
-    def __call__(self, time: ArrayLike) -> Floats:
-        """Return `predict(time)`."""
-        return self.predict(time)
+    __call__ = predict
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -6,6 +6,7 @@ Contact area or static friction, of a laboratory or of a simulation: all that is
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -22,12 +23,8 @@ from asperity.fits.rate import GrowthRate, growth_rate
 from asperity.lattice import Field
 
 Law = Literal["saturation", "logarithm"]
-_FEW_ENOUGH = 1000
-"""Points that are shown one by one; of more, means over bins of equal width in ln t."""
-
-_WORTH = 0.5
-"""Independent values a value, below which standard errors deserve a remark."""
-
+_FEW_ENOUGH = 1000  # points that are shown one by one; of more, means over bins of equal width in ln t
+_WORTH = 0.5  # independent values a value, below which standard errors deserve a remark
 _SHOWN_BINS = 100
 _SMOOTH_CURVE = 200
 
@@ -133,9 +130,8 @@ def measured_growth(
     shown = later.binned(_SHOWN_BINS) if means else later
     curve_time = np.geomspace(later.x[0], later.x[-1], _SMOOTH_CURVE)
     ends = np.empty(0) if rate is None else np.array([rate.first, rate.last])
-    window = shown.where(np.zeros(shown.x.size, dtype=bool))
-    if rate is not None:
-        window = shown.where((shown.x >= rate.first) & (shown.x <= rate.last))
+    first, last = (rate.first, rate.last) if rate else (math.inf, math.inf)
+    window = shown.where((shown.x >= first) & (shown.x <= last))
     return MeasuredGrowth(
         points=series.x.size,
         initial_points=zeros,

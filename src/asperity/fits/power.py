@@ -46,9 +46,7 @@ class PowerLawFit(FitResult):
         """Y at x above 0, of any shape."""
         return np.asarray(self.prefactor * positive("x", x) ** self.exponent)[()]
 
-    def __call__(self, x: ArrayLike) -> Floats:
-        """Return `predict(x)`."""
-        return self.predict(x)
+    __call__ = predict
 
 
 def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> PowerLawFit:

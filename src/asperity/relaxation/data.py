@@ -29,11 +29,11 @@ FEWEST = 5
 """Points without which nothing is fitted."""
 
 _NOISE = 0.05
-_FLOWS = 0.01
-"""Steady flow is taken to be there where creep without it misses the data by this, rms, and twice as much."""
+_FLOWS = 0.01  # creep flows where the data are missed by this without flow, rms, and twice as much as with it
 _SMALLEST_LOSS = 1e-3
-_PLATEAU = 100.0
-"""Times the last time to which a plateau is fitted; no relaxation time is later than the last time itself."""
+_PLATEAU = (
+    100.0  # times the last time to which a plateau is fitted; no relaxation time is beyond the last time
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -29,14 +29,9 @@ MOST_FREE = 5
 """Most relaxation times that are free unless more are asked for."""
 
 _DRAWS = 200
-_FEW_RUNS = -2.326
-"""Runs of one sign, over what chance gives, in standard deviations: fewer than 1 % of noise has less."""
-
-_CLOSE = 1.25
-"""Misfit of free times over that of one time a decade, up to which the fewer times are taken."""
-
-_DIGITS, _ROUNDING = 1e-5, 1e-9
-"""Misfits, rms, that are only those of the digits printed in a table, and of computing."""
+_FEW_RUNS = -2.326  # runs of one sign over what chance gives, standard deviations: 1 % of noise has less
+_CLOSE = 1.25  # misfit of free times over that of one time a decade, up to which the fewer times are taken
+_DIGITS, _ROUNDING = 1e-5, 1e-9  # misfits, rms, of the digits printed in a table, and of computing
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ from scipy.optimize import nnls
 from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError
 
-_NOTHING = 1e-10
-"""What adds no more than this part of any value is a rounding error."""
+_NOTHING = 1e-10  # what adds no more than this part of any value is a rounding error
 
 
 def positive_weights(columns: Floats, values: Floats, scale: Floats) -> Floats:

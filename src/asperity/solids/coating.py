@@ -35,14 +35,9 @@ from asperity.solids.laws import FixedRate
 from asperity.solids.solid import CreepBranch, Solid
 
 _PER_DECADE, _TIMES_PER_DECADE, _FREQUENCIES_PER_DECADE = 24, 4, 8
-_LEAST, _MOST = 1e-4, 30.0
-"""Products of wave number and thickness between which the film and the base both count."""
-
-_LARGEST_ERROR = 0.02
-"""Error of K relative to that at once with which a solid is refused."""
-
-_NEGLIGIBLE = 1e-5
-"""Shares below it, at every wave number, are left out."""
+_LEAST, _MOST = 1e-4, 30.0  # products of wave number and thickness between which film and base both count
+_LARGEST_ERROR = 0.02  # error of K relative to that at once with which a solid is refused
+_NEGLIGIBLE = 1e-5  # shares below it, at every wave number, are left out
 
 
 @dataclass(frozen=True)
@@ -81,12 +76,6 @@ class Coated:
         bottom = M * N - (m * N + n * M + 4 * m * N * x**2) * near + m * n * near**2
         return np.asarray(film / (1 - nu1) * bottom / top)
 
-    def times(self) -> Floats:
-        """Relaxation times that branches may have, s."""
-        own = [time for material in (self.film, self.base) for _, time in material.branches]
-        low, high = math.log10(min(own)), math.log10(max(own)) + 3
-        return np.logspace(low, high, round((high - low) * _TIMES_PER_DECADE) + 1)
-
 
 @lru_cache(maxsize=16)
 def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
@@ -96,7 +85,9 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
     """
     count = round(math.log10(_MOST / _LEAST) * _PER_DECADE)
     x = np.geomspace(_LEAST, _MOST, count)
-    times = coated.times()
+    own = [time for material in (coated.film, coated.base) for _, time in material.branches]
+    low, high = math.log10(min(own)), math.log10(max(own)) + 3
+    times = np.logspace(low, high, round((high - low) * _TIMES_PER_DECADE) + 1)
     decades = math.log10(times[-1] / times[0]) + 4
     s = np.geomspace(1e-2 / times[-1], 1e2 / times[0], round(decades * _FREQUENCIES_PER_DECADE))
     first, last = coated.over_wave_number(x, math.inf), coated.over_wave_number(x, 0.0)
@@ -121,13 +112,13 @@ class CoatedStiffness:
         """Evaluate on a lattice."""
         q = lattice.wave_number
         x = np.maximum(q * self.coated.thickness, 1e-12)
-        ends = {"permanent": 0.0, "at once": math.inf}
-        first, last = (self.coated.over_wave_number(x, ends[end]) for end in ("at once", "permanent"))
+        at_once, permanent = (self.coated.over_wave_number(x, s) for s in (math.inf, 0.0))
         if isinstance(self.branch, str):
-            return np.asarray((first if self.branch == "at once" else last) * q * lattice.cell)
-        grid, _, shares, _ = shares_of(self.coated)
-        share = np.interp(np.log(x), grid, shares[self.branch])
-        return np.asarray(share * np.maximum(first - last, 0.0) * q * lattice.cell)
+            part = at_once if self.branch == "at once" else permanent
+        else:
+            grid, _, shares, _ = shares_of(self.coated)
+            part = np.interp(np.log(x), grid, shares[self.branch]) * np.maximum(at_once - permanent, 0.0)
+        return np.asarray(part * q * lattice.cell)
 
 
 def coated_half_space(

@@ -22,8 +22,7 @@ Length = float | str
 Lengths = Length | Sequence[Length] | NDArray[np.float64]
 """One number, or several; each in m, or a text with a unit."""
 
-_ROUNDING = 1e-12
-"""Relative distance beyond an edge at which a site still is on it."""
+_ROUNDING = 1e-12  # relative distance beyond an edge at which a site still is on it
 
 
 def sphere(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges: Edges = "free") -> Surface:

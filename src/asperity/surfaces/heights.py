@@ -42,8 +42,7 @@ def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:
     if found.shape not in ((), (axes,)):
         expected = f"one number above 0, or {axes}, one an axis" if axes > 1 else "one number above 0"
         raise InputError(name, expected=expected, got=checks.shown(value))
-    found = found if found.ndim else np.full(axes, found)
-    return tuple(found.tolist())
+    return tuple(np.broadcast_to(found, axes).tolist())
 
 
 def sides_of_pixels(

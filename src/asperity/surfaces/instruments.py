@@ -31,11 +31,7 @@ _SPELLINGS = {"\u00b5m": "um", "\u03bcm": "um", "\u00c5": "angstrom", "\u212b": 
 
 
 def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one channel of heights of a file that SurfaceTopography knows by its content.
-
-    The channel is a name (of several channels of one name the first; the library tells them apart as
-    ``Height#1``, ``Height#2``), a number from 0, or None for the file's default.
-    """
+    """Read one channel of heights, by its name or number; by None the default of the file."""
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):
             from SurfaceTopography.IO import open_topography  # slow to import

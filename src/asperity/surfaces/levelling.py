@@ -22,10 +22,8 @@ less than a thousand million pixels has any."""
 _BOWED = 0.85, 0.9
 """Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
 in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
-_LOOKED_AT = 256
-"""Pixels along an axis that tell a bow."""
-_FEW = 100
-"""Pixels below which highest ones are too few to say where they are."""
+_LOOKED_AT = 256  # pixels along an axis that tell a bow
+_FEW = 100  # pixels below which highest ones are too few to say where they are
 
 
 def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[float]]:
@@ -63,11 +61,10 @@ def levelled(
 ) -> tuple[Field, Field, Facts]:
     """Fill undefined pixels and remove the tilt; fill the spikes too, unless None of the pixels may be any.
 
-    Without its spikes a surface has another tilt and deviation, so that is repeated until there is none.
     Returns the heights, these before the tilt was removed, and what was done and found.
     """
     ignored = missing.copy()
-    while True:
+    while True:  # without its spikes a surface has another tilt and deviation
         filled = fill(np.where(ignored, np.nan, heights))
         level, removed = remove_tilt(filled, ~ignored, tilt)
         outlying, highest = spikes(level, ~ignored)
@@ -85,11 +82,7 @@ def levelled(
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
-    """Find the defined pixels far above all others, and the highest one in robust standard deviations.
-
-    These are 1.4826 times the median distance from the median, the standard deviation of Gaussian heights:
-    Hampel's identifier, see `asperity.surfaces.read`.
-    """
+    """Defined pixels far above all others, and the highest in robust deviations; see `surfaces.read`."""
     known = heights[defined]
     median = np.median(known)
     deviation = 1.4826 * float(np.median(np.abs(known - median)))
@@ -100,11 +93,7 @@ def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
 
 
 def bow(heights: Field) -> dict[str, float]:
-    """Parts of the variance in a polynomial of second order, and of the highest 1 % in the outer tenth.
-
-    Spikes are left out; of large surfaces, every so many rows and columns are looked at. Both are 0 of
-    surfaces too small to tell.
-    """
+    """Parts of the variance in a polynomial of second order, and of the highest 1 % in the outer tenth."""
     part = heights[tuple(slice(None, None, -(-n // _LOOKED_AT)) for n in heights.shape)]
     chosen = ~spikes(part, np.ones(part.shape, dtype=bool))[0]
     variance = float(part[chosen].var())

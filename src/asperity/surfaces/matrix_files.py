@@ -26,8 +26,7 @@ from asperity.surfaces.points import are_points
 from asperity.surfaces.raw import RawSurface
 
 _READER = f"asperity {__version__}"
-_LABELS = 5
-"""Columns from which a line 0, 1, 2, ... above heights with decimals is taken for their numbers."""
+_LABELS = 5  # columns from which a line 0, 1, 2, ... above heights with decimals is taken for their numbers
 
 
 def read_npy(path: Path) -> RawSurface:
@@ -42,11 +41,7 @@ def read_npy(path: Path) -> RawSurface:
 
 
 def read_npz(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one array of a ``.npz`` file like a ``.npy`` file.
-
-    The channel is the name, or number from 0, of one of its arrays of real numbers in one or two
-    dimensions; it may be None where there is a single one.
-    """
+    """Read one array of a ``.npz`` file, by its name or number; by None where there is a single one."""
     with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
         members = {}
         for info in archive.infolist():
@@ -113,13 +108,7 @@ def _heights(array: NDArray[np.generic]) -> Field:
 
 
 def read_text(path: Path) -> RawSurface:
-    """Read a matrix of heights from text.
-
-    Numbers are separated by semicolons, tabs, commas or blanks; they may have decimal commas where no
-    comma separates. ``#`` starts a comment; empty lines are skipped; ``NaN`` and, between delimiters,
-    nothing at all stand for an undefined pixel. The numbers 0, 1, 2, ... of lines and columns that pandas
-    writes are left out. One row or one column is a profile. Columns that look like coordinates are refused.
-    """
+    """Read a matrix of heights from text, see `read_table`. One row or one column is a profile."""
     matrix = read_table(path, matrix=True, failure=SurfaceFileError).values
     matrix, remarks = _without_labels(matrix)
     if 1 not in matrix.shape:

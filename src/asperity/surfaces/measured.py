@@ -138,8 +138,7 @@ def read(
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
-    file = _checked_file(path)
-    checksum = _sha256(file)
+    file, checksum = _checked_file(path)
     raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
     heights, size = raw.heights, raw.pixel_size
     cut: Provenance = {}
@@ -169,7 +168,7 @@ def read(
         "rms_before": float(heights[~missing].std()),
         "rms_after": float(final.std()),
     }
-    told |= cut | prepare.told_band(limits)
+    told |= cut | limits
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
     return Surface(final, final_unit, size, raw.length_unit, told, edges)
@@ -216,7 +215,10 @@ def _origin(raw: RawSurface) -> Provenance:
 def _read_raw(file: Path, channel: str | int | None) -> RawSurface:
     suffix = file.suffix.lower()
     # The MetroPro format of interferometers shares the extension .dat with text.
-    is_text = suffix in _TEXT_SUFFIXES and not (suffix == ".dat" and _is_binary(file))
+    is_text = suffix in _TEXT_SUFFIXES
+    if suffix == ".dat":
+        with file.open("rb") as stream:
+            is_text = b"\0" not in stream.read(4096)
     if suffix == ".npz":
         return read_npz(file, channel)
     if suffix != ".npy" and not is_text:
@@ -227,12 +229,8 @@ def _read_raw(file: Path, channel: str | int | None) -> RawSurface:
     return read_text(file) if is_text else read_npy(file)
 
 
-def _is_binary(file: Path) -> bool:
-    with file.open("rb") as stream:
-        return b"\0" in stream.read(4096)
-
-
-def _checked_file(path: str | Path) -> Path:
+def _checked_file(path: str | Path) -> tuple[Path, str]:
+    """The file, and its checksum."""
     got = ""
     try:
         file = Path(path)
@@ -247,13 +245,9 @@ def _checked_file(path: str | Path) -> Path:
         raise SurfaceFileError("path", expected=expected, got=f"{path!r} ({error})") from error
     if got:
         raise SurfaceFileError(str(path), expected="a surface file", got=got)
-    return file
-
-
-def _sha256(file: Path) -> str:
     try:
         with file.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+            return file, hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError as error:
         raise SurfaceFileError(str(file), expected="a readable file", got=str(error.strerror)) from error
 

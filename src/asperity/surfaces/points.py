@@ -10,17 +10,10 @@ from numpy.typing import NDArray
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
-_OFF = 0.1
-"""How far a point may be off its grid, in spacings; coordinates are written with few digits."""
-
-_SAME = 1e-6
-"""Difference of two coordinates that is rounding, as a part of the side of the scan."""
-
-_SPARSE = 10
-"""Pixels for each point beyond which points are said to lie on no grid."""
-
-_DOUBLED = 0.01
-"""Part of the points that may share their x and y with others, where three columns are taken for points."""
+_OFF = 0.1  # how far a point may be off its grid, in spacings; coordinates are written with few digits
+_SAME = 1e-6  # difference of two coordinates that is rounding, as a part of the side of the scan
+_SPARSE = 10  # pixels for each point beyond which points are said to lie on no grid
+_DOUBLED = 0.01  # part of the points that may share x and y with others, where columns are taken for points
 
 
 def are_points(matrix: Field) -> bool:
@@ -36,8 +29,7 @@ def are_points(matrix: Field) -> bool:
 def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
     """Heights of the pixels, NaN where there is no point, and the distance between rows and between columns.
 
-    Points have the shape (n, 3); x goes to the right and y upward. `SurfaceFileError` if they lie on no
-    regular grid, or two heights on one pixel.
+    Points have the shape (n, 3); x goes to the right and y upward.
     """
     x, y, z = points[~np.isnan(points[:, 2])].T
     column, row = _numbered(x), _numbered(-y)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import TypeGuard
 
 import numpy as np
 import scipy.sparse
@@ -18,22 +19,18 @@ from asperity.lattice import Field, Lattice, Mask
 _EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
 # What is left of a flat surface after its tilt is removed is rounding: this part of its largest height.
 _ROUNDING = 1e-12
-_SQUARE = 0.01
-"""Pixels are square if their sides differ by no more than this part."""
-_BORDER = 0.1
-"""Part of an axis, on either side, over which "taper" brings heights to their mean."""
+_SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
+_BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
 
 
-def is_length(unit: str | None) -> bool:
+def is_length(unit: str | None) -> TypeGuard[str]:
     """Whether this is a unit of length that can be converted."""
     return unit in _EXPONENTS
 
 
 def conversion(unit: str | None, target: str | None) -> float | None:
     """How many of the `target` unit make one `unit`; None where one of them is no length."""
-    if unit is None or target is None or not (is_length(unit) and is_length(target)):
-        return None
-    return length_factor(unit, target)
+    return length_factor(unit, target) if is_length(unit) and is_length(target) else None
 
 
 def length_factor(unit: str, target: str) -> float:
@@ -80,51 +77,36 @@ def part_of(
     return tuple(part)
 
 
-def checked_band(longest: float | None, shortest: float | None) -> tuple[float | None, float | None]:
-    """Check the limits of a band of wavelengths."""
-    high = None if longest is None else checks.number("longest", longest, above=0)
-    low = None if shortest is None else checks.number("shortest", shortest, above=0)
-    if high is not None and low is not None and low >= high:
-        expected = f"a wavelength below the longest, {high:g}"
-        raise InputError("shortest", expected=expected, got=f"{low:g}")
-    return high, low
-
-
-def told_band(limits: tuple[float | None, float | None]) -> dict[str, float]:
-    """The limits that there are, by name."""
-    named = zip(("longest", "shortest"), limits, strict=True)
-    return {name: wave for name, wave in named if wave is not None}
+def checked_band(longest: float | None, shortest: float | None) -> dict[str, float]:
+    """Check the limits of a band of wavelengths; those that there are, by name."""
+    given = {"longest": longest, "shortest": shortest}
+    limits = {name: checks.number(name, one, above=0) for name, one in given.items() if one is not None}
+    if len(limits) == 2 and limits["shortest"] >= limits["longest"]:
+        expected = f"a wavelength below the longest, {limits['longest']:g}"
+        raise InputError("shortest", expected=expected, got=f"{limits['shortest']:g}")
+    return limits
 
 
 def band(
-    heights: Field,
-    pixel_size: tuple[float, ...] | None,
-    limits: tuple[float | None, float | None],
-    *,
-    reflecting: bool,
+    heights: Field, pixel_size: tuple[float, ...] | None, limits: Mapping[str, float], *, reflecting: bool
 ) -> Field:
-    """Leave out the waves that are longer than the first limit or shorter than the second; the mean stays.
+    """Leave out the waves beyond the limits of `checked_band`, in the unit of the pixel size or in pixels.
 
-    Limits are in the unit of the pixel size (None: 1 along each axis). Waves of reflecting edges are cosines
-    with their crests at the edges, as a scan has together with its mirror images.
+    Waves of reflecting edges are cosines with their crests at the edges, as of a scan and its mirror images.
     """
-    longest, shortest = limits
-    if longest is None and shortest is None:
+    if not limits:
         return heights
     lattice = Lattice(heights.shape, pixel_size or (), "reflecting" if reflecting else "periodic")
     count = lattice.wave_number / (2 * np.pi)  # waves in a unit of length
-    kept = count <= (np.inf if shortest is None else (1 + _ROUNDING) / shortest)
-    if longest is not None:
-        kept &= (count == 0) | (count >= (1 - _ROUNDING) / longest)
+    kept = count <= (1 + _ROUNDING) / limits.get("shortest", 1e-300)
+    kept &= (count == 0) | (count >= (1 - _ROUNDING) / limits.get("longest", np.inf))
     return lattice.apply(kept.astype(np.float64), heights)
 
 
 def fill(heights: Field) -> Field:
     """Fill undefined pixels, NaN, with the discrete harmonic function; at least one pixel is defined.
 
-    Each gets the mean of its neighbors on the pixel grid (three at an edge, two at a corner), which solves
-    the Laplace equation with the defined pixels as boundary values. By its maximum principle no filled pixel
-    is above the highest one around its hole: filling creates no summit, so it creates no contact of its own.
+    By its maximum principle filling creates no summit, so it creates no contact of its own.
     """
     flat = heights.ravel()
     missing = np.isnan(flat)
@@ -159,10 +141,7 @@ def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArra
 def _clipped(
     solution: Field, links: scipy.sparse.csr_array, rim: NDArray[np.intp], rim_height: Field
 ) -> Field:
-    """Hold the solution in each hole between the lowest and the highest pixel of the hole's rim.
-
-    The exact solution is there anyway; its rounding could leave a summit of one unit in the last place.
-    """
+    """Hold the solution between the lowest and the highest pixel of its hole's rim, in spite of rounding."""
     holes, hole = connected_components(links, directed=False)
     lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
     np.minimum.at(lowest, hole[rim], rim_height)
@@ -176,11 +155,7 @@ def is_square(pixel_size: tuple[float, ...]) -> bool:
 
 
 def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field, tuple[float, ...] | None]:
-    """Average heights along the axis of the shorter spacing, so that the pixels become square.
-
-    Each new height is the mean of the old ones over the larger spacing, of which the pixels at both ends
-    may give parts; what is left at the end of the axis is dropped.
-    """
+    """Means over the larger spacing along the axis of the shorter one; the rest of the axis is dropped."""
     if pixel_size is None or is_square(pixel_size):
         return heights, pixel_size
     side, axis = max(pixel_size), int(np.argmin(pixel_size))
@@ -199,11 +174,7 @@ def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field,
 
 
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
-    """Find the factor from a unit ("1" for none) to the wanted one, and that unit's name.
-
-    The tilt is removed from the heights; for "rms" they are flat if their rms is but a rounding error of the
-    largest magnitude before that.
-    """
+    """Factor from a unit ("1" for none) to the wanted one, and its name; `largest` is before the tilt."""
     if target is None or target == unit:
         return 1.0, unit
     if target == "rms":

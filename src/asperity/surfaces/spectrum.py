@@ -43,34 +43,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PER_DECADE = 10
-_BROAD = 5
-"""Fewest bins of a range with a Hurst exponent: half a decade."""
-
-_FITTING_SEAM = 2.0
-"""Ratio of a step at a seam to a usual one, up to which opposite edges count as fitting each other."""
-
-_TOLERANCE = 0.1
-"""Relative deviation of C from a power law that is no end of the self-affine range, rms over its bins."""
-
-_DRIFT = 1.5
-"""Standard deviations that the first bins of the range, or the last, may be off the line together."""
-
+_BROAD = 5  # fewest bins of a range with a Hurst exponent: half a decade
+_FITTING_SEAM = 2.0  # ratio of a step at a seam to a usual one, up to which opposite edges fit each other
+_TOLERANCE = 0.1  # relative deviation of C from a power law that is no end of its range, rms over its bins
+_DRIFT = 1.5  # standard deviations that the first bins of the range, or the last, may be off the line
+# Standard deviations by which the mean power of the first bins may be below the line: where a surface rolls
+# off, the mean logarithms hide in their scatter that the few long waves have too little power.
 _DEFICIT = 2.5
-"""Standard deviations by which the mean power of the first bins together may be below the line.
-
-Where a surface rolls off, long waves have too little power. The mean logarithms, of which the line is made,
-hide that in the scatter of the few waves there are; the mean power, which follows a gamma distribution, does
-not.
-"""
-
-_UNKNOWN = 0.25
-"""Half width of the interval from which on a range is said to have no Hurst exponent."""
-
-_SCATTER = math.pi / math.sqrt(6)
-"""Standard deviation of the logarithm of one mode's power, which has an exponential distribution."""
-
-_HANN = 35 / 18
-"""By how much a Hann window lowers the number of independent modes of an axis: <w^4>/<w^2>^2."""
+_UNKNOWN = 0.25  # half width of the interval from which on a range is said to have no Hurst exponent
+_SCATTER = math.pi / math.sqrt(6)  # standard deviation of ln of a mode's power: an exponential distribution
+_HANN = 35 / 18  # by how much a Hann window lowers the number of independent modes of an axis
 
 
 @dataclass(frozen=True)
@@ -191,22 +173,20 @@ def power_spectrum(
     limits = checked_band(longest, shortest)
     measured = statistics(heights)
     fits = edges in ("", "periodic") and measured.seam_ratio <= _FITTING_SEAM
-    if fits:
-        level = heights - heights.mean()
-        axes = [(1.0, np.ones(n)) for n in heights.shape]
-    else:
-        level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "plane")
-        axes = [(_HANN, _hann(n)) for n in heights.shape]
-    q, power = _isotropic(level, sizes, [window for _, window in axes])
+    level, _ = remove_tilt(heights, np.ones(heights.shape, dtype=bool), "mean" if fits else "plane")
+    windows = [np.ones(n) if fits or n == 1 else np.hanning(n + 1)[:-1] for n in heights.shape]
+    q, power = _isotropic(level, sizes, windows)
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
-    correlated = math.prod(factor for factor, _ in axes)
-    bins = _binned(q.ravel(), power.ravel(), least, most, correlated)
+    bins = _binned(q.ravel(), power.ravel(), least, most, 1.0 if fits else _HANN**heights.ndim)
     return PowerSpectrum(
         wave_number=bins.q,
         power=bins.power,
         modes=bins.modes,
-        along=tuple(_along(level, axis, size, fits) for axis, size in enumerate(sizes)),
+        along=tuple(
+            _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
+            for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
+        ),
         window="none" if fits else "Hann",
         fit=_fit(bins, heights.ndim, limits),
         unit=unit,
@@ -265,12 +245,11 @@ def _binned(q: Field, power: Field, least: float, most: float, correlated: float
     )
 
 
-def _fit(bins: _Bins, axes: int, limits: tuple[float | None, float | None]) -> SelfAffineRange | None:
+def _fit(bins: _Bins, axes: int, limits: dict[str, float]) -> SelfAffineRange | None:
     """Fit a power law to the bins between the limits, or to the broadest range that is straight."""
-    longest, shortest = limits
-    if longest is not None or shortest is not None:
-        inside = bins.low >= 2 * math.pi / (longest or math.inf) * (1 - 1e-9)
-        inside &= bins.high <= 2 * math.pi / (shortest or 1e-300) * (1 + 1e-9)
+    if limits:
+        inside = bins.low >= 2 * math.pi / limits.get("longest", math.inf) * (1 - 1e-9)
+        inside &= bins.high <= 2 * math.pi / limits.get("shortest", 1e-300) * (1 + 1e-9)
         chosen = np.flatnonzero(inside & np.isfinite(bins.logarithm))
         if chosen.size < 3:
             expected = f"a range of wavelengths with three bins of the spectrum, {_PER_DECADE} a decade"
@@ -325,17 +304,8 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     return found, misfit, float(drift.max()), float(np.max(-np.cumsum(deviance) / root))
 
 
-def _hann(n: int) -> Field:
-    """Hann's window, periodic in `n` points."""
-    return np.hanning(n + 1)[:-1] if n > 1 else np.ones(1)
-
-
-def _along(level: Field, axis: int, size: float, fits: bool) -> tuple[Field, Field]:
-    """Mean spectrum of the profiles along one axis; q and -q are the same wave, and stand there once."""
-    n = level.shape[axis]
-    profiles = np.moveaxis(level, axis, -1).reshape(-1, n)
-    window = np.ones(n) if fits else _hann(n)
-    modes = scipy.fft.rfft(profiles * window, axis=-1)
+def _along(level: Field, size: float, window: Field, first: int) -> tuple[Field, Field]:
+    """Mean spectrum of the profiles along the last axis, from the first wave; q and -q stand there once."""
+    modes = scipy.fft.rfft(level.reshape(-1, window.size) * window, axis=-1)
     power = np.mean(np.abs(modes) ** 2, axis=0) * (size / float(np.sum(window**2)))
-    first = 1 if fits else 3
-    return 2 * np.pi * scipy.fft.rfftfreq(n, size)[first:], power[first:]
+    return 2 * np.pi * scipy.fft.rfftfreq(window.size, size)[first:], power[first:]

@@ -24,11 +24,9 @@ if TYPE_CHECKING:
 Provenance = dict[str, Any]
 """Words, numbers, and lists of them, by name."""
 
-_SPIKY = 0.1
-"""Largest part of the pixels that are filled as spikes."""
+_SPIKY = 0.1  # largest part of the pixels that are filled as spikes
 
-_ALIKE = 1e-6
-"""Relative difference up to which pixels of two surfaces are of one size."""
+_ALIKE = 1e-6  # relative difference up to which pixels of two surfaces are of one size
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +145,8 @@ class Surface(views.InNotebooks):
             size, slope_unit, curvature_unit = tuple(s * factor for s in size), "1", f"1/{self.unit}"
         else:
             across = "pixel" if size is None else lateral or "unit of length"
-            slope_unit, curvature_unit = f"{self.unit}/{across}", f"{self.unit}/{_squared(across)}"
+            squared = f"({across})^2" if " " in across else f"{across}^2"
+            slope_unit, curvature_unit = f"{self.unit}/{across}", f"{self.unit}/{squared}"
         return dataclasses.replace(
             statistics(self.heights, size),
             unit=self.unit,
@@ -232,8 +231,7 @@ class Surface(views.InNotebooks):
         """
         limits = prepare.checked_band(longest, shortest)
         heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges != "periodic")
-        told = self.provenance | prepare.told_band(limits)
-        return dataclasses.replace(self, heights=heights, provenance=told)
+        return dataclasses.replace(self, heights=heights, provenance=self.provenance | limits)
 
 
 def combined(first: Surface, second: Surface) -> Surface:
@@ -270,8 +268,9 @@ def combined(first: Surface, second: Surface) -> Surface:
     ):
         if mine != other:
             raise InputError("second", expected=f"the {what} of the first, {mine}", got=other)
-    pixels = _size_in(second, first.length_unit)
-    mine = first.pixel_size
+    mine, own, unit = first.pixel_size, second.length_unit, first.length_unit
+    across = 1.0 if own == unit else prepare.conversion(own, unit) or math.nan
+    pixels = second.pixel_size and [across * side for side in second.pixel_size]
     if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
         expected = f"the pixel size of the first, {_told_size(first)}"
         raise InputError("second", expected=expected, got=_told_size(second))
@@ -313,15 +312,6 @@ def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> t
     return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
 
 
-def _size_in(surface: Surface, unit: str | None) -> tuple[float, ...] | None:
-    """Pixel size in another unit, where it can be converted; None where it is unknown or cannot."""
-    size, own = surface.pixel_size, surface.length_unit
-    if size is None or own == unit:
-        return size
-    factor = prepare.conversion(own, unit)
-    return None if factor is None else tuple(factor * side for side in size)
-
-
 def _told_size(surface: Surface) -> str:
     if surface.pixel_size is None:
         return "unknown"
@@ -330,7 +320,3 @@ def _told_size(surface: Surface) -> str:
 
 def _sides(size: tuple[float, ...]) -> str:
     return " x ".join(f"{side:.4g}" for side in size)
-
-
-def _squared(unit: str) -> str:
-    return f"({unit})^2" if " " in unit else f"{unit}^2"
