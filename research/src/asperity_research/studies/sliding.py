@@ -16,9 +16,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Solid
 from asperity_research.studies.numbers import columns, power
 
-STEADY = 8
-"""Shifts at the end of a slide that count as steady."""
-
+STEADY = 8  # Shifts at the end of a slide that count as steady
 LATTICE = Solid("lattice of springs, conserved creep", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.01)
 HALF_SPACE = Solid(
     "half-space, E(t) like ln t",
@@ -40,9 +38,9 @@ def steady_area(one: xr.Dataset, leg: int) -> float:
     return float(before_shifts(one, leg)[-STEADY:].mean())
 
 
-def area_at_rest(one: xr.Dataset, leg: int) -> float:
-    """Area at the end of a rest."""
-    return float(one["area"].values[one["leg"].values == leg][-1])
+def after_rest(one: xr.Dataset) -> Field:
+    """Area at the end of a rest, the second leg, and before each shift of the slide that follows."""
+    return np.append(one["area"].values[one["leg"].values == 1][-1], before_shifts(one, 2))
 
 
 def correlation_length(roll_off: float, cutoff: float, shape: tuple[int, ...] = (512, 512)) -> float:

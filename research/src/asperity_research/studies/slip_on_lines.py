@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 
 from asperity.analysis import patches
@@ -23,29 +22,17 @@ from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import power
-from asperity_research.studies.sliding import (
-    HALF_SPACE,
-    LATTICE,
-    Slips,
-    area_at_rest,
-    before_shifts,
-    correlation_length,
-)
+from asperity_research.studies.sliding import HALF_SPACE, LATTICE, Slips, after_rest, correlation_length
 
 REST = "protocol.1.duration"
-
-
 SOLIDS = {
     "half_space": (replace(HALF_SPACE, load=0.1), 1e3, style.BLUE),
     "lattice": (replace(LATTICE, load=0.3), 10.0, style.INK),
 }
 """Solids, with the load of a site; hold times; colors."""
 
-Waves = tuple[tuple[float, float], ...]
-"""Longest and shortest wavelengths."""
-
+Waves = tuple[tuple[float, float], ...]  # Longest and shortest wavelengths
 _ALL = ((64.0, 16.0), (128.0, 32.0), (256.0, 64.0))
 _LONGEST = ((64.0, 32.0), (128.0, 32.0), (256.0, 32.0))
 FAMILIES: Mapping[str, tuple[str, str, Waves, str]] = {
@@ -102,12 +89,13 @@ class Lines(Slips):
         every = every or all_of_it
         sizes, excesses = [], []
         for waves in every:
-            data, rests = evidence[_folder(solid, *waves)], evidence.values(_folder(solid, *waves), REST)
+            folder = _folder(solid, *waves)
+            data, rests = evidence[folder], evidence.values(folder, REST)
             rows, longer = [], []
             for seed in data["seed"].values.tolist():
-                hardly, rested = (_after_rest(data.sel({REST: rest, "seed": seed})) for rest in rests)
+                hardly, rested = (after_rest(data.sel({REST: rest, "seed": seed})) for rest in rests)
                 rows.append(rested - hardly)
-                fields = evidence.fields(_folder(solid, *waves), **{REST: rests[-1], "seed": seed})
+                fields = evidence.fields(folder, **{REST: rests[-1], "seed": seed})
                 found = patches(fields["in_contact"].values[0]).sizes
                 longer.append((found**2).sum() / found.sum())
             sizes.append(np.array(longer))
@@ -129,21 +117,18 @@ class Lines(Slips):
         return self.table(patch=[one.mean() for one in self.patch])
 
 
-def _after_rest(one: xr.Dataset) -> Field:
-    """Area at the end of a rest, and before each shift of the slide that follows."""
-    return np.append(area_at_rest(one, 1), before_shifts(one, 2))
-
-
-def findings(every: list[Lines]) -> Iterator[Finding]:
-    """Judge what is claimed of D_c."""
-    for key, words, what, number in (
-        ("resolved", "the correlation length", "correlation length", Lines.of_length),
-        ("contact", "the length of contacts", "mean length of a contact", Lines.of_patch),
-    ):
-        claim = f"On lines, where slips resolve contacts, D_c is in proportion to {words}"
-        head = f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines"
-        numbers = {f"{head}: {FAMILIES[one.name][0]}": number(one) for one in every}
-        yield Finding.within((0.8, 1.2), key, "Dieterich 1979", claim, numbers)
+def numbers(every: list[Lines]) -> dict[str, dict[str, Estimate]]:
+    """Return what decides the claims on D_c, by claim."""
+    return {
+        claim: {
+            f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines: {FAMILIES[one.name][0]}": of(one)
+            for one in every
+        }
+        for claim, what, of in (
+            ("resolved", "correlation length", Lines.of_length),
+            ("contact", "mean length of a contact", Lines.of_patch),
+        )
+    }
 
 
 def draw(ax: Axes, table: pd.DataFrame) -> None:

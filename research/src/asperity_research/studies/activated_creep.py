@@ -2,20 +2,20 @@ r"""Study: two-step loads, and slide-hold-slide, with creep that stress and heat
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
+import asperity_research.studies.activated_steps as stepping
 from asperity.base.words import power
-from asperity.figures import Drawing
+from asperity.fits import Estimate
 from asperity_research import style
-from asperity_research.studies.activated_creep import steps as stepping
-from asperity_research.studies.activated_creep.rests import TEMPERATURES, Rests, sliding
-from asperity_research.studies.activated_creep.steps import (
-    RISE,
+from asperity_research.studies.activated_rests import TEMPERATURES, Rests, sliding
+from asperity_research.studies.activated_steps import (
+    IN_SERIES,
     SOLIDS,
     Steps,
     time_of_growth,
@@ -23,14 +23,13 @@ from asperity_research.studies.activated_creep.steps import (
 )
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
 
-__all__ = ["ACTIVATED_CREEP", "RISE", "Rests", "Steps", "time_of_growth", "time_of_minimum"]
+WORDS = Words.beside(__file__)
 
 
-def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
-    """Return the campaigns, with so many surfaces each; the quick ones have every other waiting time."""
-    every = 2 if quick else 1
+def _campaigns(surfaces: int, every: int) -> tuple[Campaign, ...]:
+    """Return the campaigns, with so many surfaces each and every so many waiting times."""
     return (*stepping.campaigns(surfaces, every), sliding(min(surfaces, 4), TEMPERATURES[::every]))
 
 
@@ -38,9 +37,9 @@ def analyse(evidence: Evidence) -> Outcome:
     """Judge what becomes of the area after a fall of the load, and of friction at rest."""
     every = [Steps.of(evidence, name, ratio) for name, solid in SOLIDS.items() for ratio in solid.steps]
     rests = Rests.of(evidence)
-    findings = (*stepping.findings(every), *rests.findings())
+    numbers = {**_after_steps(every), **rests.numbers()}
     return Outcome(
-        tuple(finding for finding in findings if finding.measured),  # few waits give no power
+        tuple(WORDS.judge(claim, some) for claim, some in numbers.items() if some),  # few waits: no power
         {
             "steps": pd.concat([one.rows() for one in every], ignore_index=True),
             "powers": pd.DataFrame([one.powers() for one in every]),
@@ -50,8 +49,29 @@ def analyse(evidence: Evidence) -> Outcome:
     )
 
 
-_BROAD = 1e3
-"""Upper over lower end of an interval from which on a time is not drawn."""
+def _after_steps(every: list[Steps]) -> dict[str, dict[str, Estimate]]:
+    """Return what decides the claims on the area after a fall of the load, by claim."""
+
+    def known(what: str, number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+        return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
+
+    def deepest(*, in_series: bool) -> dict[str, Estimate]:
+        return known(
+            "largest mean of lost area over that after the step",
+            lambda one: one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None,
+        )
+
+    time = "power of the waiting time in the time of"
+    return {
+        "series": deepest(in_series=True),
+        "falls": deepest(in_series=False),
+        "minimum": known(f"{time} the minimum", lambda one: one.power(time_of_minimum)),
+        "growth": known(f"{time} growth", lambda one: one.power(time_of_growth)),
+        "estimate": known("power less d s_2/d s_1", Steps.excess),
+    }
+
+
+_BROAD = 1e3  # Upper over lower end of an interval from which on a time is not drawn
 
 _LOOKS = {
     "lattice": ("o", style.INK),
@@ -70,8 +90,7 @@ _LINES = {"0.2": ("-", True), "0.5": ("--", False), "0.8": (":", False)}
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the area after the step, the times of minimum and growth, and the growth at rest."""
-    figure = Drawing(figsize=(9.6, 6.0), layout="constrained")
-    (curve, minimum), (growth, rest) = figure.subplots(2, 2)
+    figure, (curve, minimum, growth, rest) = style.panels(9.6, 6.0, 2, 2)
     curves, steps, rests = tables["curves"], tables["steps"], tables["rests"]
     shown = curves[(curves["solid"] == "lattice") & (curves["time"] > 0)].groupby("waiting_time")
     shades = colormaps["viridis"](np.linspace(0.9, 0, len(shown)))
@@ -105,16 +124,5 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 
 ACTIVATED_CREEP = Study(
-    name="activated-creep",
-    question="What does a contact whose creep is thermally activated remember of a load, and of a rest?",
-    quick=campaigns(3, quick=True),
-    full=campaigns(8, quick=False),
-    analyse=analyse,
-    draw=draw,
-    caption="Top left: mean area after the load has fallen to a fifth, on the lattice of springs with "
-    "Eyring's law; one line a waiting time. Top right: time of the minimum, bottom left: time at which the "
-    "area has grown by 3 % over its smallest, both over the waiting time; filled for the load × 0.2, grey "
-    "for linear solids. Bottom right: growth of friction at rest, and its fall in steady sliding. Bars: 95 % "
-    "intervals.",
-    page="docs/studies/activated_creep.md",
+    **WORDS.study, quick=_campaigns(3, every=2), full=_campaigns(8, every=1), analyse=analyse, draw=draw
 )

@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from asperity.fits import jackknife
+from asperity.fits import Estimate, jackknife
 from asperity_research.arrays import Field
-from asperity_research.studies.activated_creep.steps import LOAD, PROPORTIONAL, ROUGH, SIDE, eyring_lattice
+from asperity_research.studies.activated_steps import LOAD, ROUGH, SIDE, eyring_lattice
 from asperity_research.studies.campaigns import Campaign, hold, slide, zipped
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import all_columns, power
 from asperity_research.studies.sliding import before_shifts, steady_area
 
-TEMPERATURES = (0.015, 0.03, 0.06)
-"""kT over the activation volume, which is s0 too."""
-
+TEMPERATURES = (0.015, 0.03, 0.06)  # kT over the activation volume, which is s0 too
 _BARRIER, _PREFACTOR = 1.0, 1e3
 _HOLD = 1e5
 _SLIDES = (16, 8, 12, 12)
@@ -94,22 +90,19 @@ class Rests:
         area = steady[:, :, :1] * rest[:, :, self.late]
         return np.asarray(LOAD * SIDE**2 / np.exp(np.log(area.mean(axis=0)).mean(axis=1)))
 
-    def findings(self) -> Iterator[Finding]:
-        """Judge what is claimed of friction at rest."""
+    def numbers(self) -> dict[str, dict[str, Estimate]]:
+        """Return what decides the claims on friction at rest, by claim."""
         at, both = self.temperature, (self.rest, self.steady)
-        found = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
-        claim = "Static friction grows with the logarithm of the hold time, in proportion to temperature"
-        numbers = {"power of <i>T</i> in B": found}
-        yield Finding.within(PROPORTIONAL, "temperature", "Baumberger and Caroli 2006", claim, numbers)
-        found = jackknife(
+        temperature = jackknife(lambda rest: power(at, self.growth(rest)), self.rest)
+        slope = jackknife(
             lambda rest, steady: (self.growth(rest) / (at / self.force(steady, rest))).mean(), both
         )
-        numbers = {"B s/s0, mean over temperatures": found}
-        yield Finding.within((0.5, 1.0), "slope", "docs/creep.md", "B of rests is s0/s", numbers)
-        found = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
-        claim = "Steady friction falls with velocity as static friction grows with hold time"
-        numbers = {"b of steady sliding over B, mean over temperatures": found}
-        yield Finding.within((0.8, 1.25), "steady", "Dieterich 1979", claim, numbers)
+        fall = jackknife(lambda rest, steady: (self.fall(steady) / self.growth(rest)).mean(), both)
+        return {
+            "temperature": {"power of <i>T</i> in B": temperature},
+            "slope": {"B s/s0, mean over temperatures": slope},
+            "steady": {"b of steady sliding over B, mean over temperatures": fall},
+        }
 
     def table(self) -> pd.DataFrame:
         """B at rest and in steady sliding, and s0/s, at each temperature."""
