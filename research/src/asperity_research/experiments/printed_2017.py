@@ -41,6 +41,7 @@ def campaigns(surface: Tables, samples: Tables, _slope: float = 0.0) -> tuple[Ca
     solids = {"half_space": {"modulus": contact_modulus(YOUNG, POISSON)}, "layer": layer}
     tables = {
         "surface": surface,
+        "solid": {},
         "contact": {"pressure": YOUNG * PRESSURES[0]},
         "aging": {"times": [0.0]},
         "output": {"maps_at": []},

@@ -28,22 +28,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import asperity.friction as friction
-import asperity_research.studies.slip_on_lines as lines
+import asperity_research.studies.sliding as sliding
 from asperity.fits import Estimate, jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import all_columns, columns, mean, mean_of
-from asperity_research.studies.sliding import (
-    HALF_SPACE,
-    LATTICE,
-    STEADY,
-    Slips,
-    after_rest,
-    correlation_length,
-    steady_area,
-)
+from asperity_research.studies.sliding import HALF_SPACE, LATTICE, STEADY, Lines, Slips
 from asperity_research.studies.study import Outcome, Study, Words
 
 WORDS = Words.beside(__file__)
@@ -103,7 +95,7 @@ def _campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
         shortest = tuple(wave / 4 for wave in longest)
         found.append(varied(name, f"waves_{name}", "scales", side, roll_off=longest, cutoff=shortest))
     found.append(varied("lattice", "longest", "longest wavelengths", _SIDE, roll_off=LONGEST))
-    return (*found, *lines.campaigns(2 * surfaces))
+    return (*found, *sliding.line_campaigns(2 * surfaces))
 
 
 def slip_of_memory(excess: Field) -> float:
@@ -136,7 +128,7 @@ class Records:
         for seed in data["seed"].values:
             one = data.sel(load=load, seed=seed)
             slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
-            ends = [steady_area(one, leg) for leg in slides]
+            ends = [sliding.steady_area(one, leg) for leg in slides]
             slow = np.mean(ends[: -len(VELOCITIES)])
             steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
             time, place, force = (one[name].values for name in ("time", "displacement", "friction"))
@@ -215,7 +207,7 @@ def analyse(evidence: Evidence) -> Outcome:
         Records.of(evidence[name], name, load) for name in SOLIDS for load in evidence[name]["load"].values
     ]
     slips = {name: _slips(name, evidence[name]) for name in FAMILIES}
-    on_lines = [lines.Lines.of(evidence, name) for name in lines.FAMILIES]
+    on_lines = [Lines.of(evidence, name) for name in sliding.LINES]
     tables = {
         "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
@@ -238,7 +230,7 @@ def analyse(evidence: Evidence) -> Outcome:
             lambda one: friction.compare_state_laws(one.records).log_ratio,
         ),
         "length": {f"{length}: {words}": slips[name].of_length() for name, words in FAMILIES.items()},
-        **lines.numbers(on_lines),
+        **sliding.numbers_on_lines(on_lines),
     }
     return Outcome(tuple(WORDS.judge(claim, some) for claim, some in numbers.items()), tables)
 
@@ -254,8 +246,8 @@ def _slips(name: str, data: xr.Dataset) -> Slips:
     for at in range(data.sizes[along]):
         runs = data.isel({along: at})
         cutoff = float(runs["cutoff"]) if "cutoff" in runs.coords else float(data.attrs["cutoff"])
-        lengths.append(correlation_length(float(runs["roll_off"]), cutoff))
-        areas = [after_rest(runs.sel(seed=seed)) for seed in runs["seed"].values]
+        lengths.append(sliding.correlation_length(float(runs["roll_off"]), cutoff))
+        areas = [sliding.after_rest(runs.sel(seed=seed)) for seed in runs["seed"].values]
         excesses.append(np.array([one[:-STEADY] / one[-STEADY:].mean() - 1 for one in areas]))
     return Slips(name, np.array(lengths), tuple(excesses), slip_of_memory)
 
@@ -286,7 +278,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)
-    lines.draw(resolved, tables["lines"])
+    sliding.draw_lines(resolved, tables["lines"])
     return figure
 
 

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.fits import Estimate
-from asperity_research.arrays import Field
+from asperity_research.arrays import Field, Mask
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, estimate, proportion
@@ -76,84 +76,59 @@ def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True, eq=False)
-class After:
-    """Areas after the step for one solid, one waiting time and one load ratio.
-
-    Time since the step, 0 just after it; areas in sites, shape (surfaces, times).
-    """
-
-    solid: str
-    wait: float
-    ratio: float
-    time: Field
-    area: Field
-
-    @classmethod
-    def all_of(cls, data: xr.Dataset, solid: str) -> list[After]:
-        """Read those for every waiting time and load of a campaign."""
-        some = [
-            (float(wait), ratio, Around.step(data.sel({WAIT: wait, LOAD: load})))
-            for wait in data[WAIT].values
-            for ratio, load in zip(RATIOS, data[LOAD].values, strict=True)
-        ]
-        return [cls(solid, wait, ratio, one.time, one.after) for wait, ratio, one in some]
-
-    @property
-    def depth(self) -> Field:
-        """Lost area over the area just after the step, one a surface."""
-        return np.asarray(1 - self.area.min(axis=1) / self.area[:, 0])
-
-    @property
-    def log_time(self) -> Field:
-        """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
-        at = [self.time[area == area.min()] for area in self.area]
-        return np.array([np.log(some[[0, -1]]).mean() if some[0] > 0 else math.nan for some in at])
-
-    def tables(self) -> tuple[dict[str, object], pd.DataFrame]:
-        """Return depth and time of the minimum, a row; and the mean area over that just after the step."""
-        head = {"solid": self.solid, "waiting_time": self.wait, "load_ratio": self.ratio}
-        depth, log_time = self.depth, self.log_time[np.isfinite(self.log_time)]
-        lost, time = mean(depth), mean(log_time) if log_time.size else _UNKNOWN
-        dip = head | {
-            "surfaces": depth.size,
-            "with_a_dip": int((depth > 0).sum()),
-            "depth": float(lost.value),
-            "depth_stderr": float(lost.stderr),
-            "deepest": float(depth.max()),
-            "time_of_minimum": float(np.exp(time.value)),
-            "log_time_stderr": float(time.stderr),
-            "area_after_step": float(self.area[:, 0].mean()),
-        }
-        relative = mean(self.area / self.area[:, :1])
-        course = {"time": self.time, "area": relative.value, "area_stderr": relative.stderr}
-        return dip, pd.DataFrame(head | course)
-
-
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what is claimed of the area after a fall of the load."""
-    found = {name: After.all_of(evidence[name][["area", "time", "leg"]], name) for name in SOLIDS}
-    early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"].attrs)]
-    dips, curves = zip(*(one.tables() for some in found.values() for one in some), strict=True)
-    tables = {"dips": pd.DataFrame(list(dips)), "curves": pd.concat(curves)}
-    return Outcome(tuple(_findings(found, early)), tables)
+    dips, curves = [], []
+    lost: dict[str, list[Mask]] = {name: [] for name in SOLIDS}  # where a surface loses contact
+    times: dict[float, dict[float, Field]] = {ratio: {} for ratio in RATIOS}  # of minima, by ratio and wait
+    relaxation = _relaxation_time(evidence["conserved"].attrs)
+    for name in SOLIDS:
+        data = evidence[name][["area", "time", "leg"]]
+        for wait, (ratio, load) in product(data[WAIT].values, zip(RATIOS, data[LOAD].values, strict=True)):
+            step = Around.step(data.sel({WAIT: wait, LOAD: load}))
+            since, area = step.time, step.after
+            depth = 1 - area.min(axis=1) / area[:, 0]  # lost area over that just after the step
+            log_time = np.array([_log_of_minimum(since, each) for each in area])
+            lost[name].append(depth > 0)
+            if name == "conserved" and wait < relaxation:
+                times[ratio][wait] = log_time
+            log_time = log_time[np.isfinite(log_time)]
+            deep, time = mean(depth), mean(log_time) if log_time.size else _UNKNOWN
+            head = {"solid": name, "waiting_time": float(wait), "load_ratio": ratio}
+            dip = head | {
+                "surfaces": depth.size,
+                "with_a_dip": int((depth > 0).sum()),
+                "depth": float(deep.value),
+                "depth_stderr": float(deep.stderr),
+                "deepest": float(depth.max()),
+                "time_of_minimum": float(np.exp(time.value)),
+                "log_time_stderr": float(time.stderr),
+                "area_after_step": float(area[:, 0].mean()),
+            }
+            relative = mean(area / area[:, :1])
+            course = {"time": since, "area": relative.value, "area_stderr": relative.stderr}
+            dips.append(dip)
+            curves.append(pd.DataFrame(head | course))
+    tables = {"dips": pd.DataFrame(dips), "curves": pd.concat(curves)}
+    return Outcome(tuple(_findings(lost, times)), tables)
 
 
-def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[Finding]:
+def _findings(
+    lost: Mapping[str, list[Mask]], times: Mapping[float, Mapping[float, Field]]
+) -> Iterator[Finding]:
     for key, separable in (("separable", True), ("any-linear-solid", False)):
-        lost = {
-            f"share of surfaces that lose contact: {solid.what}": _surfaces_that_lose(found[name])
-            for name, solid in SOLIDS.items()
-            if (name in SEPARABLE) is separable
+        lose = {name: np.any(some, axis=0) for name, some in lost.items() if (name in SEPARABLE) is separable}
+        shares = {
+            f"share of surfaces that lose contact: {SOLIDS[name].what}": proportion(int(one.sum()), one.size)
+            for name, one in lose.items()
         }
-        yield WORDS.judge(key, lost)
-    waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
+        yield WORDS.judge(key, shares)
+    early = [*times[RATIOS[0]]]
+    waits = f"waits from {early[0]:g} to {early[-1]:g}" if early else "no wait is short enough"
     what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
     numbers = {
-        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(
-            [one for one in early if one.ratio == ratio]
-        )
-        for ratio in RATIOS
+        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(some)
+        for ratio, some in times.items()
     }
     yield WORDS.judge("time-of-minimum", numbers)
 
@@ -161,9 +136,10 @@ def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[
 _UNKNOWN = estimate(math.nan, math.nan, math.nan, math.nan, 0)
 
 
-def _surfaces_that_lose(every: list[After]) -> Estimate:
-    lose = np.any([one.depth > 0 for one in every], axis=0)
-    return proportion(int(lose.sum()), lose.size)
+def _log_of_minimum(time: Field, area: Field) -> float:
+    """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
+    at = time[area == area.min()]
+    return float(np.log(at[[0, -1]]).mean()) if at[0] > 0 else math.nan
 
 
 def _relaxation_time(of: Mapping[str, float]) -> float:
@@ -172,14 +148,13 @@ def _relaxation_time(of: Mapping[str, float]) -> float:
     return float((of["k0"] * lam + of["k1"]) / (of["R"] * of["k0"] * of["k1"] * lam**2))
 
 
-def _exponent(every: list[After]) -> Estimate:
+def _exponent(times: Mapping[float, Field]) -> Estimate:
     """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
-    wait = np.array([one.wait for one in every])
-    times = np.array([one.log_time for one in every] or [np.empty(0)])
-    times = times[:, np.isfinite(times).all(axis=0)].T
-    if wait.size < 2 or not len(times):
-        return replace(_UNKNOWN, runs=len(times))
-    return mean(np.array([slope(wait, one) for one in times]))
+    logs = np.array([*times.values()] or [np.empty(0)])
+    logs = logs[:, np.isfinite(logs).all(axis=0)].T
+    if len(times) < 2 or not len(logs):
+        return replace(_UNKNOWN, runs=len(logs))
+    return mean(np.array([slope(np.array([*times]), one) for one in logs]))
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
