@@ -44,7 +44,7 @@ def test_a_finished_study_is_reported_without_new_runs(done, study):
         assert (done / name).stat().st_size > 100
     with TINY.prepared_in(done, quick=True, seed=7) as prepared:
         outcome = studies.conclude(TINY, done, prepared, quick=True, command="", seed=7).outcome
-    assert all(f"{one.claim} ({one.place}): {one.verdict.value}." in report for one in outcome.findings)
+    assert all(f"**{one.claim}** ({one.place}): {one.verdict.value}." in report for one in outcome.findings)
     assert all(one.plan.seeds == (7, 8) for one in prepared)
 
 
@@ -104,7 +104,7 @@ def test_a_folder_is_for_one_seed_and_for_one_at_a_time(command):
     assert main(["status", "out"]) == 2
 
 
-def test_an_unknown_study_is_refused_by_the_command_and_in_python(study):
+def test_an_unknown_study_in_python(study):
     assert "study: expected one of unloading" in study("unloadin")[2]
     with refuses("study"):
         studies.named("unload")
