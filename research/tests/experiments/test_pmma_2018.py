@@ -126,7 +126,7 @@ def test_a_whole_comparison_on_scans_by_the_command(tmp_path, asperity):
     status, out, error = asperity(*words, "--quiet")
     assert (status, out) == (0, ""), error
     verdicts = pd.read_csv(tmp_path / "own" / "verdicts.csv")
-    assert " ".join(verdicts) == "claim what value low high expected_low expected_high verdict"
+    assert " ".join(verdicts.columns) == "claim what value low high expected_low expected_high verdict"
     of = verdicts.set_index("claim")
     assert 1.0 < of["value"]["At light load the area grows like the effective load"] < 1.3
     elastic = of.loc["The area is that of an elastic solid at the effective load"]

@@ -91,8 +91,9 @@ def rows_of(name):
     for table, said in ROWS[name].items():
         for row in pd.read_csv(DATA / name / f"{table}.csv").to_dict("records"):
             if table == "ledger":  # each number with its own verdict, whatever that of the claim
-                numbers = (np.asarray(row[end]) for end in ("value", "value", "low", "high"))
-                one = Measurement("", Estimate(*numbers, row["runs"]), row["range_low"], row["range_high"])
+                value, low, high = (np.asarray(row[end]) for end in ("value", "low", "high"))
+                found = Estimate(value, value, low, high, row["runs"])
+                one = Measurement("", found, row["range_low"], row["range_high"])
                 row |= {"own": one.verdict, "typeset": typeset.plain(str(typeset.interval(one.estimate)))}
             found = said(row) if callable(said) else said.format_map(row)
             if isinstance(found, re.Pattern):

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -76,7 +77,7 @@ def growth_of_effective_load() -> float:
 def campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> tuple[Campaign, ...]:
     """Return the campaigns on surfaces of an rms slope, which sets the pressure, sampled by a sweep."""
     pressure = LIGHT * MODULUS * slope
-    half_space = {"kind": "half_space", "modulus": MODULUS}
+    half_space: dict[str, Any] = {"kind": "half_space", "modulus": MODULUS}
     branches = {"fit": SERIES.branches, "longer": LONGER}
     history = [
         {"kind": "ramp", "duration": _RAMP, "pressure": pressure},
@@ -87,7 +88,7 @@ def campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> tuple[C
     found = []
     for name, words in HYPOTHESES.items():
         own = {"branches": [list(one) for one in branches[name]]} if name in branches else pmma.ACTIVATED
-        tables = {
+        tables: dict[str, Any] = {
             "surface": surface,
             "solid": half_space | own,
             "contact": {"load": 0.0},

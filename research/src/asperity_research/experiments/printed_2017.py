@@ -8,6 +8,7 @@ roll-off down to eight sites, with its rms slope. It is periodic, where the prin
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,8 +39,11 @@ SOLIDS = {"half_space": "a half-space", "layer": "the layer, bonded to a rigid b
 def campaigns(surface: Tables, samples: Tables, _slope: float = 0.0) -> tuple[Campaign, ...]:
     """Return the campaigns on surfaces that are sampled by a sweep; the pressures are those of the print."""
     layer = {"young": [YOUNG], "poisson": [POISSON], "thickness": 1e-3 * MEASURED["thickness"]}
-    solids = {"half_space": {"modulus": contact_modulus(YOUNG, POISSON)}, "layer": layer}
-    tables = {
+    solids: dict[str, dict[str, Any]] = {
+        "half_space": {"modulus": contact_modulus(YOUNG, POISSON)},
+        "layer": layer,
+    }
+    tables: dict[str, Any] = {
         "surface": surface,
         "solid": {},
         "contact": {"pressure": YOUNG * PRESSURES[0]},

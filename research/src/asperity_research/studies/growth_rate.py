@@ -214,8 +214,8 @@ def analyse(evidence: Evidence) -> Outcome:
     }
     findings = []
     for key, numbers in (_on_solids(sets) | _on_surfaces(sets)).items():
-        claim, _, load = key.partition(" ")
-        findings.append(WORDS.judge(claim, numbers, key=key.replace(" ", "_"), load=float(load or 0)))
+        claim, _, at = key.partition(" ")
+        findings.append(WORDS.judge(claim, numbers, key=key.replace(" ", "_"), load=float(at or 0)))
     return Outcome(tuple(findings), tables)
 
 

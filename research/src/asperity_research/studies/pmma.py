@@ -10,7 +10,7 @@ Q = kT ln(prefactor/(2 nm/s)) + H Omega.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -120,7 +120,11 @@ def analyse(evidence: Evidence) -> Outcome:
         for value, area in zip(values, grown[family], strict=True):
             head = {"family": family, "at": value}
             stress = 1e-9 * Boltzmann * (value if parameter == "temperature" else ROOM) / VOLUME
-            statistics = {"B": rate, "pressure": pressure, "share": partial(share, stress=stress)}
+            statistics: dict[str, Callable[..., float]] = {
+                "B": rate,
+                "pressure": pressure,
+                "share": partial(share, stress=stress),
+            }
             found = {key: jackknife(partial(one, time), area) for key, one in statistics.items()}
             shares[family, value] = found["share"]
             rows.append(head | {"s0": stress, "runs": len(area)} | all_columns(**found))
