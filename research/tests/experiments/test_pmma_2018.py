@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 import asperity as asp
 from asperity_research.experiments import comparing, pmma_2018
@@ -16,21 +17,16 @@ from asperity_research.studies.evidence import Evidence
 DATA = Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[3].parent / "shared" / "data"))
 
 
-def test_the_effective_load_by_many_small_loads():
-    # Each part of the ramp creeps for itself: J by its relaxation integral, solved on a fine grid of time.
+def test_the_effective_load_is_that_of_an_integrator():
+    # J by its relaxation integral: tau_b dL_b/dt = L - L_b with L = F + sum g_b L_b.
     shares, times = np.transpose(pmma_2018.SERIES.branches)
-    steps = np.concatenate([np.linspace(0, 2.4, 481), np.geomspace(2.41, 1000.0, 4000)])
-    loads, internal = np.minimum(steps / 2.4, 1.0), np.zeros((2, 1))
-    effective = [0.0]
-    for before, after, load in zip(steps[:-1], steps[1:], loads[1:], strict=True):
-        # Implicit midpoints of tau_b dL_b/dt = L - L_b with L = F + sum g_b L_b.
-        h = (after - before) / times
-        middle = 0.5 * (load + loads[np.searchsorted(steps, before)])
-        matrix = np.diag(1 + h / 2) - np.outer(h / 2, shares)
-        half = np.linalg.solve(matrix, internal[:, 0] + h / 2 * middle)
-        internal[:, 0] = 2 * half - internal[:, 0]
-        effective.append(float(load + shares @ internal[:, 0]))
-    known = np.interp(pmma_2018._TIMES, steps, effective)
+
+    def rate(time, internal):
+        return (min(time / 2.4, 1.0) + shares @ internal - internal) / times
+
+    at = np.array(pmma_2018._TIMES)
+    found = solve_ivp(rate, (0.0, 1000.0), [0.0, 0.0], "LSODA", at, rtol=1e-9, atol=1e-12, max_step=0.5)
+    known = np.minimum(at / 2.4, 1.0) + shares @ found.y
     assert np.allclose(pmma_2018.effective(), known, rtol=2e-5)
     assert pmma_2018.growth_of_effective_load() == pytest.approx(1.1746, abs=5e-5)
 
