@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import asperity as asp
 from asperity_research.studies import logarithm
 from asperity_research.studies.evidence import Evidence
 
@@ -70,17 +69,3 @@ def test_equal_parts_of_compliance_are_a_logarithm():
     np.testing.assert_allclose(np.diff(compliance), 0.06, rtol=0.01)
     modulus = logarithm.equal_modulus(0.03).modulus_at(np.array([1e1, 1e3, 1e5, 1e7]))
     np.testing.assert_allclose(np.diff(modulus), -0.06, rtol=0.01)
-
-
-def test_steps_in_time_give_the_elastic_contact_under_the_compliance():
-    """The march that knows nothing of separable solids, against presses of an elastic one."""
-    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=4.0, rms_slope=0.2, seed=2)
-    series = logarithm.equal_compliance(0.1, (1.0, 10.0, 100.0))
-    solid = asp.solids.half_space(modulus=1.0, branches=series.branches)
-    load, times = 0.02 * heights.size, np.array([1.0, 10.0, 100.0])
-    marched = asp.age(asp.press(heights, solid, load=load), times, exact=False, rtol=1e-3)
-    elastic = asp.solids.half_space(modulus=1.0)
-    pressed = [asp.press(heights, elastic, load=load * J).area for J in series.compliance_at(times)]
-    found = marched.dataset["area"].values[1:]
-    assert pressed[-1] > pressed[0] * 1.1
-    np.testing.assert_allclose(found, pressed, atol=2)

@@ -64,15 +64,11 @@ def _estimate(combine: Callable[[Field], float], *sets: Grown, of: grown.Number 
     return _combined(combine, lambda one, area, closed: one.number(of, area, closed), sets)
 
 
-def _alone(found: Grown, of: grown.Number = rate) -> Estimate:
-    return _estimate(lambda numbers: float(numbers[0]), found, of=of)
-
-
-def _over(one: Grown, other: Grown | float) -> Estimate:
-    """B of one set over that of another, or over a number."""
+def _over(one: Grown, other: Grown | float = 1.0, of: grown.Number = rate) -> Estimate:
+    """A number of one set over that of another, or over a number."""
     if isinstance(other, Grown):
-        return _estimate(lambda rates: float(rates[0] / rates[1]), one, other)
-    return _estimate(lambda rates: float(rates[0] / other), one)
+        return _estimate(lambda numbers: float(numbers[0] / numbers[1]), one, other, of=of)
+    return _estimate(lambda numbers: float(numbers[0] / other), one, of=of)
 
 
 def _exponent(sets: Mapping[float, Grown], of: grown.Number = rate) -> Estimate:
@@ -97,10 +93,10 @@ def _row(key: grown.Key, found: Grown) -> dict[str, Any]:
         "area_at_first": found.area[:, 0].mean(),
         "area_at_last": found.area[:, found.time <= grown.WINDOW[1] * (1 + 1e-9)][:, -1].mean(),
         **all_columns(
-            B=_alone(found),
+            B=_over(found),
             over_closed=_over(found, found.limit),
-            relative=_alone(found, grown.relative_rate),
-            straightness=_alone(found, grown.straightness),
+            relative=_over(found, of=grown.relative_rate),
+            straightness=_over(found, of=grown.straightness),
         ),
         "closed": found.limit,
         "runs": len(found.area),
@@ -174,9 +170,9 @@ def _on_surfaces(sets: Sets) -> dict[str, dict[str, Estimate]]:
             )
             for low, high in ((LIGHTEST, LIGHT), (grown.SIZE_LOAD, 0.3))
         },
-        "logarithm": {f"{_BEND}: load a site {load:g}": _alone(one, bend) for load, one in loads.items()},
+        "logarithm": {f"{_BEND}: load a site {load:g}": _over(one, of=bend) for load, one in loads.items()},
         "logarithm_waves": {
-            f"{_BEND}: {by_hurst(hurst)}": _alone(some[4.0], bend) for hurst, some in waves.items()
+            f"{_BEND}: {by_hurst(hurst)}": _over(some[4.0], of=bend) for hurst, some in waves.items()
         },
         "end": {f"{end}/d ln (contact fraction then)": _exponent_of_end([loads[at] for at in grown.ENDING])},
         "rms": {rms: _over(sets["rms", GAUSSIAN, grown.RMS], loads[LIGHT])},
