@@ -53,7 +53,8 @@ _RAMP, _DROP, _END = MEASURED["ramp"], MEASURED["drop_at"], MEASURED["end"]
 _TIMES = (_RAMP, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, _DROP)
 _AFTER = (1.0, 10.0, 100.0, 1000.0, _END - _DROP)
 _KEPT = (10.0, _DROP)  # Times between which growth is measured
-_AREA = "contact_area_corrected"  # Counted sites overestimate small contacts, and so their growth, at rims
+_AREA = "contact_area_corrected"
+"""Counted sites overestimate small contacts at their rims, and their growth the less the smaller they are."""
 
 HYPOTHESES = {
     "fit": "a separable half-space of the published relaxation",

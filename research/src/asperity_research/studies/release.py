@@ -77,7 +77,7 @@ _CASES = [(name, solid, move) for name, solid in _SOLIDS.items() for move in sol
 
 
 def _campaigns(waiting: tuple[float, ...], seeds: int) -> tuple[Campaign, ...]:
-    """Campaigns by solid and release; on half-spaces fewer surfaces, which are smoother, suffice."""
+    """Campaigns by solid and release; on half-spaces with an eighth of the surfaces."""
     rough, white = waves(48, 24.0, rms_height=1.0), {"kind": "gaussian", "shape": [96, 96]}
     on = {True: (rough, seeds // 8), False: (white, seeds)}
     found = []
