@@ -68,7 +68,7 @@ class Line:
         # u0 and a constant 1: d(u0, 1)/dt = M (u0, 1)
         matrix = np.vstack([np.column_stack([columns, rest]), np.full(self.n + 1, Fraction(0))])
         power, error = exponential(matrix, Fraction(time))
-        start = np.append(u0, Fraction(1))
+        start = np.array([*u0, Fraction(1)])
         return (power @ start)[: self.n], error * abs(start).sum()
 
     def rate(self, held, u0, load):
