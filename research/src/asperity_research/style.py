@@ -8,8 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+
+from asperity.figures import Drawing
 
 INK, BLUE, VERMILION, SKY, GRAY = "#000000", "#0072B2", "#D55E00", "#56B4E9", "#8C8C8C"
 
@@ -37,3 +40,9 @@ def families(
     """Draw the points of each value of a column that has a look: mark and line, color, and label."""
     for name, (look, color, label) in looks.items():
         points(ax, rows[rows[of] == name], x, y, look, color, label=label, **more)
+
+
+def panels(width: float, height: float, columns: int = 1, rows: int = 1) -> tuple[Drawing, np.ndarray]:
+    """Return a figure of a size in inches, and its axes in the order of reading."""
+    figure = Drawing(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots(rows, columns, squeeze=False).ravel()

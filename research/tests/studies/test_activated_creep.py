@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity_research.studies.activated_creep import RISE, Rests, Steps, time_of_growth, time_of_minimum
+from asperity_research.studies.activated_creep import fall_with_velocity, growth_at_rest
+from asperity_research.studies.activated_steps import RISE, Steps, time_of_growth, time_of_minimum
 
 P = asp.protocols
 TIME = np.append(0.0, np.geomspace(1e-2, 1e5, 29))
@@ -57,9 +58,8 @@ def test_the_growth_at_rest_is_found_again():
     one = 1 + temperature[:, np.newaxis] * np.log(time)
     rest = np.stack([one * part for part in (0.99, 1.0, 1.01)])
     steady = np.tile(100 * (1 - 0.1 * np.log([1.0, 100.0, 0.01])), (3, 2, 1))
-    rests = Rests(temperature, time, rest, steady)
-    np.testing.assert_allclose(rests.growth(rest), temperature, rtol=1e-9)
-    np.testing.assert_allclose(rests.fall(steady), 0.1, rtol=1e-9)
+    np.testing.assert_allclose(growth_at_rest(time, rest), temperature, rtol=1e-9)
+    np.testing.assert_allclose(fall_with_velocity(steady), 0.1, rtol=1e-9)
 
 
 def _smallest_over_first(solid, heights, load, wait=1.0):

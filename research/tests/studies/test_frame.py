@@ -2,18 +2,15 @@
 
 import dataclasses
 from functools import partial
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from tests.refusals import refuses
 
 import asperity_research.studies as studies
-from asperity.app.campaign import read_plan
 from asperity.app.campaign.sweeping import Tally
 from asperity.app.cli import main
 from asperity.app.cli.campaign import tally_shown
-from asperity.errors import InputError
 from asperity_research.paper.reproduce import prepared_in
 from asperity_research.paper.studies import QUICK
 from asperity_research.studies import unloading
@@ -23,15 +20,9 @@ TINY = dataclasses.replace(studies.STUDIES["unloading"], quick=unloading.campaig
 
 
 @pytest.fixture
-def asperity(monkeypatch, capsys):
+def study(monkeypatch, asperity):
     monkeypatch.setitem(studies.STUDIES, "unloading", TINY)
-
-    def call(*words):
-        status = main(["study", *map(str, words)])
-        said = capsys.readouterr()
-        return status, said.out, said.err
-
-    return call
+    return partial(asperity, "study")
 
 
 @pytest.fixture(scope="module")
@@ -42,8 +33,8 @@ def done(tmp_path_factory):
     return folder
 
 
-def test_a_finished_study_is_reported_without_new_runs(done, asperity):
-    status, out, err = asperity("unloading", "--out", done, "--quick", "--seed", "7")
+def test_a_finished_study_is_reported_without_new_runs(done, study):
+    status, out, err = study("unloading", "--out", done, "--quick", "--seed", "7")
     assert status == 0, err
     assert "campaign 1" not in err
     assert out.rstrip().endswith("report.md")
@@ -51,28 +42,19 @@ def test_a_finished_study_is_reported_without_new_runs(done, asperity):
     assert f"--out {done} --quick --seed 7" in report
     for name in ("figure.png", "figure.svg", "figure.pdf", "ledger.csv", "origin.toml", "data/dips.csv"):
         assert (done / name).stat().st_size > 100
-    # Numbers of the ledger stand in the report, with their verdicts.
-    for finding in studies.conclude(
-        TINY, done, _prepared(done), quick=True, command="", seed=7
-    ).outcome.findings:
-        assert finding.verdict.value in report
-    for campaign in TINY.quick:
-        plan = read_plan(done / "unloading" / campaign.name / "campaign.toml")
-        assert plan.seeds == (7, 8)
+    with TINY.prepared_in(done, quick=True, seed=7) as prepared:
+        outcome = studies.conclude(TINY, done, prepared, quick=True, command="", seed=7).outcome
+    assert all(f"**{one.claim}** ({one.place}): {one.verdict.value}." in report for one in outcome.findings)
+    assert all(one.plan.seeds == (7, 8) for one in prepared)
 
 
-def _prepared(folder):
-    with TINY.prepared_in(folder, quick=True, seed=7) as prepared:
-        return prepared
-
-
-def test_the_list_and_what_a_study_takes(done, asperity):
-    status, out, _ = asperity()
+def test_the_list_and_what_a_study_takes(done, study):
+    status, out, _ = study()
     assert status == 0
-    for study in studies.STUDIES.values():
-        assert f"{study.name} " in out
-        assert study.question in out
-    status, out, _ = asperity("unloading", "--quick", "--dry-run", "--out", done, "--seed", "7")
+    for one in studies.STUDIES.values():
+        assert f"{one.name} " in out
+        assert one.question in out
+    status, out, _ = study("unloading", "--quick", "--dry-run", "--out", done, "--seed", "7")
     assert (status, len(out.splitlines())) == (0, 1 + len(TINY.quick))
 
 
@@ -82,62 +64,48 @@ def command(request, monkeypatch, tmp_path, capsys):
     monkeypatch.setitem(studies.STUDIES, "unloading", TINY)
     monkeypatch.chdir(tmp_path)
 
-    def call(*words):
-        status = main([*request.param.split(), *map(str, words)])
+    def refused(*words):
+        assert main([*request.param.split(), *words]) == 2
         said = capsys.readouterr()
-        assert (status, said.out) == (2, "")
+        assert said.out == ""
         return said.err
 
     if request.param == "reproduce":
-        prepare, owner = partial(prepared_in, effort=QUICK), "a reproduction"
-    else:
-        prepare, owner = partial(TINY.prepared_in, quick=True), "the study unloading"
-    return SimpleNamespace(call=call, owner=owner, prepared_in=prepare)
+        return refused, "reproduction", partial(prepared_in, effort=QUICK)
+    return refused, "study unloading", partial(TINY.prepared_in, quick=True)
 
 
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        (["--out", "new", "--seed", "-1"], "seed: expected 0 or more, got -1"),
-        (["--out", "new", "--seed", "1.5"], "--seed: expected a whole number, got 1.5"),
-        (["--out", "new", "--workers", "0"], "--workers: expected 1 or more, got 0"),
-        (["--out", "file"], "expected a folder, got file, which is a file"),
-        (["--out", "full"], "expected a new folder, or that of OWNER"),
-    ],
-)
-def test_mistakes(tmp_path, command, words, complaint):
+def test_mistakes_leave_everything_as_it_is(tmp_path, command):
+    refused, owner, _ = command
     (tmp_path / "file").write_text("mine")
     (tmp_path / "full" / "studies").mkdir(parents=True)
     (tmp_path / "full" / "thesis.tex").write_text("mine")
-    assert complaint.replace("OWNER", command.owner) in command.call(*words)
+    for words, complaint in (
+        ("--out new --seed -1", "seed: expected 0 or more, got -1"),
+        ("--out new --seed 1.5", "--seed: expected a whole number, got 1.5"),
+        ("--out new --workers 0", "--workers: expected 1 or more, got 0"),
+        ("--out file", "expected a folder, got file, which is a file"),
+        ("--out full", "expected a new folder, or that of "),
+    ):
+        said = refused(*words.split())
+        assert complaint in said
+        assert (owner in said) is complaint.endswith("that of ")
     found = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*"))
     assert found == ["file", "full", "full/studies", "full/thesis.tex"]
 
 
-def test_another_seed_wants_another_folder(command):
-    with command.prepared_in("out", seed=3):
-        pass
-    assert "which is that of --seed 3; try another name" in command.call(
-        "--out", "out", "--quick", "--seed", "4"
-    )
+def test_a_folder_is_for_one_seed_and_for_one_at_a_time(command):
+    refused, owner, prepare = command
+    with prepare("out", seed=3):
+        busy = refused("--out", "out", "--quick", "--seed", "3")
+    assert f"which another {owner} is writing; try waiting, or another name" in busy
+    other = refused("--out", "out", "--quick", "--seed", "4")
+    assert "which is that of --seed 3; try another name" in other
     assert main(["status", "out"]) == 2
 
 
-def test_one_at_a_time(command):
-    with command.prepared_in("out"):
-        complaint = command.call("--out", "out", "--quick")
-    kind = command.owner.removeprefix("a ").removeprefix("the ")
-    assert f"which another {kind} is writing; try waiting, or another name" in complaint
-
-
-def test_a_negative_seed_is_refused_in_python(command):
-    with pytest.raises(InputError, match="seed: expected 0 or more"), command.prepared_in("out", seed=-1):
-        pass
-    assert not Path("out").exists()
-
-
-def test_an_unknown_study_in_python(asperity):
-    assert "study: expected one of unloading" in asperity("unloadin")[2]  # and by the command
+def test_an_unknown_study_in_python(study):
+    assert "study: expected one of unloading" in study("unloadin")[2]
     with refuses("study"):
         studies.named("unload")
 

@@ -7,42 +7,32 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import asperity as asp
 from asperity_research.studies import logarithm
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Verdict
 
 EXPONENT = 0.9
 TIMES = np.concatenate([[0.0], np.geomspace(1.0, 1e7, 29)])
 
 
-class PowerLaw(Evidence):
-    """Campaigns on contacts whose elastic area is a power of the load, a little different a surface."""
-
-    def __getitem__(self, study):
-        seeds = np.arange(4)
-        power = (EXPONENT + 0.001 * (seeds - 1.5))[:, np.newaxis]
-        if study == "elastic":
-            loads = np.array(logarithm._FACTORS)
-            area = 1000.0 * loads**power
-            return xr.Dataset(
-                {"area": (("seed", "load", "time"), area[..., np.newaxis])},
-                {"seed": seeds, "load": loads, "time": [0.0]},
-            )
-        loads = np.array(logarithm._PRESSURES)
-        name = logarithm._OF_LOADS if study == "loads" else study.replace("0_", "0.")
-        area = 1000.0 * logarithm.RELAXATIONS[name].series.compliance_at(TIMES) ** power
-        if study != "loads":
-            return xr.Dataset({"area": (("seed", "time"), area)}, {"seed": seeds, "time": TIMES})
-        several = np.repeat(area[np.newaxis], len(loads), axis=0)
-        return xr.Dataset(
-            {"area": (("load", "seed", "time"), several)}, {"load": loads, "seed": seeds, "time": TIMES}
-        )
+def power_law(name, loads=None, time=TIMES):
+    """Contacts whose elastic area is a power of the load, a little different a surface."""
+    seeds = np.arange(4)
+    power = (EXPONENT + 0.001 * (seeds - 1.5))[:, np.newaxis, np.newaxis]
+    series = logarithm.RELAXATIONS[name].series
+    factors = np.ones(1) if loads is None else loads
+    areas = 1000.0 * (factors[:, np.newaxis] * series.compliance_at(time)) ** power
+    data = xr.Dataset(
+        {"area": (("seed", "load", "time"), areas)}, {"seed": seeds, "load": factors, "time": time}
+    )
+    return data.isel(load=0) if loads is None else data
 
 
 @pytest.fixture(scope="module")
 def outcome():
-    return logarithm.analyse(PowerLaw(Path()))
+    known = {name.replace(".", "_"): power_law(name) for name in logarithm.RELAXATIONS}
+    known["elastic"] = power_law("one_time", np.array(logarithm._FACTORS), np.zeros(1))
+    known["loads"] = power_law(logarithm._OF_LOADS, np.array(logarithm._PRESSURES))
+    return logarithm.analyse(Evidence(Path(), known))
 
 
 def test_a_contact_that_is_a_power_of_load_has_its_closed_form(outcome):
@@ -60,16 +50,9 @@ def test_a_contact_that_is_a_power_of_load_has_its_closed_form(outcome):
 
 
 def test_the_verdicts_on_it(outcome):
-    verdicts = {finding.key: finding.verdict for finding in outcome.findings}
-    assert verdicts == {
-        "one_time": Verdict.DIFFERS,
-        "power": Verdict.DIFFERS,
-        "modulus": Verdict.DIFFERS,
-        "compliance": Verdict.AGREES,
-        "share": Verdict.AGREES,
-        "prediction": Verdict.AGREES,
-        "load": Verdict.AGREES,
-    }
+    agrees = {finding.key: finding.verdict == "agrees" for finding in outcome.findings}
+    bent = dict.fromkeys(("one_time", "power", "modulus"), False)
+    assert agrees == bent | dict.fromkeys(("compliance", "share", "prediction", "load"), True)
     assert len(logarithm.draw(outcome.tables).axes) == 2
 
 
@@ -86,17 +69,3 @@ def test_equal_parts_of_compliance_are_a_logarithm():
     np.testing.assert_allclose(np.diff(compliance), 0.06, rtol=0.01)
     modulus = logarithm.equal_modulus(0.03).modulus_at(np.array([1e1, 1e3, 1e5, 1e7]))
     np.testing.assert_allclose(np.diff(modulus), -0.06, rtol=0.01)
-
-
-def test_steps_in_time_give_the_elastic_contact_under_the_compliance():
-    """The march that knows nothing of separable solids, against presses of an elastic one."""
-    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=4.0, rms_slope=0.2, seed=2)
-    series = logarithm.equal_compliance(0.1, (1.0, 10.0, 100.0))
-    solid = asp.solids.half_space(modulus=1.0, branches=series.branches)
-    load, times = 0.02 * heights.size, np.array([1.0, 10.0, 100.0])
-    marched = asp.age(asp.press(heights, solid, load=load), times, exact=False, rtol=1e-3)
-    elastic = asp.solids.half_space(modulus=1.0)
-    pressed = [asp.press(heights, elastic, load=load * J).area for J in series.compliance_at(times)]
-    found = marched.dataset["area"].values[1:]
-    assert pressed[-1] > pressed[0] * 1.1
-    np.testing.assert_allclose(found, pressed, atol=2)

@@ -9,163 +9,122 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asperity.fits.resampling import Estimate
+from asperity.fits import Estimate
 from asperity_research.studies import STUDIES, typeset
 from asperity_research.studies.ledger import Measurement
-from asperity_research.studies.typeset import plain
 
 DOCS = Path(__file__).parents[3] / "docs"
+DATA = DOCS / "data" / "studies"
+PLAIN = "{value:.3f} [{low:.3f}, {high:.3f}]"
+VERDICTS = f"| {{what}} | {PLAIN} | {{runs}} | {{own}} |"
+PAGES = {study.page.removeprefix("docs/studies/").removesuffix(".md"): study for study in STUDIES.values()}
 
 
-def release_rows(data):
-    slopes = pd.read_csv(data / "slopes.csv")
-    ratios = pd.read_csv(data / "ratios.csv")
-    for row in slopes.itertuples():
-        own = ratios[(ratios["solid"] == row.solid) & (ratios["move"] == row.move)]
-        ends = [own["ratio"].iloc[at] for at in (0, -1)]
-        linear = own["superposed_ratio"].iloc[-1]
-        said = [f"{value:.2f}" if value == value else "–" for value in (*ends, linear)]
-        found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
-        what = found if row.measured == "slope" else f"{row.value:.0%} have a maximum"
-        yield f"| `{row.solid}` | {row.move:g} | {what} | {' | '.join(said)} | {row.runs} | {row.verdict} |"
-    for row in pd.read_csv(data / "waits.csv").itertuples():
-        found = f"{row.slope:.3f} [{row.low:.3f}, {row.high:.3f}]"
-        yield f"| {row.side} × {row.side} | {row[2]:g} to {row.to:g} | {found} | {row.runs} |"
+def span(name, digits):
+    ends = [f"{{{one}:.{digits}f}}" for one in (name, f"{name}_low", f"{name}_high")]
+    return "{} [{}, {}]".format(*ends)
 
 
-def interval(row, name, digits=2):
-    ends = (row[name], row[f"{name}_low"], row[f"{name}_high"])
-    return "{:.{d}f} [{:.{d}f}, {:.{d}f}]".format(*ends, d=digits) if ends[0] == ends[0] else "–"
-
-
-def activated_creep_rows(data):
-    for row in pd.read_csv(data / "powers.csv").to_dict("records"):
-        said = [interval(row, name) for name in ("minimum", "growth", "estimated")]
-        fell = interval(row, "depth", 3)
-        yield f"| `{row['solid']}` | {row['load_ratio']:g} | {fell} | {' | '.join(said)} |"
-    for row in pd.read_csv(data / "rests.csv").to_dict("records"):
-        rest, steady = (interval(row, name, 4) for name in ("rest", "steady"))
-        yield f"| {row['kT']:g} | {rest} | {row['s0_over_s']:.4f} | {steady} |"
-    yield from verdict_rows(data)
-
-
-def slide_hold_slide_rows(data):
-    for row in pd.read_csv(data / "laws.csv").to_dict("records"):
-        if row["events"] != "all":
-            digits = {"b": 3, "D_c": 2}
-            found = [interval(row, name, n) if row["determined"] else "–" for name, n in digits.items()]
-            words = f"`{row['solid']}` | {row['load']:g} | {row['events']} | {row['law']}"
-            yield f"| {words} | {' | '.join(found)} | {row['misfit']:.3f} |"
-    for row in pd.read_csv(data / "slips.csv").to_dict("records"):
-        yield f"| `{row['family']}` | {row['length']:.2f} | {interval(row, 'slip')} |"
-    for row in pd.read_csv(data / "lines.csv").to_dict("records"):
-        lengths = f"{row['length']:.1f} | {row['patch']:.1f}"
-        yield f"| `{row['family']}` | {lengths} | {interval(row, 'slip', 1)} |"
-    yield from verdict_rows(data)
-
-
-def pmma_rows(data):
-    numbers = pd.read_csv(data / "numbers.csv").to_dict("records")
-    for row in numbers[:-1]:
-        found = [interval(row, "B", 4), interval(row, "pressure", 3), interval(row, "share")]
-        yield f"| {row['family']} | {row['at']:.4g} | {' | '.join(found)} |"
-    yield interval(numbers[-1], "pressure", 3)
-    yield from verdict_rows(data)
-
-
-def verdict_rows(data):
-    """Each number with its own verdict, whatever that of the claim."""
-    for row in pd.read_csv(data / "ledger.csv").to_dict("records"):
-        found = f"{row['value']:.3f} [{row['low']:.3f}, {row['high']:.3f}]"
-        yield f"| {row['what']} | {found} | {row['runs']} | {verdict_of(row)} |"
-
-
-def verdict_of(row):
-    value, low, high = (np.asarray(row[name]) for name in ("value", "low", "high"))
-    estimate = Estimate(value, np.asarray(np.nan), low, high, row["runs"])
-    return Measurement(row["what"], estimate, row["range_low"], row["range_high"]).verdict
-
-
-def logarithm_rows(data):
-    for row in pd.read_csv(data / "ledger.csv").to_dict("records"):
-        numbers = (round(row[name], 4) + 0.0 for name in ("value", "low", "high"))
-        start = "| {} | {:.4f} [{:.4f}, {:.4f}] |".format(row["what"], *numbers)
-        end = f"| {row['runs']} | {verdict_of(row)} |"
-        yield re.compile(f"^{re.escape(start)}.*{re.escape(end)}$", re.MULTILINE)
-
-
-def unloading_rows(data):
-    for row in pd.read_csv(data / "ledger.csv").to_dict("records"):
-        value, low, high = (np.array(row[name]) for name in ("value", "low", "high"))
-        shown = plain(str(typeset.interval(Estimate(value, value, low, high, row["runs"]))))
-        yield f"| {row['what']} | {shown} | {row['runs']} | {row['verdict']} |"
-    origin = tomllib.loads((data / "origin.toml").read_text(encoding="utf-8"))["origin"]
-    yield f"{origin['runs']} runs (Asperity {origin['version']}, {origin['date']})"
-
-
-def patch_sizes_rows(data):
-    for row in pd.read_csv(data / "ledger.csv").itertuples():
-        found = f"{row.value:.3f} [{row.low:.3f}, {row.high:.3f}]"
-        yield f"| {row.claim} | {row.what} | {found} | {row.verdict} |"
-    for row in pd.read_csv(data / "exponents.csv").itertuples():
-        found = f"{row.exponent:.2f} [{row.exponent_low:.2f}, {row.exponent_high:.2f}]"
-        size = f"{row.mean_size:.0f} [{row.mean_size_low:.0f}, {row.mean_size_high:.0f}]"
-        yield f"| {row.of}, {row.hurst:g}, {row.pressure:g} | {found} | {size} |"
-
-
-def growth_rate_rows(data):
-    for row in pd.read_csv(data / "ledger.csv").itertuples():
-        yield f"**{row.claim}** ({row.place}): **{row.verdict}**"
-        yield f"| {row.what} | {row.value:.3f} [{row.low:.3f}, {row.high:.3f}] | {row.runs} |"
-    points: Any = pd.read_csv(data / "points.csv")
-    for row in points.itertuples():
-        found = f"{row.B:.4f} [{row.B_low:.4f}, {row.B_high:.4f}]"
-        closed = f"{row.closed:.4f}" if row.closed == row.closed else "–"
-        yield f"| {row.of}, {row.surfaces} | {row.at:g} | {found} | {closed} | {row.relative:.4f} |"
-
-
-ROWS = {
-    "activated_creep": activated_creep_rows,
-    "growth_rate": growth_rate_rows,
-    "logarithm": logarithm_rows,
-    "patch_sizes": patch_sizes_rows,
-    "pmma": pmma_rows,
-    "release": release_rows,
-    "slide_hold_slide": slide_hold_slide_rows,
-    "unloading": unloading_rows,
+# Each row of a table as it stands on the page: a text to format, or a function of the row.
+ROWS: dict[str, dict[str, Any]] = {
+    "activated_creep": {
+        "powers": f"| `{{solid}}` | {{load_ratio:g}} | {span('depth', 3)} | {span('minimum', 2)} "
+        f"| {span('growth', 2)} | {span('estimated', 2)} |",
+        "rests": f"| {{kT:g}} | {span('rest', 4)} | {{s0_over_s:.4f}} | {span('steady', 4)} |",
+        "ledger": VERDICTS,
+    },
+    "growth_rate": {
+        "ledger": f"**{{claim}}** ({{place}}): **{{verdict}}**\n| {{what}} | {PLAIN} | {{runs}} |",
+        "points": f"| {{of}}, {{surfaces}} | {{at:g}} | {span('B', 4)} | {{closed:.4f}} | {{relative:.4f}} |",
+    },
+    "logarithm": {"ledger": lambda row: logarithm_row(**row)},
+    "patch_sizes": {
+        "ledger": f"| {{claim}} | {{what}} | {PLAIN} | {{verdict}} |",
+        "exponents": "| {of}, {hurst:g}, {pressure:g} "
+        f"| {span('exponent', 2)} | {span('mean_size', 0)} |",
+    },
+    "pmma": {
+        "numbers": lambda row: (
+            span("pressure", 3)
+            if row["family"] == "B = 0.02"
+            else f"| {{family}} | {{at:.4g}} | {span('B', 4)} | {span('pressure', 3)} | {span('share', 2)} |"
+        ).format_map(row),
+        "ledger": VERDICTS,
+    },
+    "release": {
+        "slopes": lambda row: release_row(**row),
+        "waits": "| {side} × {side} | {from:g} to {to:g} | {slope:.3f} [{low:.3f}, {high:.3f}] | {runs} |",
+    },
+    "slide_hold_slide": {
+        "laws": lambda row: law_row(row),
+        "slips": f"| `{{family}}` | {{length:.2f}} | {span('slip', 2)} |",
+        "lines": f"| `{{family}}` | {{length:.1f}} | {{patch:.1f}} | {span('slip', 1)} |",
+        "ledger": VERDICTS,
+    },
+    "unloading": {"ledger": "| {what} | {typeset} | {runs} | {verdict} |"},
 }
 
 
+def release_row(solid, move, value, low, high, runs, measured, verdict):
+    ratios = pd.read_csv(DATA / "release" / "ratios.csv")
+    own = ratios[(ratios["solid"] == solid) & (ratios["move"] == move)]
+    said = [f"{one:.2f}" for one in (*own["ratio"].iloc[[0, -1]], own["superposed_ratio"].iloc[-1])]
+    what = PLAIN.format(value=value, low=low, high=high)
+    what = what if measured == "slope" else f"{value:.0%} have a maximum"
+    return f"| `{solid}` | {move:g} | {what} | {' | '.join(said)} | {runs} | {verdict} |"
+
+
+def law_row(row):
+    if row["events"] == "all":
+        return ""
+    found = f"{span('b', 3)} | {span('D_c', 2)}" if row["determined"] else "– | –"
+    return f"| `{{solid}}` | {{load:g}} | {{events}} | {{law}} | {found} | {{misfit:.3f}} |".format_map(row)
+
+
+def logarithm_row(what, value, low, high, runs, own, **_):
+    numbers = (round(one, 4) + 0.0 for one in (value, low, high))
+    start = "| {} | {:.4f} [{:.4f}, {:.4f}] |".format(what, *numbers)
+    return re.compile(f"^{re.escape(start)}.*{re.escape(f'| {runs} | {own} |')}$", re.MULTILINE)
+
+
+def rows_of(name):
+    for table, said in ROWS[name].items():
+        for row in pd.read_csv(DATA / name / f"{table}.csv").to_dict("records"):
+            if table == "ledger":  # each number with its own verdict, whatever that of the claim
+                value, low, high = (np.asarray(row[end]) for end in ("value", "low", "high"))
+                found = Estimate(value, value, low, high, row["runs"])
+                one = Measurement("", found, row["range_low"], row["range_high"])
+                row |= {"own": one.verdict, "typeset": typeset.plain(str(typeset.interval(one.estimate)))}
+            found = said(row) if callable(said) else said.format_map(row)
+            if isinstance(found, re.Pattern):
+                yield found
+                continue
+            for line in re.sub(r"nan( \[nan, nan\])?", "–", found).split("\n"):
+                yield re.compile(re.escape(line))
+
+
 @pytest.mark.parametrize("name", ROWS)
-def test_every_row_of_a_table_stands_on_its_page(name):
-    page = (DOCS / "studies" / f"{name}.md").read_text(encoding="utf-8")
-    rows = list(ROWS[name](DOCS / "data" / "studies" / name))
+def test_every_row_of_a_table_stands_on_its_page_and_the_numbers_have_an_origin(name):
+    study, page = PAGES[name], (DOCS / "studies" / f"{name}.md").read_text(encoding="utf-8")
+    rows = list(rows_of(name))
     assert len(rows) > 3
-    assert [row for row in rows if not re.search(re.escape(row) if isinstance(row, str) else row, page)] == []
-
-
-@pytest.mark.parametrize("name", ROWS)
-def test_the_numbers_have_an_origin(name):
-    path = DOCS / "data" / "studies" / name / "origin.toml"
-    origin = tomllib.loads(path.read_text(encoding="utf-8"))["origin"]
-    assert origin["study"] in STUDIES
-    assert origin["effort"] == "full"
-    assert origin["command"].startswith(f"asperity study {origin['study']}")
-    study = STUDIES[origin["study"]]
-    assert study.page == f"docs/studies/{name}.md"
-    row = f"| [`{study.name}`](studies/{name}.md) | {study.question}"
-    assert row in (DOCS / "studies.md").read_text(encoding="utf-8")
+    assert [row for row in rows if not row.search(page)] == []
+    origin = tomllib.loads((DATA / name / "origin.toml").read_text(encoding="utf-8"))["origin"]
+    assert (origin["study"], origin["effort"]) == (study.name, "full")
+    assert origin["command"].startswith(f"asperity study {study.name}")
+    listed = f"| [`{study.name}`](studies/{name}.md) | {study.question}"
+    assert listed in (DOCS / "studies.md").read_text(encoding="utf-8")
+    if name == "unloading":
+        assert "{runs} runs (Asperity {version}, {date})".format_map(origin) in page
 
 
 def test_every_study_has_its_page():
-    pages = sorted(study.page for study in STUDIES.values())
-    assert pages == [f"docs/studies/{name}.md" for name in sorted(ROWS)]
+    assert sorted(PAGES) == sorted(ROWS)
 
 
 def test_the_sentences_on_the_release_hold():
-    data = DOCS / "data" / "studies" / "release"
-    slopes: Any = pd.read_csv(data / "slopes.csv").set_index("solid")
-    ratios: Any = pd.read_csv(data / "ratios.csv")
+    slopes: Any = pd.read_csv(DATA / "release" / "slopes.csv").set_index("solid")
+    ratios: Any = pd.read_csv(DATA / "release" / "ratios.csv")
     scale_free = slopes.loc[["logarithm", "power"]]
     assert (scale_free[["low", "high"]] - 1).abs().to_numpy().max() < 0.003
     of_half_spaces = ratios[ratios["solid"].isin(["logarithm", "power"])]

@@ -9,32 +9,27 @@ from scipy.constants import Boltzmann
 
 from asperity_research.studies import pmma
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Verdict
 
 TIMES = np.concatenate([[0.0], np.geomspace(1.0, 1e5, 21)])
 
 
-class Flowing(Evidence):
+def flowing(parameter, values):
     """Contacts of 1 um: A = F/s with s = s0 arsinh(L/(v0 t)), a little different a surface."""
-
-    def __getitem__(self, study):
-        parameter, values = pmma._FAMILIES[study]
-        lengths = 1e-6 * np.array([0.8, 1.0, 1.2])
-        areas = []
-        for value in values:
-            kelvin = value if parameter == "temperature" else pmma.ROOM
-            joules = value if parameter == "creep_energy" else pmma.energy(4e8)
-            v0 = pmma.PREFACTOR * np.exp(-joules / (Boltzmann * kelvin))
-            flown = v0 * np.maximum(TIMES, 1e-3)
-            s = Boltzmann * kelvin / pmma.VOLUME * np.arcsinh(lengths[:, np.newaxis] / flown)
-            areas.append(pmma.PRESSURE * pmma._SIDE**2 / s)
-        coordinates = {parameter: list(values), "seed": np.arange(3), "time": TIMES}
-        return xr.Dataset({"area": ((parameter, "seed", "time"), np.array(areas))}, coordinates)
+    lengths, areas = 1e-6 * np.array([0.8, 1.0, 1.2]), []
+    for value in values:
+        kelvin = value if parameter == "temperature" else pmma.ROOM
+        joules = value if parameter == "creep_energy" else pmma.energy(4e8)
+        flown = pmma.PREFACTOR * np.exp(-joules / (Boltzmann * kelvin)) * np.maximum(TIMES, 1e-3)
+        s = Boltzmann * kelvin / pmma.VOLUME * np.arcsinh(lengths[:, np.newaxis] / flown)
+        areas.append(pmma.PRESSURE * pmma._SIDE**2 / s)
+    where = {parameter: list(values), "seed": np.arange(3), "time": TIMES}
+    return xr.Dataset({"area": ((parameter, "seed", "time"), np.array(areas))}, where)
 
 
 @pytest.fixture(scope="module")
 def outcome():
-    return pmma.analyse(Flowing(Path()))
+    known = {name: flowing(*sweep) for name, sweep in pmma._FAMILIES.items()}
+    return pmma.analyse(Evidence(Path(), known))
 
 
 def test_a_contact_that_flows_has_its_closed_form(outcome):
@@ -51,12 +46,8 @@ def test_a_contact_that_flows_has_its_closed_form(outcome):
 def test_the_verdicts_on_it(outcome):
     verdicts = {finding.key: finding.verdict for finding in outcome.findings}
     # s falls with the temperature, so that B grows faster than in proportion to it.
-    assert verdicts == {
-        "friction": Verdict.DIFFERS,
-        "flow": Verdict.AGREES,
-        "temperature": Verdict.DIFFERS,
-        "roughness": Verdict.AGREES,
-    }
+    assert {key for key, verdict in verdicts.items() if verdict == "agrees"} == {"flow", "roughness"}
+    assert {key for key, verdict in verdicts.items() if verdict == "differs"} == {"friction", "temperature"}
     assert len(pmma.draw(outcome.tables).axes) == 2
 
 

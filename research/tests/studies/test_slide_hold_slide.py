@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity_research.studies import slip_on_lines
 from asperity_research.studies.campaigns import Prepared
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.slide_hold_slide import HOLDS, VELOCITIES, Records, slip_of_memory
-from asperity_research.studies.sliding import before_shifts, correlation_length
+from asperity_research.studies.sliding import (
+    Lines,
+    before_shifts,
+    correlation_length,
+    line_campaigns,
+    slip_to_one_over_e,
+)
 from research.tests.conftest import do_here
 
 P = asp.protocols
@@ -18,17 +23,15 @@ P = asp.protocols
 
 def test_areas_before_shifts_are_those_of_a_slide_by_hand():
     heights = asp.surfaces.spectral((16, 16), hurst=0.8, roll_off=8.0, cutoff=4.0, rms_height=1.0, seed=1)
-    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=20.0)
+    now = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=20.0)
     protocol: list[P.Slide | P.Hold] = [P.Slide(3.0, velocity=0.5), P.Hold(10.0), P.Slide(2.0, velocity=0.5)]
-    dataset = asp.age(contact, [1.0], protocol=protocol).dataset
-    areas, now = [], contact
-    for leg in protocol:
-        if isinstance(leg, P.Hold):
-            now = asp.age(now, [leg.duration]).final
-            continue
-        for _ in range(round(leg.distance)):
+    dataset = asp.age(now, [1.0], protocol=protocol).dataset
+    areas = []
+    for shifts, rest in ((3, 10.0), (2, 0.0)):
+        for _ in range(shifts):
             now = asp.age(asp.slide(now, shift=(0, 1)), [2.0]).final
             areas.append(now.area)
+        now = asp.age(now, [rest]).final if rest else now
     found = [*before_shifts(dataset, 0), *before_shifts(dataset, 2)]
     np.testing.assert_allclose(found, areas, atol=1)
 
@@ -76,25 +79,25 @@ def test_a_known_law_is_found_in_its_records(law):
 def test_on_lines_the_slip_is_that_at_which_the_mean_excess_is_1_over_e():
     slips = np.arange(40.0)
     for decay in (2.0, 6.5):
-        assert slip_on_lines.slip_to_one_over_e(3 * np.exp(-slips / decay)) == pytest.approx(decay, abs=0.05)
-    assert np.isnan(slip_on_lines.slip_to_one_over_e(np.ones(5)))
+        assert slip_to_one_over_e(3 * np.exp(-slips / decay)) == pytest.approx(decay, abs=0.05)
+    assert np.isnan(slip_to_one_over_e(np.ones(5)))
     length, lines = np.array([10.0, 20.0, 40.0]), np.arange(1.0, 5.0)[:, np.newaxis]
     excess = tuple(lines * np.maximum(1 - slips / (3 * one**0.5), 0) for one in length)
     patch = tuple(one**2 * np.ones(4) for one in length)
-    found = slip_on_lines.Lines("line_lattice", length, excess, patch=patch)
+    found = Lines("line_lattice", length, excess, patch=patch)
     assert found.of_length().value == pytest.approx(0.5, abs=0.01)
     assert found.of_patch().value == pytest.approx(0.25, abs=0.01)
 
 
 def test_what_a_rest_adds_on_a_line_is_read_at_the_same_slips(tmp_path):
     """Two short lines from campaign to table: the excess at a slip of 0 is that of two histories by hand."""
-    campaign = next(one for one in slip_on_lines.campaigns(2) if one.name == "line_lattice_64_16")
+    campaign = next(one for one in line_campaigns(2) if one.name == "line_lattice_64_16")
     tables = {**campaign.tables, "surface": {**campaign.tables["surface"], "shape": [256]}}
     tables["contact"] = {"load": 0.3 * 256}
     short = replace(campaign, tables=tables)
     plan = short.write(tmp_path / short.name)
     do_here([Prepared(short, plan, tmp_path / short.name)])
-    found = slip_on_lines.Lines.of(Evidence(tmp_path), "line_lattice", ((64.0, 16.0),))
+    found = Lines.of(Evidence(tmp_path), "line_lattice", ((64.0, 16.0),))
     assert found.excess[0].shape == (2, 1 + 24)
     heights = asp.surfaces.spectral((256,), hurst=0.8, roll_off=64.0, cutoff=16.0, rms_height=1.0, seed=0)
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=0.3 * 256)

@@ -1,23 +1,50 @@
-"""On a separable solid with nested contacts no contact is lost while the load does not fall."""
+"""On a separable solid with nested contacts no contact is lost while the load does not fall.
+
+`frontier` is the theorem as a program: contact after any history of load, without space. On nested elastic
+contacts the contact of a separable solid is the elastic one at the load a(t); docs/studies/unloading.md has
+the proof. Levels l are springs of the same relaxation modulus E(t) = 1 - sum_b s_b (1 - exp(-t/tau_b)); those
+below a(t) are held down, those above are free, and the forces of those that are held sum to F(t).
+"""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 import asperity as asp
-from research.tests.studies.levels import frontier
 
 P = asp.protocols
-BRANCHES = {"one time": [(0.7, 10.0)], "three times": [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]}
 
 
-@pytest.fixture(params=BRANCHES)
-def branches(request):
-    return BRANCHES[request.param]
+def frontier(branches, legs, highest, levels=1000, first=1e-3, per_decade=12):
+    """Times and a(t) for legs (duration, load), the first of them from time 0 on."""
+    share = np.array([one for one, _ in branches])
+    tau = np.array([one for _, one in branches])
+    width = highest / levels
+    anchors = np.zeros((levels, share.size))  # of each level, its branches
+    # A free level has M = sum s_b m_b, so that it bears no force: d m_b/dt = (M - m_b)/tau_b.
+    free = (share[None, :] - np.eye(share.size)) / tau[:, None]
+    now, found = 0.0, []
+    for duration, load in legs:
+        ends = np.append(
+            np.geomspace(first, duration, round(np.log10(duration / first) * per_decade)), duration
+        )
+        for step in np.diff(ends, prepend=0.0, append=duration):
+            force = 1 - anchors @ share  # if held
+            total = np.cumsum(force) * width
+            count = np.searchsorted(total, load)
+            over = total[count - 1] if count else 0.0
+            found.append((now, (count + (load - over) / (force[count] * width)) * width))
+            held = np.arange(levels) < count
+            decay = np.exp(-step / tau)
+            anchors = np.where(held[:, None], 1 + (anchors - 1) * decay, anchors @ expm(free * step).T)
+            now += step
+    return np.array(found).T
 
 
 @pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("branches", [[(0.7, 10.0)], [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]])
 def test_contact_of_a_half_line_after_a_fall_of_the_load(branches, seed):
     heights = asp.surfaces.spectral((64,), hurst=0.8, cutoff=4.0, rms_slope=1.0, seed=seed)
     high, low, wait, end = 6.0, 1.5, 20.0, 1e4

@@ -14,14 +14,14 @@ from asperity.errors import InputError
 from asperity_research import doors, studies
 from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
 from asperity_research.experiments.record import names
-from asperity_research.studies.report import write_table
+from asperity_research.studies.report import row, write_table
 from asperity_research.studies.study import Concluded, Study
 from asperity_research.studies.typeset import plain
 
 COMPARISONS = {one.name: one for one in (pmma_2018.PMMA_2018, printed_2017.PRINTED_2017, ptfe_2009.PTFE_2009)}
 """Studies by the names of the experiments that they stand beside."""
 
-_ON_SCANS = {module.MEASURED.name: module.on_scans for module in (pmma_2018, printed_2017)}
+_ON_SCANS = {"pmma-2018": pmma_2018.campaigns, "printed-2017": printed_2017.campaigns}
 """Their campaigns on scans of an rms slope, where that can be."""
 
 
@@ -89,16 +89,7 @@ def run(
 def write_verdicts(folder: Path, done: Concluded) -> None:
     """Write ``verdicts.csv``: a row a number, with its interval, the range that is claimed, and verdict."""
     rows = [
-        {
-            "claim": plain(finding.claim),
-            "what": plain(one.what),
-            "value": float(one.estimate.value),
-            "low": float(one.estimate.low),
-            "high": float(one.estimate.high),
-            "expected_low": one.low,
-            "expected_high": one.high,
-            "verdict": one.verdict.value,
-        }
+        {"claim": plain(finding.claim), **row(one, "expected"), "verdict": one.verdict.value}
         for finding in done.outcome.findings
         for one in finding.measured
     ]

@@ -8,12 +8,12 @@ roll-off down to eight sites, with its rms slope. It is periodic, where the prin
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import Drawing
 from asperity.fits import Estimate
 from asperity.solids import contact_modulus
 from asperity_research import style
@@ -23,48 +23,46 @@ from asperity_research.studies.campaigns import Campaign, Tables, scanned
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import all_columns, mean, mean_of, ratio
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
 
-MEASURED = load("printed-2017")
+WORDS, MEASURED = Words.beside(__file__), load("printed-2017")
 
 YOUNG, POISSON = 1e6, 0.495
 """Pa, of which areas under a pressure over it do not depend; rubber hardly changes its volume: assumed."""
 
-GAPS_AT = 0.164
-"""Pressure, over Young's modulus, at which gaps were compared with simulations."""
-
+GAPS_AT = 0.164  # Pressure, over Young's modulus, at which gaps were compared with simulations
 _MEASURED_AT = np.geomspace(MEASURED["least_pressure"], MEASURED["greatest_pressure"], 10).tolist()
-PRESSURES = tuple(sorted([0.0005, GAPS_AT, *_MEASURED_AT]))
-"""Over Young's modulus."""
-
+PRESSURES = tuple(sorted([0.0005, GAPS_AT, *_MEASURED_AT]))  # Over Young's modulus
 SOLIDS = {"half_space": "a half-space", "layer": "the layer, bonded to a rigid base"}
 
 
-def _campaigns(surface: Tables, samples: Tables) -> Iterator[Campaign]:
+def campaigns(surface: Tables, samples: Tables, _slope: float = 0.0) -> tuple[Campaign, ...]:
+    """Return the campaigns on surfaces that are sampled by a sweep; the pressures are those of the print."""
     layer = {"young": [YOUNG], "poisson": [POISSON], "thickness": 1e-3 * MEASURED["thickness"]}
-    for kind, table in (("half_space", {"modulus": contact_modulus(YOUNG, POISSON)}), ("layer", layer)):
-        tables = {
-            "surface": surface,
-            "solid": {"kind": kind, **table},
-            "contact": {"pressure": YOUNG * PRESSURES[0]},
-            "aging": {"times": [0.0]},
-            "output": {"maps_at": []},
-            "sweep": {"contact.pressure": [YOUNG * pressure for pressure in PRESSURES], **samples},
-        }
-        yield Campaign(kind, f"Area against pressure on {SOLIDS[kind]}", tables)
+    solids: dict[str, dict[str, Any]] = {
+        "half_space": {"modulus": contact_modulus(YOUNG, POISSON)},
+        "layer": layer,
+    }
+    tables: dict[str, Any] = {
+        "surface": surface,
+        "solid": {},
+        "contact": {"pressure": YOUNG * PRESSURES[0]},
+        "aging": {"times": [0.0]},
+        "output": {"maps_at": []},
+        "sweep": {"contact.pressure": [YOUNG * pressure for pressure in PRESSURES], **samples},
+    }
+    return tuple(
+        Campaign(
+            kind, f"Area against pressure on {SOLIDS[kind]}", tables | {"solid": {"kind": kind, **table}}
+        )
+        for kind, table in solids.items()
+    )
 
 
 def _made(side: int, surfaces: int) -> tuple[Campaign, ...]:
     spacing = MEASURED["side"] / side
     waves = {"roll_off": MEASURED["roll_off"], "cutoff": 8 * spacing, "rms_slope": MEASURED["rms_slope"]}
-    surface = scanned(side, spacing, "mm", MEASURED["hurst"], **waves)
-    return tuple(_campaigns(surface, {"seeds": surfaces}))
-
-
-def on_scans(scans: Tables, samples: Tables, slope: float) -> tuple[Campaign, ...]:
-    """Campaigns on scans."""
-    del slope
-    return tuple(_campaigns(scans, samples))
+    return campaigns(scanned(side, spacing, "mm", MEASURED["hurst"], **waves), {"seeds": surfaces})
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -83,30 +81,23 @@ def analyse(evidence: Evidence) -> Outcome:
 
 
 def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[Finding]:
-    place, error = "Bennett et al. 2017", MEASURED["gap_error"]
+    near = (1 - MEASURED["gap_error"], 1 + MEASURED["gap_error"])
     lightest, heaviest = MEASURED.series["area"]["fraction"].values.tolist()
     pressures = np.log(PRESSURES)
-    claim = "Less than 0.1 % of the layer touches at a pressure below 0.001 <i>E</i>"
     found = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
     numbers = {"pressure over <i>E</i> at which 0.1 % touch": found}
-    note = "The least pressure was below 0.001 E; by how much is not known."
-    yield Finding.within((0.0, MEASURED["least_pressure"]), "lightest", place, claim, numbers, note)
-    claim = "At a pressure of <i>E</i> more than 60 % of the layer touches"
+    yield WORDS.judge("lightest", numbers, ends=(0.0, MEASURED["least_pressure"]))
     what = f"part of the nominal area, at a pressure of {PRESSURES[-1]:g} <i>E</i>"
-    yield Finding.within((heaviest, 1.0), "heaviest", place, claim, {what: mean(layer[:, -1])})
-    claim = "The area on a half-space is that on the layer within a tenth, as closely as gaps were compared"
+    yield WORDS.judge("heaviest", {what: mean(layer[:, -1])}, ends=(heaviest, 1.0))
     over = "layer over half-space, at {:g} <i>E</i>".format
     numbers = {over(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
-    note = "The uncertainty of the measured area is not stated; that of the gap stands for it."
-    yield Finding.within((1 - error, 1 + error), "area", place, claim, numbers, note)
-    claim = "The mean gap on a half-space is that on the layer within a tenth"
-    yield Finding.within((1 - error, 1 + error), "gap", place, claim, {over(GAPS_AT): gap})
+    yield WORDS.judge("area", numbers, ends=near)
+    yield WORDS.judge("gap", {over(GAPS_AT): gap}, ends=near)
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw area against pressure, and the ratio of both solids."""
-    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(7.2, 3.3, 2)
     rows = tables["areas"]
     for kind, look, color in (("half_space", "s-", style.GRAY), ("layer", "o-", style.INK)):
         words = SOLIDS[kind].removeprefix("a ").removeprefix("the ")
@@ -126,14 +117,4 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     return figure
 
 
-PRINTED_2017 = Study(
-    name=MEASURED.name,
-    question="From which pressure on does the thickness of the soft layer under a printed surface matter?",
-    quick=_made(128, 2),
-    full=_made(512, 8),
-    analyse=analyse,
-    draw=draw,
-    caption="Left: area against pressure on a layer of 15 mm and on a half-space, means over the surfaces, "
-    "with the ends of the measured range; right: their ratio, with 95 % intervals.",
-    page="docs/experiments.md",
-)
+PRINTED_2017 = Study(**WORDS.study, quick=_made(128, 2), full=_made(512, 8), analyse=analyse, draw=draw)

@@ -9,34 +9,23 @@ The numbers of the experiment are missing, so that the form is all that is compa
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import Drawing
 from asperity.relaxation import PronySeries
 from asperity_research import style
-from asperity_research.arrays import Field
 from asperity_research.experiments.record import load
 from asperity_research.studies.campaigns import Campaign
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, exact
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.ledger import exact
+from asperity_research.studies.study import Outcome, Study, Words
 
-MEASURED = load("ptfe-2009")
+WORDS, MEASURED = Words.beside(__file__), load("ptfe-2009")
 
-SERIES = PronySeries(1e9, ((0.2, 1.0), (0.2, 10.0), (0.2, 100.0)))
-"""A made-up polymer, Pa and s."""
-
-RADII = {"small": 0.5e-3, "large": 2e-3}
-"""m."""
-
-_CLOSE = 0.02
-"""How well sites resolve the area of circles that are 20 to 100 of them across, at the rim."""
-
-_TIMES = np.geomspace(0.01, 1e4, 25).tolist()
+SERIES = PronySeries(1e9, ((0.2, 1.0), (0.2, 10.0), (0.2, 100.0)))  # A made-up polymer, Pa and s
+RADII = {"small": 0.5e-3, "large": 2e-3}  # m
 
 
 def _campaigns(side: int) -> tuple[Campaign, ...]:
@@ -51,21 +40,16 @@ def _spheres(name: str, radius: float, side: int) -> Campaign:
     largest = 4 * SERIES.modulus * (0.05 * width) ** 3 / (3 * radius)
     file = {"kind": "file", "path": "sphere.npy", "tilt": "none", "periodic": "wrap"}
     branches = [list(branch) for branch in SERIES.branches]
-    tables: dict[str, Any] = {
+    tables = {
         "surface": file | {"file_unit": "m", "pixel_size": [width / side], "length_unit": "m"},
         "solid": {"kind": "half_space", "modulus": SERIES.modulus, "branches": branches},
         "contact": {"load": largest},
-        "aging": {"times": _TIMES},
+        "aging": {"times": np.geomspace(0.01, 1e4, 25).tolist()},
         "output": {"maps_at": []},
         "sweep": {"contact.load": [float(f"{largest * part:.4g}") for part in (0.25, 0.5, 1.0)]},
     }
     purpose = f"Spheres of radius {1e3 * radius:g} mm under three loads"
     return Campaign(name, purpose, tables, {"sphere.npy": heights})
-
-
-def growth_of(area: Field) -> Field:
-    """Area over that at first, times last."""
-    return np.asarray(area / area[..., :1])
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -75,22 +59,19 @@ def analyse(evidence: Evidence) -> Outcome:
         data = evidence[name]["contact_area_corrected"].transpose("load", "time")
         time = data["time"].values
         expected = (SERIES.modulus * SERIES.compliance_at(time)) ** (2 / 3)
-        for load_, grown in zip(data["load"].values.tolist(), growth_of(data.values), strict=True):
+        for load_, area in zip(data["load"].values.tolist(), data.values, strict=True):
+            grown = area / area[0]
             off = float(np.abs(grown / expected - 1).max()) + 1.0
             worst[f"greatest factor off the closed form, {1e3 * radius:g} mm, {load_:.3g} N"] = exact(off)
             course = {"radius": radius, "load": load_, "time": time, "area": grown, "form": expected}
             rows.append(pd.DataFrame(course))
-    claim = "Spheres of different diameters and loads follow one dimensionless curve, that of Lee and Radok"
-    note = f"The measured curve waits for its numbers: {'; '.join(MEASURED.missing)}."
-    ends, place = (1.0, 1.0 + _CLOSE), "Ovcharenko et al. 2009"
-    finding = Finding.within(ends, "one curve", place, claim, worst, note)
+    finding = WORDS.judge("one curve", worst, missing="; ".join(MEASURED.missing))
     return Outcome((finding,), {"areas": pd.concat(rows, ignore_index=True)})
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw growth against time, and the closed form."""
-    figure = Drawing(figsize=(4.5, 3.3), layout="constrained")
-    ax = figure.subplots()
+    figure, (ax,) = style.panels(4.5, 3.3)
     rows = tables["areas"]
     rows = rows[rows["time"] > 0]
     colors = {RADII["small"]: style.BLUE, RADII["large"]: style.VERMILION}
@@ -105,14 +86,4 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     return figure
 
 
-PTFE_2009 = Study(
-    name=MEASURED.name,
-    question="Do spheres in creep follow one dimensionless curve, whatever their diameter and load?",
-    quick=_campaigns(512),
-    full=_campaigns(1024),
-    analyse=analyse,
-    draw=draw,
-    caption="Area of the contact of a sphere over that at first, for two radii and three loads each; line: "
-    "the closed form of a linear solid. Measured areas are missing.",
-    page="docs/experiments.md",
-)
+PTFE_2009 = Study(**WORDS.study, quick=_campaigns(512), full=_campaigns(1024), analyse=analyse, draw=draw)

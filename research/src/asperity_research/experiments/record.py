@@ -199,13 +199,12 @@ def _explained(path: Path, error: ValidationError) -> InputError:
     if first["type"] == "missing":
         expected, got = f"{place.pop()}; each number has value, unit, uncertainty, source and how", "none"
         advice = 'uncertainty = "not stated" where the source has none' if "uncertainty;" in expected else ""
-        return InputError(_at(path, place), expected=expected, got=got, advice=advice)
-    head, _, rest = message.rpartition("expected ")
-    expected, _, got = rest.partition(", got ") if rest and ", got " in rest else (message, "", "")
-    place += [head.rstrip(": ")] if got and head else []
-    expected = expected.removeprefix("Input should be ")
-    return InputError(_at(path, place), expected=expected, got=got or repr(first["input"]))
-
-
-def _at(path: Path, place: list[str]) -> str:
-    return f"{path.name}: {'.'.join(place)}" if place else path.name
+    else:
+        head, _, rest = message.rpartition("expected ")
+        expected, _, got = rest.partition(", got ") if ", got " in rest else (message, "", "")
+        place += [head.rstrip(": ")] if got and head else []
+        expected, got, advice = expected.removeprefix("Input should be "), got or repr(first["input"]), ""
+    where = ".".join(place)
+    return InputError(
+        f"{path.name}: {where}" if where else path.name, expected=expected, got=got, advice=advice
+    )

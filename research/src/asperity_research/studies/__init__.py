@@ -17,9 +17,7 @@ from asperity_research.studies.study import Concluded, Outcome, Study, conclude
 from asperity_research.studies.unloading import UNLOADING
 
 _ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP, PMMA)
-STUDIES = {study.name: study for study in _ALL}
-"""All studies by name, in the order of the list."""
-
+STUDIES = {study.name: study for study in _ALL}  # All studies by name, in the order of the list
 __all__ = ["STUDIES", "Concluded", "Outcome", "Study", "conclude", "named", "run"]
 
 

@@ -20,6 +20,7 @@ from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
 
 Tables = Mapping[str, Any]
+Told = Callable[[asp.campaign.Tally], None]  # What is told how many runs are done
 
 
 @dataclass(frozen=True)
@@ -156,41 +157,36 @@ class Home:
         if folder.exists() and not folder.is_dir():
             raise InputError("--out", expected="a folder", got=f"{folder}, which is a file")
         if folder.exists() and any(folder.iterdir()) and not (folder / self.inside / "seed").is_file():
-            got = f"{folder}, which holds something else and is kept"
-            raise _other_folder(f"a new folder, or that of {self.owner}", got)
-
-    def claim(self, folder: Path, seed: int) -> None:
-        """Mark the folder as one of this seed, or find that it is another's, of other surfaces."""
-        mark = folder / self.inside / "seed"
-        if mark.exists() and (other := mark.read_text(encoding="utf-8").strip()) != str(seed):
-            got = f"{folder}, which is that of --seed {other}"
-            raise _other_folder(f"a new folder, or that of {self.owner} with this seed", got)
-        with whole_file(mark) as part:
-            part.write_text(f"{seed}\n", encoding="utf-8")
+            expected, got = f"a new folder, or that of {self.owner}", "which holds something else and is kept"
+            raise _taken(expected, f"{folder}, {got}")
 
     @contextmanager
-    def alone(self, folder: Path) -> Iterator[None]:
-        """Keep others out of the folder."""
+    def alone(self, folder: Path, seed: int) -> Iterator[None]:
+        """Keep others out of the folder, and mark it as one of this seed: another's has other surfaces."""
+        inside = folder / self.inside
         try:
-            (folder / self.inside).mkdir(parents=True, exist_ok=True)
-            lock = FileLock(folder / self.inside / "lock")
+            inside.mkdir(parents=True, exist_ok=True)
+            lock = FileLock(inside / "lock")
             lock.acquire(blocking=False)
         except Timeout as error:
             kind = self.owner.removeprefix("a ").removeprefix("the ")
-            expected, got = (
-                "a folder that nothing is at work on",
-                f"{folder}, which another {kind} is writing",
-            )
-            raise _other_folder(expected, got, "waiting, or another name") from error
+            expected, got = "a folder that nothing is at work on", f"which another {kind} is writing"
+            raise _taken(expected, f"{folder}, {got}", "waiting, or another name") from error
         except OSError as error:
-            raise OutputError(f"cannot write {folder / self.inside}: {error.strerror or error}") from error
+            raise OutputError(f"cannot write {inside}: {error.strerror or error}") from error
         try:
+            mark = inside / "seed"
+            if mark.exists() and (other := mark.read_text(encoding="utf-8").strip()) != str(seed):
+                expected = f"a new folder, or that of {self.owner} with this seed"
+                raise _taken(expected, f"{folder}, which is that of --seed {other}")
+            with whole_file(mark) as part:
+                part.write_text(f"{seed}\n", encoding="utf-8")
             yield
         finally:
             lock.release()
 
 
-def _other_folder(expected: str, got: str, advice: str = "another name") -> InputError:
+def _taken(expected: str, got: str, advice: str = "another name") -> InputError:
     return InputError("--out", expected=expected, got=got, advice=advice)
 
 
@@ -206,8 +202,7 @@ def prepared_in(
     folder = Path(directory)
     wanted = [one.seeded(seed) for one in campaigns]
     home.check(folder)
-    with home.alone(folder):
-        home.claim(folder, seed)
+    with home.alone(folder, seed):
         places = [(one, folder / home.inside / one.name) for one in wanted]
         yield tuple(Prepared(one, one.write(place), place) for one, place in places)
 
@@ -218,8 +213,7 @@ def run_campaigns(
     workers: int | None = None,
     scheduler: str | None = None,
     retry_failed: bool = False,
-    watch: Callable[[Prepared], AbstractContextManager[Callable[[asp.campaign.Tally], None] | None]]
-    | None = None,
+    watch: Callable[[Prepared], AbstractContextManager[Told | None]] | None = None,
 ) -> None:
     """Do what is missing of every campaign; workers, scheduler and retrying are those of a sweep.
 
@@ -228,18 +222,12 @@ def run_campaigns(
     after all others were done.
     """
     failed = []
+    how: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "retry_failed": retry_failed}
     for one in prepared:
         before = asp.campaign.tally(one.plan, one.folder)
         # A finished campaign is swept too, which takes no time: its folder may hold another plan.
         with nullcontext() if watch is None or before.done == before.total else watch(one) as progress:
-            now = asp.campaign.sweep(
-                one.plan,
-                one.folder,
-                workers=workers,
-                scheduler=scheduler,
-                retry_failed=retry_failed,
-                progress=progress,
-            )
+            now = asp.campaign.sweep(one.plan, one.folder, progress=progress, **how)
         if now.done < now.total:
             failed.append(one)
     if failed:

@@ -7,7 +7,7 @@ computed from the simulations with a 95 % interval, and the two are compared: in
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -16,8 +16,7 @@ from scipy.stats import binomtest
 
 from asperity.fits import Estimate
 
-MOST_SEEDS = 1000
-"""Seeds beyond which more seeds are no advice: the number lies on the edge of its range."""
+MOST_SEEDS = 1000  # Seeds beyond which more seeds are no advice: the number lies on the edge of its range
 
 
 class Verdict(StrEnum):
@@ -86,20 +85,6 @@ class Finding:
     correction: str = ""
     note: str = ""
 
-    @classmethod
-    def within(
-        cls,
-        ends: tuple[float, float],
-        key: str,
-        place: str,
-        claim: str,
-        numbers: Mapping[str, Estimate],
-        note: str = "",
-    ) -> Finding:
-        """Return one whose numbers, by what they are, all share a range."""
-        measured = tuple(Measurement(what, one, *ends) for what, one in numbers.items())
-        return cls(key, place, claim, measured, note=note)
-
     @property
     def verdict(self) -> Verdict:
         """The claim's: as it stands, or, if it differs and has a correction, once corrected."""
@@ -126,10 +111,8 @@ class Finding:
 def together(measured: Sequence[Measurement]) -> Verdict:
     """All must agree; one that differs decides; otherwise it is open."""
     verdicts = {m.verdict for m in measured}
-    for verdict in (Verdict.DIFFERS, Verdict.UNDECIDED):
-        if verdict in verdicts:
-            return verdict
-    return Verdict.AGREES
+    open_or_worse = (one for one in (Verdict.DIFFERS, Verdict.UNDECIDED) if one in verdicts)
+    return next(open_or_worse, Verdict.AGREES)
 
 
 def exact(value: float) -> Estimate:

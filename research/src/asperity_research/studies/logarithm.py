@@ -23,7 +23,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from asperity.figures import Drawing
 from asperity.fits import Estimate, jackknife
 from asperity.relaxation import PronySeries, from_retardation
 from asperity_research import style
@@ -32,29 +31,20 @@ from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import columns, power, slope
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
 
+WORDS = Words.beside(__file__)
 SIDE = 128
-"""Sites along a side."""
 
-_PRESSURE = 0.01
-"""Load over E* and nominal area, where it is not varied."""
-
-_PRESSURES = (0.0025, 0.01, 0.04)
+# Loads over E* and nominal area; and those of the curve of the elastic area, over that which is kept.
+_PRESSURE, _PRESSURES = 0.01, (0.0025, 0.01, 0.04)
 _FACTORS = (1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.5)
-"""Loads of the curve of the elastic area, over the load."""
 
 _TIMES = tuple(10.0**decade for decade in range(9))
-_FIRST, _LAST = 10.0, 1e7
-"""The decades of time in which growth is judged."""
+_FIRST, _LAST, _END_DECADES = 10.0, 1e7, 2
+"""The decades of time in which growth is judged; and how many of them, at each end, are compared."""
 
-_END_DECADES = 2
-
-WANTED = 0.01
-"""B that is looked for."""
-
-STRAIGHT = (0.9, 1.1)
-"""Ratios of the slope in the last two decades to that in the first two that bear out a logarithm."""
+WANTED = 0.01  # B that is looked for
 
 
 @dataclass(frozen=True)
@@ -76,9 +66,8 @@ def equal_modulus(share: float) -> PronySeries:
     return PronySeries(1.0, tuple((share, time) for time in _TIMES))
 
 
-_COMPLIANCES, _MODULI = (0.01, 0.02, 0.03, 0.1), (0.01, 0.02, 0.05)
-
-RELAXATIONS: Mapping[str, Relaxing] = {
+_SHARES = {"modulus": (0.01, 0.02, 0.05), "compliance": (0.01, 0.02, 0.03, 0.1)}
+RELAXATIONS = {
     "one_time": Relaxing("one relaxation time, 30, of share 0.2", PronySeries(1.0, ((0.2, 30.0),))),
     "power": Relaxing(
         "parts of compliance that rise like the power 0.1 of their time",
@@ -86,19 +75,17 @@ RELAXATIONS: Mapping[str, Relaxing] = {
     ),
     **{
         f"{kind}_{share:g}": Relaxing(words.format(share), series(share), share)
-        for kind, words, series, shares in (
-            ("modulus", "{:g} of the modulus in each decade", equal_modulus, _MODULI),
-            ("compliance", "compliance grows by {:g} in each decade", equal_compliance, _COMPLIANCES),
+        for kind, words, series in (
+            ("modulus", "{:g} of the modulus in each decade", equal_modulus),
+            ("compliance", "compliance grows by {:g} in each decade", equal_compliance),
         )
-        for share in shares
+        for share in _SHARES[kind]
     },
 }
-"""The relaxations by name."""
-
 _OF_LOADS = "compliance_0.03"
 
 
-def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
+def _campaigns(seeds: int) -> Iterator[Campaign]:
     def campaign(
         name: str, purpose: str, relaxing: Relaxing, duration: float = _LAST, **sweep: object
     ) -> Campaign:
@@ -107,7 +94,7 @@ def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
         return Solid(relaxing.what, half_space, _PRESSURE).campaign(
             name,
             purpose,
-            waves(side, side / 2, rms_slope=0.2),
+            waves(SIDE, SIDE / 2, rms_slope=0.2),
             aging={"first": 1.0, "per_decade": 4, "rtol": 5e-3},
             protocol=[hold(duration)],
             sweep={**sweep, "seeds": seeds},
@@ -116,9 +103,9 @@ def _campaigns(seeds: int, side: int = SIDE) -> Iterator[Campaign]:
     for name, relaxing in RELAXATIONS.items():
         yield campaign(name, "Growth under a constant load", relaxing)
     one = RELAXATIONS[_OF_LOADS]
-    loads = [side**2 * pressure for pressure in _PRESSURES]
+    loads = [SIDE**2 * pressure for pressure in _PRESSURES]
     yield campaign("loads", "Growth under other loads", one, load=loads)
-    loads = [side**2 * _PRESSURE * factor for factor in _FACTORS]
+    loads = [SIDE**2 * _PRESSURE * factor for factor in _FACTORS]
     yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
 
 
@@ -149,92 +136,81 @@ def predicted(loads: Field, areas: Field, series: PronySeries, time: Field) -> F
     return np.exp([np.interp(at, np.log(loads), one) for one in ratios])
 
 
-def _growth(evidence: Evidence, name: str, **where: float) -> Field:
-    """A/A(0), one row a seed."""
-    area = evidence.samples(name.replace(".", "_"), "area", **where)
-    return area / area[:, :1]
-
-
 def analyse(evidence: Evidence) -> Outcome:
     """Find B and the straightness of all relaxations, and the share for a given B."""
     loads, areas = np.array(evidence.values("elastic", "load")), evidence.samples("elastic", "area")[..., 0]
     time = np.array(evidence.values("loads", "time"))
     rows: list[dict[str, Any]] = []
-    curves, grown, straight, ratios, wanted = [], {}, {}, {}, {}
+    found: dict[tuple[str, str], Estimate] = {}
+    curves, grown = [], {}
+    of_time = partial(rate, time)
+
+    def growth_in(name: str, **where: float) -> Field:
+        area = evidence.samples(name.replace(".", "_"), "area", **where)
+        return area / area[:, :1]
 
     def over(one: Field, other: Field) -> float:
-        return rate(time, one) / rate(time, other)
+        return of_time(one) / of_time(other)
 
     def noted(
         number: str, relaxation: str, at: float, statistic: Callable[..., float], *samples: Field
-    ) -> Estimate:
-        found = jackknife(statistic, samples)
+    ) -> None:
+        one = found[number, relaxation] = jackknife(statistic, samples)
         row = {"number": number, "relaxation": relaxation, "at": at}
-        rows.append(row | columns("value", found, shared=True) | {"runs": found.runs})
-        return found
+        rows.append(row | columns("value", one, shared=True) | {"runs": one.runs})
 
     for name, relaxing in RELAXATIONS.items():
-        growth, share = _growth(evidence, name), relaxing.share
+        growth = grown[name] = growth_in(name)
         forecast = predicted(loads / loads[0], areas, relaxing.series, time)
-        grown[name] = growth
-        straight[name] = noted("straightness", name, share, partial(straightness, time), growth)
-        noted("B", name, share, partial(rate, time), growth)
-        if not math.isnan(share):
-            ratios[relaxing.what] = noted("B over prediction", name, share, over, growth, forecast)
+        noted("straightness", name, relaxing.share, partial(straightness, time), growth)
+        noted("B", name, relaxing.share, of_time, growth)
+        if not math.isnan(relaxing.share):
+            noted("B over prediction", name, relaxing.share, over, growth, forecast)
         course = {"relaxation": name, "time": time, "growth": growth.mean(axis=0)}
         course |= {"predicted": forecast.mean(axis=0), "compliance": relaxing.series.compliance_at(time)}
         curves.append(pd.DataFrame(course))
-    for kind, shares in (("compliance", _COMPLIANCES), ("modulus", _MODULI)):
-        samples = (grown[f"{kind}_{share:g}"] for share in shares)
-        share_of = partial(_share_wanted, time, np.array(shares))
-        wanted[kind] = noted("share for B = 0.01", kind, WANTED, share_of, *samples)
+    for kind in ("compliance", "modulus"):
+        shares = _SHARES[kind]
+
+        def share_of(*samples: Field, shares: tuple[float, ...] = shares) -> float:
+            return share_for(np.array(shares), np.array([of_time(one) for one in samples]))
+
+        noted("share for B = 0.01", kind, WANTED, share_of, *(grown[f"{kind}_{share:g}"] for share in shares))
     near = loads <= 2.001 * loads[0]
-    elastic = partial(_exponent, loads[near])
-    noted("d ln A/d ln F", "elastic", _PRESSURE, elastic, areas[:, near])
-    by_load = [_growth(evidence, "loads", load=load) for load in evidence.values("loads", "load")]
+    noted(
+        "d ln A/d ln F",
+        "elastic",
+        _PRESSURE,
+        lambda some: power(loads[near], some.mean(axis=0)),
+        areas[:, near],
+    )
+    by_load = [growth_in("loads", load=load) for load in evidence.values("loads", "load")]
     for pressure, growth in zip(_PRESSURES, by_load, strict=True):
-        noted("B of a load", _OF_LOADS, pressure, partial(rate, time), growth)
-    of_loads = jackknife(over, (by_load[-1], by_load[0]))
-    findings = tuple(_findings(straight, ratios, wanted, of_loads))
+        noted("B of a load", _OF_LOADS, pressure, of_time, growth)
+    findings = tuple(_findings(found, jackknife(over, (by_load[-1], by_load[0]))))
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
 
 
-def _share_wanted(time: Field, shares: Field, *grown: Field) -> float:
-    return share_for(shares, np.array([rate(time, one) for one in grown]))
+def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> Iterator[Finding]:
+    def of(number: str, what: str, start: str = "") -> dict[str, Estimate]:
+        own = {name: one for (kind, name), one in found.items() if kind == number and name.startswith(start)}
+        return {f"{what}: {RELAXATIONS[name].what}": one for name, one in own.items()}
 
-
-def _exponent(loads: Field, areas: Field) -> float:
-    return power(loads, areas.mean(axis=0))
-
-
-def _findings(
-    straight: Mapping[str, Estimate],
-    ratios: Mapping[str, Estimate],
-    wanted: Mapping[str, Estimate],
-    of_loads: Estimate,
-) -> Iterator[Finding]:
-    here, what = "this study", "slope in the last two decades over that in the first two"
     for key, words in (
         ("one_time", "one relaxation time"),
         ("power", "a compliance like a power of time"),
         ("modulus", "equal parts of the modulus in each decade"),
         ("compliance", "equal parts of compliance in each decade"),
     ):
-        own = {name: bent for name, bent in straight.items() if name.startswith(key)}
-        numbers = {f"{what}: {RELAXATIONS[name].what}": bent for name, bent in own.items()}
-        claim = f"With {words} the area grows like a logarithm over six decades"
-        yield Finding.within(STRAIGHT, key, here, claim, numbers)
-    proportional = math.log(10) * WANTED
-    ends = 0.8 * proportional, 1.2 * proportional
+        numbers = of("straightness", "slope in the last two decades over that in the first two", key)
+        yield WORDS.judge("straight", numbers, key=key, words=words)
+    ends = [factor * (math.log(10) * WANTED) for factor in (0.8, 1.2)]
     share = "share of {} in each decade that gives <i>B</i> = 0.01".format
-    numbers = {share(kind): found for kind, found in wanted.items()}
-    claim = "B = 0.01 takes a share of 0.01 ln 10 a decade, within a fifth"
-    yield Finding.within(ends, "share", here, claim, numbers)
-    numbers = {f"<i>B</i> over that from <i>J</i>(<i>t</i>): {what}": over for what, over in ratios.items()}
-    claim = "B follows from the compliance and the elastic area against load"
-    yield Finding.within((0.95, 1.05), "prediction", "Lee and Radok 1960", claim, numbers)
+    numbers = {share(kind): found["share for B = 0.01", kind] for kind in ("compliance", "modulus")}
+    yield WORDS.judge("share", numbers, ends=ends)
+    yield WORDS.judge("prediction", of("B over prediction", "<i>B</i> over that from <i>J</i>(<i>t</i>)"))
     what = f"<i>B</i> at the load 0.04 over that at 0.0025: {RELAXATIONS[_OF_LOADS].what}"
-    yield Finding.within((0.9, 1.1), "load", "Amontons' law", "B does not depend on load", {what: of_loads})
+    yield WORDS.judge("load", {what: of_loads})
 
 
 _LOOKS = {
@@ -249,8 +225,7 @@ _KINDS = {"compliance": ("o", style.INK, "compliance"), "modulus": ("s", style.B
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw growth against time, and B against the share of a decade."""
-    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(7.2, 3.3, 2)
     curves, numbers = tables["curves"], tables["numbers"]
     for name, (words, mark, color) in _LOOKS.items():
         own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
@@ -270,15 +245,5 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 
 LOGARITHM = Study(
-    name="logarithm",
-    question="Which relaxation makes the area on a half-space grow like ln t, and by 1 % an e-fold?",
-    quick=tuple(_campaigns(4)),
-    full=tuple(_campaigns(16)),
-    analyse=analyse,
-    draw=draw,
-    caption="Left: area under a constant load over that at first, mean over the surfaces (points), and of "
-    "an elastic contact under <i>J</i>(<i>t</i>) <i>F</i> (lines). Right: <i>B</i> = "
-    "d(<i>A</i>/<i>A</i>(0))/d ln <i>t</i> against the part of compliance or modulus in each decade of time, "
-    "with 95 % intervals; dotted for an area in proportion to load.",
-    page="docs/studies/logarithm.md",
+    **WORDS.study, quick=tuple(_campaigns(4)), full=tuple(_campaigns(16)), analyse=analyse, draw=draw
 )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asperity.fits import Estimate, jackknife
-from asperity_research.arrays import Field
+from asperity_research.arrays import Field, Mask
 
 
 def mean(sample: Field) -> Estimate:
@@ -42,9 +42,14 @@ def all_columns(**found: Estimate | None) -> dict[str, Any]:
     return {key: end for name, one in found.items() for key, end in columns(name, one).items()}
 
 
+def within(time: Field, first: float, last: float) -> Mask:
+    """Which times are between two, which both count in spite of rounding."""
+    return np.asarray((time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9)))
+
+
 def slope(time: Field, values: Field, first: float = 0.0, last: float = math.inf) -> float:
-    """Slope against ln t, shape (n,), between two times, which both count in spite of rounding."""
-    chosen = (time >= first * (1 - 1e-9)) & (time <= last * (1 + 1e-9))
+    """Slope against ln t, shape (n,), between two times."""
+    chosen = within(time, first, last)
     return float(np.polyfit(np.log(time[chosen]), values[chosen], 1)[0])
 
 

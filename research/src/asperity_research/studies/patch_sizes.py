@@ -24,11 +24,11 @@ the sites that each has in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -39,37 +39,29 @@ from scipy.special import logsumexp
 
 import asperity_research.studies.unloading as unloading
 from asperity.analysis import link_patches, patches
-from asperity.figures import Drawing
 from asperity.fits import Estimate, jackknife
 from asperity_research import style
-from asperity_research.arrays import Field
+from asperity_research.arrays import Field, Mask
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.numbers import columns
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
+
+WORDS = Words.beside(__file__)
+Sizes = NDArray[np.int64]
 
 SMALLEST = 16
 """Smallest size of the fits: the square of the shortest wavelength, below which surfaces are smooth."""
 
-PRESSURES = (0.01, 0.02, 0.04, 0.08)
-"""Load a site, over E*, of surfaces with an rms slope of 1."""
-
+PRESSURES = (0.01, 0.02, 0.04, 0.08)  # Load a site, over E*, of surfaces with an rms slope of 1
 HURST = (0.4, 0.8)
-CLASSES = (1, 4, 16, 64, 256)
-"""Least sizes of the classes."""
+CLASSES = (1, 4, 16, 64, 256)  # Least sizes of the classes
+SMALL, LARGE = 16, 64  # Small patches have fewer sites, large ones as many or more
+SAME_EXPONENT, SAME_SIZE = (-0.05, 0.05), (-0.1, 0.1)
+"""Changes, over that of ln load, of the exponent, and of ln size, that bear out that load leaves it alone."""
 
-SMALL, LARGE = 16, 64
-"""Small patches have fewer sites, large ones as many or more."""
-
-SAME_EXPONENT = (-0.05, 0.05)
-"""Change of the exponent, over that of the logarithm of load, that bears out that load leaves it alone."""
-
-SAME_SIZE = (-0.1, 0.1)
-"""The same for the logarithm of a size."""
-
-_CHANGES = 0.01
-"""Part of its sites by which a class has to grow, or shrink, to count as one that does."""
+_CHANGES = 0.01  # Part of its sites by which a class has to grow, or shrink, to count as one that does
 
 SOLIDS = {
     name: replace(unloading.SOLIDS[name], load=load)
@@ -78,11 +70,10 @@ SOLIDS = {
 """By name, under a load at which the area is that to be held."""
 
 
-def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Campaign, ...]:
-    """Return the campaigns, with so many surfaces each."""
+def _campaigns(seeds: int, side: int = 256, held_side: int = 128) -> Iterator[Campaign]:
     # The run ends long before the only relaxation time.
     half_space = {"kind": "half_space", "modulus": 1.0, "branches": [[0.5, 1e3]]}
-    pressed = Solid("just after the half-space was pressed", half_space, PRESSURES[0]).campaign(
+    yield Solid("just after the half-space was pressed", half_space, PRESSURES[0]).campaign(
         "pressed",
         "Patches under several loads",
         waves(side, side / 4, rms_slope=1.0),
@@ -91,8 +82,8 @@ def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Cam
         output={"maps_at": [0.0]},
         sweep={"hurst": list(HURST), "load": [p * side**2 for p in PRESSURES], "seeds": seeds},
     )
-    held = (
-        solid.campaign(
+    for name, solid in SOLIDS.items():
+        yield solid.campaign(
             name,
             "Patches while the area is held constant",
             waves(held_side, held_side / 8) | solid.rough,
@@ -101,13 +92,9 @@ def campaigns(*, seeds: int, side: int = 256, held_side: int = 128) -> tuple[Cam
             output={"maps_at": [0.0, 100.0]},
             sweep={"seeds": seeds},
         )
-        for name, solid in SOLIDS.items()
-    )
-    return (pressed, *held)
 
 
-@dataclass(frozen=True)
-class Law:
+class Law(NamedTuple):
     """A law of sizes that was fitted: tau, or a of the lognormal law, and 1/s_c or b.
 
     The second is 0 where the likelihood, the mean over the patches of the logarithm of p(s), is greatest
@@ -140,8 +127,7 @@ def fit(means: Field, support: Field) -> Law:
     return Law(float(exponent), float(second), -float(found.fun))
 
 
-@dataclass(frozen=True)
-class Laws:
+class Laws(NamedTuple):
     """The three laws, fitted to sums over the patches of several surfaces."""
 
     power: Law
@@ -161,7 +147,7 @@ def _moments(sizes: Field) -> Field:
     return np.stack([logs, sizes, logs**2])
 
 
-def sums_of(sizes: NDArray[np.int64]) -> Field:
+def sums_of(sizes: Sizes) -> Field:
     """Sums over the patches of one surface, shape (6,).
 
     The number of those of SMALLEST sites and more, sums of ln s, s and ln(s)^2 over these; sums of s and s^2
@@ -171,12 +157,12 @@ def sums_of(sizes: NDArray[np.int64]) -> Field:
     return np.array([fitted.size, *_moments(fitted).sum(axis=1), sizes.sum(), (sizes**2).sum()], dtype=float)
 
 
-def overlap(heights: Field, sites: int) -> NDArray[np.bool_]:
+def overlap(heights: Field, sites: int) -> Mask:
     """Where the heights reach through a plane that leaves so many sites above it."""
     return np.asarray(heights >= np.partition(heights, -sites, axis=None)[-sites])
 
 
-def growth(before: NDArray[np.bool_], after: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Field, int]:
+def growth(before: Mask, after: Mask) -> tuple[Sizes, Field, int]:
     """Sizes of patches before, and by how many sites each has grown from map to map, shape (patches,).
 
     And the sites of patches that share none with a patch before: with these the growths add up to the change
@@ -203,44 +189,35 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
     opened = evidence["pressed"]
     loads, seeds = opened["load"].values, opened["seed"].values.tolist()
     sites = int(evidence.sites("pressed"))
-    rows, shares, load_free = list[dict[str, object]](), list[dict[str, object]](), list[Measurement]()
+    rows, shares, load_free = list[dict[str, object]](), list[pd.DataFrame](), list[Measurement]()
     laws: dict[str, Estimate] = {}
     for hurst, kind in product(opened["hurst"].values.tolist(), ("contact", "overlap")):
-        sums = []
-        for load in loads:
-            found = [_sizes(evidence, kind, hurst=hurst, load=load, seed=seed) for seed in seeds]
-            sums.append([sums_of(sizes) for sizes in found])
-            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
-            survival = _survival(np.concatenate(found))
-            shares += [head | {"size": size, "share": share} for size, share in survival]
-        samples = np.array(sums).transpose(1, 0, 2)  # seeds, loads, sums
+        heads = [{"of": kind, "hurst": hurst, "pressure": load / sites} for load in loads]
+        found = [
+            [_sizes(evidence, kind, hurst=hurst, load=load, seed=seed) for seed in seeds] for load in loads
+        ]
+        shares += [_survival(np.concatenate(some), head) for some, head in zip(found, heads, strict=True)]
+        # seeds, loads, sums
+        samples = np.array([[sums_of(sizes) for sizes in some] for some in found]).transpose(1, 0, 2)
         numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
-        for at, load in enumerate(loads):
-            head = {"of": kind, "hurst": hurst, "pressure": load / sites}
-            head["area"] = samples[:, at, 4].mean() / sites
-            counted = {"patches": int(samples[:, at, 0].sum())}
-            rows.append(head | counted | _columns(numbers, at) | {"runs": len(seeds)})
+        for at, head in enumerate(heads):
+            counted = {"area": samples[:, at, 4].mean() / sites, "patches": int(samples[:, at, 0].sum())}
+            rows.append(head | counted | _columns(numbers.part(at)) | {"runs": len(seeds)})
         if kind == "overlap":
             continue
         about = f"half-space, Hurst exponent {hurst:g}"
         words = f"ln likelihood a patch, power law with a limit less lognormal: {about}, load a site"
         laws |= {f"{words} {load / sites:g}": numbers.part(at).part(2) for at, load in enumerate(loads)}
-        exponent, size = (numbers.part(len(loads)).part(column) for column in (0, 1))
+        slopes = numbers.part(len(loads))
         load_free += [
-            Measurement(f"d tau / d ln load: {about}", exponent, *SAME_EXPONENT),
-            Measurement(f"d ln (mean size by area) / d ln load: {about}", size, *SAME_SIZE),
+            Measurement(f"d tau / d ln load: {about}", slopes.part(0), *SAME_EXPONENT),
+            Measurement(f"d ln (mean size by area) / d ln load: {about}", slopes.part(1), *SAME_SIZE),
         ]
-    place = "Dieterich and Kilgore 1996"
-    claim = "Sizes of patches follow a power law up to a limiting size"
-    findings = (
-        Finding.within((0.0, math.inf), "law", place, claim, laws),
-        Finding("load", place, "Load leaves the distribution of sizes alone", tuple(load_free)),
-    )
-    in_order = pd.DataFrame(shares).sort_values(["hurst", "pressure"], kind="stable", ignore_index=True)
-    return pd.DataFrame(rows), in_order, findings
+    in_order = pd.concat(shares).sort_values(["hurst", "pressure"], kind="stable", ignore_index=True)
+    return pd.DataFrame(rows), in_order, (WORDS.judge("law", laws), WORDS.judge("load", load_free))
 
 
-def _sizes(evidence: Evidence, kind: str, **where: float) -> NDArray[np.int64]:
+def _sizes(evidence: Evidence, kind: str, **where: float) -> Sizes:
     """Sizes of the patches of one run, in contact, or of a plane through the heights with the same area."""
     one = evidence.fields("pressed", **where)
     touching = one["in_contact"].values[0]
@@ -262,58 +239,55 @@ def _numbers(samples: Field, loads: Field, largest: int) -> Field:
     return np.vstack([rows, np.polyfit(np.log(loads), np.array(rows), 1)[0]])
 
 
-def _columns(found: Estimate, at: int) -> dict[str, float]:
+def _columns(found: Estimate) -> dict[str, float]:
     row: dict[str, float] = {}
     for column, name in enumerate(_COLUMNS):
-        row |= columns(name, found.part(at).part(column))
+        row |= columns(name, found.part(column))
     return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
 
 
-def _survival(sizes: NDArray[np.int64]) -> list[tuple[int, float]]:
+def _survival(sizes: Sizes, head: Mapping[str, object]) -> pd.DataFrame:
     """Share of the patches that have so many sites or more, at sizes that grow by a fifth."""
-    at = np.unique(np.geomspace(1, sizes.max(), 1 + round(math.log(sizes.max()) / math.log(1.2))).round())
-    ordered = np.sort(sizes)
-    return [(int(size), float(1 - np.searchsorted(ordered, size) / sizes.size)) for size in at]
+    steps = round(math.log(sizes.max()) / math.log(1.2))
+    at = np.unique(np.geomspace(1, sizes.max(), 1 + steps).round())
+    share = 1 - np.searchsorted(np.sort(sizes), at) / sizes.size
+    return pd.DataFrame({**head, "size": at.astype(int), "share": share})
 
 
 def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
     """Growth by class of sizes at constant area, and the findings."""
     tables, findings = [], []
     for name, solid in SOLIDS.items():
-        table, counts = [], []
-        ends: dict[str, list[Field]] = {"small": [], "large": []}
+        every = []  # net growth and sites, by class, of new patches or all, of the small, and of the large
+        counts = np.zeros(len(CLASSES) + 1, dtype=int)
         for seed in evidence[name]["seed"].values:
             maps = evidence.fields(name, seed=int(seed))["in_contact"].values
             before, net, born = growth(maps[0], maps[-1])
             of = np.searchsorted(CLASSES, before, side="right") - 1
-            gained, sites = (np.bincount(of, some, len(CLASSES)) for some in (net, before))
-            table.append([[*gained, born], [*sites, before.sum()]])
-            counts.append([*np.bincount(of, minlength=len(CLASSES)), 0])
-            for kind, chosen in (("small", before < SMALL), ("large", before >= LARGE)):
-                ends[kind].append(np.array([net[chosen].sum(), before[chosen].sum()], dtype=float))
-        found = jackknife(_ratio, np.array(table, dtype=float))
+            parts = before < SMALL, before >= LARGE
+            both = [
+                [*np.bincount(of, some, len(CLASSES)), new, *(some[part].sum() for part in parts)]
+                for some, new in ((net, born), (before, before.sum()))
+            ]
+            every.append(both)
+            counts[:-1] += np.bincount(of, minlength=len(CLASSES))
+        samples = np.array(every, dtype=float)
+        found, ends = jackknife(_ratio, samples[..., :-2]), jackknife(_ratio, samples[..., -2:])
         classes = {
             "solid": name,
             "from": (*CLASSES, 0),
             "below": [*CLASSES[1:], math.inf, math.nan],
-            "patches": np.sum(counts, axis=0),
+            "patches": counts,
         }
-        tables.append(pd.DataFrame(classes | columns("growth", found, shared=True) | {"runs": found.runs}))
-        small, large = (jackknife(_ratio, np.array(some)) for some in ends.values())
+        by_class = columns("growth", found, shared=True) | {"runs": found.runs}
+        tables.append(pd.DataFrame(classes | by_class))
         said = "growth of patches of {} sites{}, over their sites: {}".format
         measured = (
-            Measurement(said(f"fewer than {SMALL}", "", solid.what), small, high=-_CHANGES),
-            Measurement(said(LARGE, " and more", solid.what), large, low=_CHANGES),
+            Measurement(said(f"fewer than {SMALL}", "", solid.what), ends.part(0), high=-_CHANGES),
+            Measurement(said(LARGE, " and more", solid.what), ends.part(1), low=_CHANGES),
         )
-        claim = "At constant area small patches shrink and large ones grow"
-        findings.append(Finding(name, "Pilvelait et al. 2020", claim, measured, note=_NOTES.get(name, "")))
+        findings.append(WORDS.judge("growth", measured, key=name))
     return pd.concat(tables, ignore_index=True), tuple(findings)
-
-
-_NOTES = {
-    "half_space": "The relaxation is the same at all wavelengths: with the contacts as they are, the force "
-    "relaxes as the modulus, and nothing else changes."
-}
 
 
 def _ratio(sample: Field) -> Field:
@@ -332,8 +306,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the sizes, their exponent, and the growth at constant area."""
-    figure = Drawing(figsize=(8.6, 3.1), layout="constrained")
-    sizes, exponent, held = figure.subplots(1, 3)
+    figure, (sizes, exponent, held) = style.panels(8.6, 3.1, 3)
     shares = tables["sizes"]
     shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
     for (pressure, own), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
@@ -362,16 +335,5 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 
 PATCH_SIZES = Study(
-    name="patch-sizes",
-    question="Are the sizes of patches a power law independent of load, "
-    "and which patches grow at constant area?",
-    quick=campaigns(seeds=3),
-    full=campaigns(seeds=8),
-    analyse=analyse,
-    draw=draw,
-    caption="Left: share of the patches of <i>s</i> sites and more on a half-space, Hurst exponent 0.8; fits "
-    "begin at the line. Middle: exponent of the power law with a limit; overlap is a plane through the "
-    "heights with the same area. Right: growth at constant area, by class of sizes at first. Bars: 95 % "
-    "intervals.",
-    page="docs/studies/patch_sizes.md",
+    **WORDS.study, quick=tuple(_campaigns(3)), full=tuple(_campaigns(8)), analyse=analyse, draw=draw
 )

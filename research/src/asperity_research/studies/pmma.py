@@ -10,60 +10,39 @@ Q = kT ln(prefactor/(2 nm/s)) + H Omega.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from scipy.constants import Boltzmann
 
-from asperity.figures import Drawing
 from asperity.fits import Estimate, jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, scanned
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
-from asperity_research.studies.numbers import all_columns, columns, power, slope
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.numbers import all_columns, columns, power, slope, within
+from asperity_research.studies.study import Outcome, Study, Words
+
+WORDS = Words.beside(__file__)
 
 SHEAR_VOLUME = 8.2e-27 * 0.078**0.6
 """m^3: J. Ho, L. Govaert, M. Utz, Macromolecules 36, 7398 (2003), for 0.078 entanglements a nm^3."""
 
-VOLUME = SHEAR_VOLUME / (3 * math.sqrt(3))
-"""Activation volume of the pressure, m^3."""
-
-MODULUS = 3.8e9
-"""Contact modulus, Pa: Young's modulus 3.3 GPa, Poisson's ratio 0.35, both round."""
-
-PREFACTOR = 1e4
-"""m/s: 1e13 attempts a second, 1 nm each."""
-
-ROOM = 298.15
-"""K."""
-
-PRESSURE = 1e7
-"""Load over nominal area, Pa."""
-
-_INDENTED = 1e-9
-"""Velocity under the hardness, m/s."""
-
-_HARDNESSES = (3e8, 4e8, 5e8, 6e8)
+VOLUME = SHEAR_VOLUME / (3 * math.sqrt(3))  # Activation volume of the pressure, m^3
+MODULUS = 3.8e9  # Contact modulus, Pa: Young's modulus 3.3 GPa, Poisson's ratio 0.35, both round
+PREFACTOR = 1e4  # m/s: 1e13 attempts a second, 1 nm each
+ROOM = 298.15  # K
+PRESSURE = 1e7  # Load over nominal area, Pa
+_INDENTED = 1e-9  # Velocity under the hardness, m/s
+_HARDNESSES, _SLOPES = (3e8, 4e8, 5e8, 6e8), (0.25, 0.5, 1.0)
 _TEMPERATURES = (250.0, 275.0, 300.0, 325.0, 350.0)
-_SLOPES = (0.25, 0.5, 1.0)
-_FIRST, _LAST = 10.0, 1e4
-"""Times between which growth is measured, s."""
-
-_SIDE, _SPACING = 128, 0.1
-"""Sites along a side, and their distance, um."""
-
-HARDNESS = 0.3
-"""Mean contact pressure at which B is stated, GPa: an assumed round number."""
-
-WANTED = (0.01, 0.02)
-"""B of static friction of PMMA: T. Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006)."""
+_MEASURED = (10.0, 1e4)  # Times between which growth is measured, s
+_SIDE, _SPACING = 128, 0.1  # Sites along a side, and their distance, um
+HARDNESS = 0.3  # Mean contact pressure at which B is stated, GPa: an assumed round number
+WANTED = (0.01, 0.02)  # B of static friction of PMMA: T. Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006)
 
 
 def energy(hardness: float) -> float:
@@ -89,35 +68,37 @@ _FAMILIES: Mapping[str, tuple[str, tuple[float, ...]]] = {
 """What each campaign sweeps."""
 
 
-def _campaigns(surfaces: int) -> Iterator[Campaign]:
-    surface = scanned(
-        _SIDE, _SPACING, "um", 0.8, roll_off=_SIDE * _SPACING / 2, cutoff=8 * _SPACING, rms_slope=0.5
+def _campaigns(surfaces: int) -> tuple[Campaign, ...]:
+    waves = {"roll_off": _SIDE * _SPACING / 2, "cutoff": 8 * _SPACING, "rms_slope": 0.5}
+    tables = {
+        "surface": scanned(_SIDE, _SPACING, "um", 0.8, **waves),
+        "solid": {"kind": "half_space", "modulus": MODULUS, **ACTIVATED},
+        "contact": {"pressure": PRESSURE},
+        "aging": {"first": 1.0, "last": 1e5, "per_decade": 4, "rtol": 5e-3},
+        "output": {"maps_at": []},
+    }
+    return tuple(
+        Campaign(
+            name,
+            f"Half-spaces with the numbers of PMMA, by {name}",
+            tables | {"sweep": {parameter: list(values), "seeds": surfaces}},
+        )
+        for name, (parameter, values) in _FAMILIES.items()
     )
-    for name, (parameter, values) in _FAMILIES.items():
-        tables = {
-            "surface": surface,
-            "solid": {"kind": "half_space", "modulus": MODULUS, **ACTIVATED},
-            "contact": {"pressure": PRESSURE},
-            "aging": {"first": 1.0, "last": 1e5, "per_decade": 4, "rtol": 5e-3},
-            "output": {"maps_at": []},
-            "sweep": {parameter: list(values), "seeds": surfaces},
-        }
-        yield Campaign(name, f"Half-spaces with the numbers of PMMA, by {name}", tables)
 
 
 def rate(time: Field, area: Field) -> float:
     """B: slope of ln of the mean area, shape (runs, times), against ln t."""
-    return slope(time, np.log(area.mean(axis=0)), _FIRST, _LAST)
+    return slope(time, np.log(area.mean(axis=0)), *_MEASURED)
 
 
 def pressure(time: Field, area: Field) -> float:
     """Mean contact pressure, geometric mean over the times in which B is measured, GPa."""
-    inside = (time >= _FIRST * (1 - 1e-9)) & (time <= _LAST * (1 + 1e-9))
-    logarithms = np.log(area.mean(axis=0)[inside])
+    logarithms = np.log(area.mean(axis=0)[within(time, *_MEASURED)])
     return 1e-9 * PRESSURE * _SIDE**2 / math.exp(float(logarithms.mean()))
 
 
-def share(time: Field, stress: float, area: Field) -> float:
+def share(time: Field, area: Field, stress: float) -> float:
     """B over s0/s, for s0 in GPa."""
     return rate(time, area) * pressure(time, area) / stress
 
@@ -129,57 +110,47 @@ def rate_at(time: Field, wanted: float, *areas: Field) -> tuple[float, float]:
     return math.exp(power * math.log(wanted) + shift), math.exp((math.log(WANTED[1]) - shift) / power)
 
 
-def _power(time: Field, temperatures: Field, *areas: Field) -> float:
-    return power(temperatures, np.array([rate(time, area) for area in areas]))
-
-
 def analyse(evidence: Evidence) -> Outcome:
     """Find B, the mean contact pressure, and what B is of s0/s."""
-    rows: list[dict[str, Any]] = []
-    courses, shares, grown = [], {}, {}
+    rows: list[Mapping[str, object]] = []
+    courses, shares, grown = [], dict[tuple[str, float], Estimate](), {}
     for family, (parameter, _) in _FAMILIES.items():
         time, values = np.array(evidence.values(family, "time")), evidence.values(family, parameter)
         grown[family] = tuple(evidence.samples(family, "area", **{parameter: value}) for value in values)
         for value, area in zip(values, grown[family], strict=True):
-            kelvin = value if parameter == "temperature" else ROOM
-            stress = 1e-9 * Boltzmann * kelvin / VOLUME
-            found = {
-                "B": jackknife(partial(rate, time), area),
-                "pressure": jackknife(partial(pressure, time), area),
-                "share": jackknife(partial(share, time, stress), area),
+            head = {"family": family, "at": value}
+            stress = 1e-9 * Boltzmann * (value if parameter == "temperature" else ROOM) / VOLUME
+            statistics: dict[str, Callable[..., float]] = {
+                "B": rate,
+                "pressure": pressure,
+                "share": partial(share, stress=stress),
             }
+            found = {key: jackknife(partial(one, time), area) for key, one in statistics.items()}
             shares[family, value] = found["share"]
-            row = {"family": family, "at": value, "s0": stress, "runs": area.shape[0]}
-            rows.append(row | all_columns(**found))
-            course = {"family": family, "at": value, "time": time, "area": area.mean(axis=0) / _SIDE**2}
-            courses.append(pd.DataFrame(course))
+            rows.append(head | {"s0": stress, "runs": len(area)} | all_columns(**found))
+            courses.append(pd.DataFrame(head | {"time": time, "area": area.mean(axis=0) / _SIDE**2}))
     both = jackknife(partial(rate_at, time, HARDNESS), grown["hardness"])
-    at_hardness, softest = both.part(0), both.part(1)
-    rows.append({"family": "B = 0.02", "at": WANTED[1], **columns("pressure", softest), "runs": both.runs})
-    growing = jackknife(partial(_power, time, np.array(_TEMPERATURES)), grown["temperature"])
+    rows.append(
+        {"family": "B = 0.02", "at": WANTED[1], **columns("pressure", both.part(1)), "runs": both.runs}
+    )
+    rates = jackknife(
+        lambda *areas: power(np.array(_TEMPERATURES), np.array([rate(time, area) for area in areas])),
+        grown["temperature"],
+    )
     rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])
-    findings = tuple(_findings(at_hardness, shares, growing, rough))
-    return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
-
-
-def _findings(
-    at_hardness: Estimate, shares: Mapping[tuple[str, float], Estimate], growing: Estimate, rough: Estimate
-) -> Iterator[Finding]:
-    here, near = "this study", (0.8, 1.2)
-    claim = "B of a contact with the activation volume of PMMA is that of its friction"
-    numbers = {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": at_hardness}
-    yield Finding.within(WANTED, "friction", "Baumberger and Caroli 2006", claim, numbers)
-    claim = "Contacts that flow bear all of the load: B is s0/s within a fifth"
-    numbers = {
+    flow = {
         f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
         for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
     }
-    yield Finding.within(near, "flow", here, claim, numbers)
-    numbers = {"power of <i>T</i> in <i>B</i>, 250 to 350 K": growing}
-    yield Finding.within(near, "temperature", here, "B is in proportion to the temperature", numbers)
-    claim = "Where contacts flow, B does not depend on the roughness"
-    numbers = {f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}": rough}
-    yield Finding.within(near, "roughness", here, claim, numbers)
+    slopes = f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}"
+    friction = {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": both.part(0)}
+    findings = (
+        WORDS.judge("friction", friction, ends=WANTED),
+        WORDS.judge("flow", flow),
+        WORDS.judge("temperature", {"power of <i>T</i> in <i>B</i>, 250 to 350 K": rates}),
+        WORDS.judge("roughness", {slopes: rough}),
+    )
+    return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
 
 
 _LOOKS = {
@@ -191,8 +162,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw areas against time, and B against s0/s."""
-    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(7.2, 3.3, 2)
     curves, numbers = tables["curves"], tables["numbers"]
     own = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
     marks = zip(_HARDNESSES, own.groupby("at"), ("^", "o", "s", "D"), strict=True)
@@ -213,16 +183,4 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     return figure
 
 
-PMMA = Study(
-    name="pmma",
-    question="Do the activation volume and hardness of PMMA give a growth of 1 to 2 % an e-fold?",
-    quick=tuple(_campaigns(2)),
-    full=tuple(_campaigns(8)),
-    analyse=analyse,
-    draw=draw,
-    caption="Left: contact area under 10 MPa at room temperature, mean over the surfaces, for four "
-    "hardnesses. Right: <i>B</i> = d ln <i>A</i>/d ln <i>t</i> between 10 and 10 000 s against "
-    "<i>s</i><sub>0</sub> over the mean contact pressure <i>s</i>, with 95 % intervals; dotted where those "
-    "that flow bear all of the load; gray: static friction of PMMA.",
-    page="docs/studies/pmma.md",
-)
+PMMA = Study(**WORDS.study, quick=_campaigns(2), full=_campaigns(8), analyse=analyse, draw=draw)

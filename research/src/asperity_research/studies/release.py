@@ -19,58 +19,49 @@ it: the tables have its maximum beside the measured one.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.base.words import power
-from asperity.figures import Drawing
 from asperity.fits import jackknife
 from asperity.relaxation import PronySeries
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, Measurement, proportion
+from asperity_research.studies.ledger import Measurement, proportion
 from asperity_research.studies.numbers import columns, mean, slope, vertex
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
 
-PROPORTIONAL = (0.95, 1.05)
-"""Slopes d ln t_max/d ln t_w that bear out that the two are proportional."""
+WORDS = Words.beside(__file__)
 
-PROMINENT = 1e-4
-"""Part of the greatest force by which the first and the last one are to be below it."""
-
-HAS_MAXIMUM = (0.95, 1.0)
-"""Shares of the runs with a maximum that bear out that there is one."""
-
+PROPORTIONAL = (0.95, 1.05)  # Slopes d ln t_max/d ln t_w that bear out that the two are proportional
+PROMINENT = 1e-4  # Part of the greatest force by which the first and the last one are to be below it
+HAS_MAXIMUM = (0.95, 1.0)  # Shares of the runs with a maximum that bear out that there is one
 _WAITING = (1.0, 10.0, 100.0, 1e3, 1e4)
-_QUICK_WAITING = (1.0, 10.0, 100.0)
+_EXACT = np.geomspace(1e-4, 1e8, 25)
+_TIMES = [float(f"{time:.4g}") for time in _EXACT]
 
-_TIMES = [float(f"{time:.4g}") for time in np.geomspace(1e-4, 1e8, 25)]
 _LOGARITHMIC = [[0.03, time] for time in _TIMES]
 """Equal shares, two in a decade: the modulus falls by 0.06 in each decade, for twelve of them."""
 
 _POWER = [
-    [float(f"{0.09 * (exact / 1e-4) ** -0.1:.4g}"), time]
-    for exact, time in zip(np.geomspace(1e-4, 1e8, 25), _TIMES, strict=True)
+    [float(f"{0.09 * (exact / 1e-4) ** -0.1:.4g}"), time] for exact, time in zip(_EXACT, _TIMES, strict=True)
 ]
 """Shares that fall as the power -0.1 of their time: so does the modulus, beside what does not relax."""
 
-_ROUGH = waves(48, 24.0, rms_height=1.0)
-_HELD = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf}
-_SPRINGS = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0}
-_WHITE = {"kind": "gaussian", "shape": [96, 96]}
-
 
 def _half_space(words: str, branches: list[list[float]], *moves: float) -> Solid:
-    return Solid(f"half-space with {words}", _HELD | {"branches": branches}, 0.5, steps=moves)
+    held = {"kind": "half_space", "modulus": 1.0, "apparatus": math.inf, "branches": branches}
+    return Solid(f"half-space with {words}", held, 0.5, steps=moves)
 
 
 def _lattice(words: str, *moves: float, **mobilities: float) -> Solid:
-    return Solid(f"lattice of springs, {words}", _SPRINGS | mobilities, 2.5, steps=moves)
+    springs = {"kind": "spring_lattice", "k0": 1.0, "k1": 3.0, **mobilities}
+    return Solid(f"lattice of springs, {words}", springs, 2.5, steps=moves)
 
 
 _SOLIDS = {
@@ -85,18 +76,23 @@ _SOLIDS = {
 _CASES = [(name, solid, move) for name, solid in _SOLIDS.items() for move in solid.steps]
 
 
-def _campaigns(waiting: tuple[float, ...], seeds: int) -> Iterator[Campaign]:
-    """Campaigns by solid and release."""
+def _campaigns(waiting: tuple[float, ...], seeds: int) -> tuple[Campaign, ...]:
+    """Campaigns by solid and release; on half-spaces with an eighth of the surfaces."""
+    rough, white = waves(48, 24.0, rms_height=1.0), {"kind": "gaussian", "shape": [96, 96]}
+    on = {True: (rough, seeds // 8), False: (white, seeds)}
+    found = []
     for name, solid, move in _CASES:
-        half_space = "modulus" in solid.table
-        yield solid.campaign(
+        surface, count = on["modulus" in solid.table]
+        one = solid.campaign(
             f"{name}_{move:g}",
             f"Force after a release by {move:g}, with the waiting time as a factor on mobility",
-            _ROUGH if half_space else _WHITE,
+            surface,
             contact={"separation": solid.load},
             aging={"first": 0.01, "per_decade": 8},
-            **after_waits({"approach": -move}, waiting, 30.0, seeds // 8 if half_space else seeds),
+            **after_waits({"approach": -move}, waiting, 30.0, count),
         )
+        found.append(one)
+    return tuple(found)
 
 
 def maximum(time: Field, force: Field) -> float:
@@ -120,39 +116,35 @@ def superposed(series: PronySeries, waiting: float, fall: float) -> float:
     return maximum(time, series.modulus_at(time + waiting) - fall * series.modulus_at(time))
 
 
-def _runs(evidence: Evidence) -> pd.DataFrame:
+def _runs(evidence: Evidence, name: str, solid: Solid, move: float) -> pd.DataFrame:
     """Return one row a run: the force at the switches and the time of its maximum."""
-    rows = []
-    for name, solid, move in _CASES:
-        branches = solid.table.get("branches", ())
-        series = PronySeries(1.0, tuple((share, time) for share, time in branches))
-        folder = f"{name}_{move:g}"
-        for waiting, forces in evidence.waits(folder, "load"):
-            seeds = evidence[folder.replace(".", "_")]["seed"].values.tolist()
-            each = zip(seeds, forces.after, forces.before, forces.first, strict=True)
-            for seed, force, before, first in each:
-                fall = float(before - force[0]) / float(first)
-                found = {
-                    "before": float(before / first),
-                    "released": float(force[0] / first),
-                    "greatest": float(force[1:].max() / first),
-                    "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
-                    "superposed": superposed(series, waiting, fall) if branches else math.nan,
-                }
-                rows.append({"solid": name, "move": move, "waiting": waiting, "seed": seed} | found)
+    branches = solid.table.get("branches", ())
+    series = PronySeries(1.0, tuple((share, time) for share, time in branches))
+    folder, rows = f"{name}_{move:g}", []
+    seeds = evidence[folder.replace(".", "_")]["seed"].values.tolist()
+    for waiting, forces in evidence.waits(folder, "load"):
+        each = zip(seeds, forces.after, forces.before, forces.first, strict=True)
+        for seed, force, before, first in each:
+            fall = float(before - force[0]) / float(first)
+            found = {
+                "before": float(before / first),
+                "released": float(force[0] / first),
+                "greatest": float(force[1:].max() / first),
+                "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
+                "superposed": superposed(series, waiting, fall) if branches else math.nan,
+            }
+            rows.append({"solid": name, "move": move, "waiting": waiting, "seed": seed} | found)
     return pd.DataFrame(rows)
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Find the maxima, and the slopes of their times."""
-    runs = _runs(evidence)
-    ratios, slopes = [], []
+    every, ratios, slopes = [], [], []
     judged: dict[str, list[Measurement]] = {name: [] for name in _SOLIDS}
     for name, solid, move in _CASES:
-        head = {"solid": name, "move": move}
-        part = runs[(runs["solid"] == name) & (runs["move"] == move)]
+        runs, head = _runs(evidence, name, solid, move), {"solid": name, "move": move}
         times, estimates = (
-            part.pivot(index="seed", columns="waiting", values=number)
+            runs.pivot(index="seed", columns="waiting", values=number)
             for number in ("time_of_maximum", "superposed")
         )
         waiting, logs = times.columns.to_numpy(dtype=float), np.log(times.to_numpy())
@@ -164,24 +156,21 @@ def analyse(evidence: Evidence) -> Outcome:
             "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
             "runs": len(logs),
         }
-        ratios.append(pd.DataFrame(head | course))
         one = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
-        judged[name].append(one)
-        head["measured"] = "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"
+        measured = {"measured": "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"}
         found = {"runs": one.estimate.runs, "verdict": one.verdict.value}
-        slopes.append(head | columns("value", one.estimate, shared=True) | found)
-    claim = "The force is greatest at a time in proportion to the waiting time"
-    findings = tuple(
-        Finding(name, "Lahini et al. 2017", claim, tuple(some), note=_NOTES.get(name, ""))
-        for name, some in judged.items()
-    )
+        slopes.append(head | measured | columns("value", one.estimate, shared=True) | found)
+        every.append(runs)
+        ratios.append(pd.DataFrame(head | course))
+        judged[name].append(one)
     tables = {
-        "runs": runs,
+        "runs": pd.concat(every, ignore_index=True),
         "ratios": pd.concat(ratios, ignore_index=True),
         "slopes": pd.DataFrame(slopes),
         "forces": _forces(evidence),
     }
-    return Outcome(findings, tables)
+    findings = (WORDS.judge("proportional", measured, key=name) for name, measured in judged.items())
+    return Outcome(tuple(findings), tables)
 
 
 def _measured(waiting: Field, logs: Field, solid: str) -> Measurement:
@@ -194,12 +183,6 @@ def _measured(waiting: Field, logs: Field, solid: str) -> Measurement:
     found = proportion(int(np.isfinite(logs).sum()), logs.size)
     what = f"share of the runs in which the force has a maximum: {solid}"
     return Measurement(what, found, *HAS_MAXIMUM)
-
-
-_NOTES = {
-    "one_time": "With one relaxation time the modulus gives no maximum: the force moves one way only.",
-    "viscous": "The held bodies lose all force in the end, while the release stays what it is.",
-}
 
 
 def _forces(evidence: Evidence) -> pd.DataFrame:
@@ -222,8 +205,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the force after the release, and the times of its maxima."""
-    figure = Drawing(figsize=(7.2, 3.3), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = style.panels(7.2, 3.3, 2)
     forces, ratios = tables["forces"], tables["ratios"]
     for _, part in forces.groupby("waiting"):
         greatest = part.iloc[int(part["force"].to_numpy().argmax())]
@@ -254,15 +236,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 
 RELEASE = Study(
-    name="release",
-    question="After a partial release, is the time of the greatest force proportional to the waiting time?",
-    quick=tuple(_campaigns(_QUICK_WAITING, seeds=16)),
-    full=tuple(_campaigns(_WAITING, seeds=32)),
+    **WORDS.study,
+    quick=_campaigns(_WAITING[:3], seeds=16),
+    full=_campaigns(_WAITING, seeds=32),
     analyse=analyse,
     draw=draw,
-    caption="Left: force after a release by 0.1, on a half-space with a modulus like ln <i>t</i>; "
-    "one surface, several waiting times, the greatest force marked. Right: time of the greatest force over "
-    "the waiting time, geometric mean over the surfaces with its 95 % interval; filled marks are the smaller "
-    "release; dotted is the linear superposition for fixed contacts.",
-    page="docs/studies/release.md",
 )

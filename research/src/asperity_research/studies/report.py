@@ -5,8 +5,9 @@ from __future__ import annotations
 import datetime
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,8 @@ from asperity.errors import OutputError
 from asperity.results import whole_file
 from asperity_research.studies.campaigns import Campaign, Prepared, finished
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, Verdict
+from asperity_research.studies.ledger import Finding, Measurement, Verdict
 from asperity_research.studies.typeset import bounds, interval, number, plain, rich
-
-_RESOLUTION = 250
 
 
 @dataclass(frozen=True)
@@ -38,14 +37,15 @@ class Simulated:
 
     @property
     def conditions(self) -> list[Markup]:
-        """Its tables, a line each."""
+        """Its tables, and each of a list of tables, a line each."""
+        tables = [each if isinstance(each, list) else [each] for each in self.campaign.tables.values()]
         return [
             Markup("; ").join(
-                Markup("{} = {}").format(name, _brief(name, value))
-                for name, value in table.items()
-                if name != "seeds"
+                Markup("{} = {}").format(key, _brief(key, value))
+                for key, value in one.items()
+                if key != "seeds"
             )
-            for table in _each(self.campaign.tables)
+            for one in chain.from_iterable(tables)
         ]
 
     @property
@@ -138,11 +138,10 @@ def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:
     """
     written: dict[str, Path] = {}
     for suffix, metadata in (("svg", {"Date": None}), ("pdf", {"CreationDate": None}), ("png", {})):
-        path = _in(folder) / f"{name}.{suffix}"
+        written[suffix] = path = _in(folder) / f"{name}.{suffix}"
         # Letters as paths, so that the drawing looks the same where a font is missing.
         with whole_file(path) as part, mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "asperity"}):
-            figure.savefig(part, format=suffix, dpi=_RESOLUTION, metadata=metadata)
-        written[suffix] = path
+            figure.savefig(part, format=suffix, dpi=250, metadata=metadata)
     return written
 
 
@@ -171,21 +170,22 @@ def _ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
             "claim": plain(finding.claim),
             "verdict": finding.verdict.value,
             "judged": judged,
-            "what": plain(measurement.what),
-            "value": float(measurement.estimate.value),
-            "low": float(measurement.estimate.low),
-            "high": float(measurement.estimate.high),
-            "range_low": measurement.low,
-            "range_high": measurement.high,
-            "runs": measurement.estimate.runs,
+            **row(one),
+            "runs": one.estimate.runs,
             "correction": plain(finding.correction),
             "note": plain(finding.note),
             "needs": finding.needs,
         }
         for finding in findings
         for judged, part in (("as it stands", finding.measured), ("corrected", finding.corrected))
-        for measurement in part
+        for one in part
     )
+
+
+def row(one: Measurement, ends: str = "range") -> dict[str, object]:
+    """Return a number, its interval, and the ends of the range that bears a claim out, as columns."""
+    found = {end: float(getattr(one.estimate, end)) for end in ("value", "low", "high")}
+    return {"what": plain(one.what), **found, f"{ends}_low": one.low, f"{ends}_high": one.high}
 
 
 def _brief(name: str, value: object) -> Markup:
@@ -201,12 +201,6 @@ def _brief(name: str, value: object) -> Markup:
     if name == "seeds" and value == list(range(value[0], value[-1] + 1)) and len(value) > 1:
         return ends
     return Markup(", ").join(words) if len(words) <= 6 else Markup("{} ({} values)").format(ends, len(words))
-
-
-def _each(tables: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """Tables, and each of a list of tables."""
-    for table in tables.values():
-        yield from table if isinstance(table, list) else [table]
 
 
 def _in(folder: Path) -> Path:

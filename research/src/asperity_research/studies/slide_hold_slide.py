@@ -18,7 +18,7 @@ wavelengths.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -28,47 +28,30 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import asperity.friction as friction
-import asperity_research.studies.slip_on_lines as lines
-from asperity.figures import Drawing
+import asperity_research.studies.sliding as sliding
 from asperity.fits import Estimate, jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, hold, slide, waves
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import all_columns, columns, mean, mean_of
-from asperity_research.studies.sliding import (
-    HALF_SPACE,
-    LATTICE,
-    STEADY,
-    Slips,
-    area_at_rest,
-    before_shifts,
-    correlation_length,
-    steady_area,
-)
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.sliding import HALF_SPACE, LATTICE, STEADY, Lines, Slips
+from asperity_research.studies.study import Outcome, Study, Words
+
+WORDS = Words.beside(__file__)
 
 HOLDS = (10.0, 100.0, 1e3, 1e4)
-VELOCITIES = (10.0, 0.1, 0.01)
-"""Those after the rests; all slides before are at 1."""
+VELOCITIES = (10.0, 0.1, 0.01)  # Those after the rests; all slides before are at 1
+_SIDE, _RUN_IN, _AGAIN, _STEP, _SLIP = 128, 24, 16, 20, 28
 
-_SIDE = 128
-_RUN_IN, _AGAIN, _STEP = 24, 16, 20
-_SLIP = 28
-
-SOLIDS = {"lattice": LATTICE, "half_space": HALF_SPACE}
-"""By the names of their campaigns."""
-
-LOADS = {"lattice": (0.01, 0.05), "half_space": (0.02,)}
-"""Loads a site."""
-
+SOLIDS = {"lattice": LATTICE, "half_space": HALF_SPACE}  # By the names of their campaigns
+LOADS = {"lattice": (0.01, 0.05), "half_space": (0.02,)}  # Loads a site
 _RTOL = {"lattice": 0.02, "half_space": 0.05}
-_REST = {"lattice": 10.0, "half_space": 1e3}
-"""Hold times where wavelengths are varied."""
+_REST = {"lattice": 10.0, "half_space": 1e3}  # Hold times where wavelengths are varied
+_LONGER = {"lattice": (_SIDE, (16.0, 32.0, 64.0)), "half_space": (64, (12.0, 20.0, 32.0))}
+"""Sites along a side and longest wavelengths, with shortest ones of a quarter."""
 
-LONGEST = (8.0, 16.0, 32.0, 64.0)
-"""Longest wavelengths with one shortest, 4 sites, on the lattice."""
+LONGEST = (8.0, 16.0, 32.0, 64.0)  # Longest wavelengths with one shortest, 4 sites, on the lattice
 
 _HISTORY = [
     slide(_RUN_IN),
@@ -77,48 +60,42 @@ _HISTORY = [
 ]
 
 
-def _campaign(solid: str, name: str, purpose: str, rough: dict[str, Any], **tables: Any) -> Campaign:
-    return SOLIDS[solid].campaign(
-        name,
-        purpose,
-        rough | SOLIDS[solid].rough,
-        friction={"shear_strength": 1.0},
-        aging={"first": 1.0, "per_decade": 1, "rtol": _RTOL[solid]},
-        **tables,
-    )
-
-
-def _varied(
-    solid: str, family: str, what: str, side: int, waves_of: Mapping[str, tuple[float, ...]], surfaces: int
-) -> Campaign:
-    """Return a rest and a slide on surfaces of several wavelengths."""
-    first = {"cutoff": 4.0} | {name: values[0] for name, values in waves_of.items()}
-    together: dict[str, Any] = {"combine": "zip"} if len(waves_of) > 1 else {}
-    return _campaign(
-        solid,
-        family,
-        f"A rest and a slide on surfaces of several {what}",
-        waves(side, **first),
-        protocol=[slide(_RUN_IN), hold(_REST[solid]), slide(_SLIP)],
-        sweep={name: list(values) for name, values in waves_of.items()} | {"seeds": surfaces} | together,
-    )
-
-
-def campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
+def _campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
     """Return the campaigns, with so many surfaces each; the quick ones have one load."""
+
+    def campaign(solid: str, name: str, purpose: str, rough: dict[str, Any], **tables: Any) -> Campaign:
+        return SOLIDS[solid].campaign(
+            name,
+            purpose,
+            rough | SOLIDS[solid].rough,
+            friction={"shear_strength": 1.0},
+            aging={"first": 1.0, "per_decade": 1, "rtol": _RTOL[solid]},
+            **tables,
+        )
+
+    def varied(solid: str, name: str, what: str, side: int, **waves_of: tuple[float, ...]) -> Campaign:
+        """Return a rest and a slide on surfaces of several wavelengths."""
+        first = {"cutoff": 4.0} | {key: values[0] for key, values in waves_of.items()}
+        together: dict[str, Any] = {"combine": "zip"} if len(waves_of) > 1 else {}
+        return campaign(
+            solid,
+            name,
+            f"A rest and a slide on surfaces of several {what}",
+            waves(side, **first),
+            protocol=[slide(_RUN_IN), hold(_REST[solid]), slide(_SLIP)],
+            sweep={key: list(values) for key, values in waves_of.items()} | {"seeds": surfaces} | together,
+        )
+
     found = []
-    for name, side, longest in (
-        ("lattice", _SIDE, (16.0, 32.0, 64.0)),
-        ("half_space", 64, (12.0, 20.0, 32.0)),
-    ):
+    for name, (side, longest) in _LONGER.items():
         loads = [load * _SIDE**2 for load in LOADS[name][: 1 if quick else None]]
         sweep = {"load": loads, "seeds": surfaces}
         purpose = "Rests and steps of the velocity"
-        found.append(_campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep))
-        both = {"roll_off": longest, "cutoff": tuple(wave / 4 for wave in longest)}
-        found.append(_varied(name, f"waves_{name}", "scales", side, both, surfaces))
-    found.append(_varied("lattice", "longest", "longest wavelengths", _SIDE, {"roll_off": LONGEST}, surfaces))
-    return (*found, *lines.campaigns(2 * surfaces))
+        found.append(campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep))
+        shortest = tuple(wave / 4 for wave in longest)
+        found.append(varied(name, f"waves_{name}", "scales", side, roll_off=longest, cutoff=shortest))
+    found.append(varied("lattice", "longest", "longest wavelengths", _SIDE, roll_off=LONGEST))
+    return (*found, *sliding.line_campaigns(2 * surfaces))
 
 
 def slip_of_memory(excess: Field) -> float:
@@ -151,7 +128,7 @@ class Records:
         for seed in data["seed"].values:
             one = data.sel(load=load, seed=seed)
             slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
-            ends = [steady_area(one, leg) for leg in slides]
+            ends = [sliding.steady_area(one, leg) for leg in slides]
             slow = np.mean(ends[: -len(VELOCITIES)])
             steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
             time, place, force = (one[name].values for name in ("time", "displacement", "friction"))
@@ -179,11 +156,10 @@ class Records:
     def ratio_of_b(self) -> Estimate:
         """B of the steps of the velocity over that of the rests, by fits of the aging law."""
 
-        def ratio(record: friction.Record) -> float:
-            steps, holds = (friction.rate_and_state(record, events=one).b for one in ("steps", "holds"))
-            return steps / holds
+        def b(record: friction.Record, events: Literal["steps", "holds"]) -> float:
+            return friction.rate_and_state(record, events=events).b
 
-        return self._of_mean(ratio)
+        return self._of_mean(lambda record: b(record, "steps") / b(record, "holds"))
 
     def explained(self) -> Estimate:
         """Part of the variance of friction that the aging law, fitted to the whole record, explains."""
@@ -228,45 +204,35 @@ FAMILIES = {
 def analyse(evidence: Evidence) -> Outcome:
     """Find the growth at rest, the fall with velocity, the laws, and the slip of memory."""
     every = [
-        Records.of(data, name, load)
-        for name in SOLIDS
-        for data in [evidence[name]]
-        for load in data["load"].values
+        Records.of(evidence[name], name, load) for name in SOLIDS for load in evidence[name]["load"].values
     ]
     slips = {name: _slips(name, evidence[name]) for name in FAMILIES}
-    on_lines = [lines.Lines.of(evidence, name) for name in lines.FAMILIES]
+    on_lines = [Lines.of(evidence, name) for name in sliding.LINES]
     tables = {
         "points": pd.concat([one.points() for one in every], ignore_index=True),
         "laws": pd.DataFrame([row for one in every for row in one.laws()]),
         "slips": pd.concat([one.table() for one in slips.values()], ignore_index=True),
         "lines": pd.concat([one.contacts() for one in on_lines], ignore_index=True),
     }
-    return Outcome((*_findings(every, slips), *lines.findings(on_lines)), tables)
 
-
-def _findings(every: list[Records], slips: Mapping[str, Slips]) -> Iterator[Finding]:
     def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
         return {f"{what}: {one.words}": number(one) for one in every}
 
-    aging, same = "Dieterich 1979", (0.8, 1.25)
-    claim = "Static friction grows with the logarithm of the hold time"
-    what = "growth in the last decade over that in the first"
-    numbers = each(what, lambda one: mean_of(_bend, one.rest))
-    yield Finding.within(same, "logarithm", aging, claim, numbers)
-    claim = "The aging law describes rests and steps of the velocity by one b and one D_c"
-    numbers = each("explained part of the variance", Records.explained)
-    yield Finding.within((0.9, 1.0), "explained", aging, claim, numbers)
-    claim = "b from steps of the velocity is b from rests"
-    numbers = each("b of steps over b of rests", Records.ratio_of_b)
-    yield Finding.within(same, "same_b", aging, claim, numbers)
-    claim = "The aging law fits better than the slip law"
-    what = "ln of the squares of the aging law over those of the slip law"
-    numbers = each(what, lambda one: friction.compare_state_laws(one.records).log_ratio)
-    yield Finding.within((-math.inf, 0.0), "law", "Ruina 1983", claim, numbers)
-    claim = "The slip D_c that forgets a rest is in proportion to the correlation length"
-    what = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
-    numbers = {f"{what}: {words}": slips[name].of_length() for name, words in FAMILIES.items()}
-    yield Finding.within((0.8, 1.2), "length", aging, claim, numbers)
+    length = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
+    numbers = {
+        "logarithm": each(
+            "growth in the last decade over that in the first", lambda one: mean_of(_bend, one.rest)
+        ),
+        "explained": each("explained part of the variance", Records.explained),
+        "same_b": each("b of steps over b of rests", Records.ratio_of_b),
+        "law": each(
+            "ln of the squares of the aging law over those of the slip law",
+            lambda one: friction.compare_state_laws(one.records).log_ratio,
+        ),
+        "length": {f"{length}: {words}": slips[name].of_length() for name, words in FAMILIES.items()},
+        **sliding.numbers_on_lines(on_lines),
+    }
+    return Outcome(tuple(WORDS.judge(claim, some) for claim, some in numbers.items()), tables)
 
 
 def _bend(rest: Field) -> float:
@@ -280,13 +246,9 @@ def _slips(name: str, data: xr.Dataset) -> Slips:
     for at in range(data.sizes[along]):
         runs = data.isel({along: at})
         cutoff = float(runs["cutoff"]) if "cutoff" in runs.coords else float(data.attrs["cutoff"])
-        lengths.append(correlation_length(float(runs["roll_off"]), cutoff))
-        rows = []
-        for seed in runs["seed"].values:
-            one = runs.sel(seed=seed)
-            again = before_shifts(one, 2)
-            rows.append(np.append(area_at_rest(one, 1), again[:-STEADY]) / again[-STEADY:].mean() - 1)
-        excesses.append(np.array(rows))
+        lengths.append(sliding.correlation_length(float(runs["roll_off"]), cutoff))
+        areas = [sliding.after_rest(runs.sel(seed=seed)) for seed in runs["seed"].values]
+        excesses.append(np.array([one[:-STEADY] / one[-STEADY:].mean() - 1 for one in areas]))
     return Slips(name, np.array(lengths), tuple(excesses), slip_of_memory)
 
 
@@ -296,8 +258,7 @@ _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
-    figure = Drawing(figsize=(7.6, 6.0), layout="constrained")
-    (rest, steady), (memory, resolved) = figure.subplots(2, 2)
+    figure, (rest, steady, memory, resolved) = style.panels(7.6, 6.0, 2, 2)
     values, slips = tables["points"], tables["slips"]
     for axis, what, label in (
         (rest, "rest", "hold time (sites / velocity 1)"),
@@ -317,20 +278,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
     memory.legend(fontsize=6)
-    lines.draw(resolved, tables["lines"])
+    sliding.draw_lines(resolved, tables["lines"])
     return figure
 
 
 SLIDE_HOLD_SLIDE = Study(
-    name="slide-hold-slide",
-    question="How do static and steady friction depend on hold time, velocity and correlation length?",
-    quick=campaigns(2, quick=True),
-    full=campaigns(4, quick=False),
+    **WORDS.study,
+    quick=_campaigns(2, quick=True),
+    full=_campaigns(4, quick=False),
     analyse=analyse,
     draw=draw,
-    caption="Friction by Tabor's relation, on the half-space and the lattice of springs. Top: at "
-    "the end of a rest, and in steady sliding against the velocity. Bottom: slip that forgets a rest against "
-    "the correlation length, on these surfaces and on lines, whose contacts are many sites long. Bars: 95 % "
-    "intervals.",
-    page="docs/studies/slide_hold_slide.md",
 )

@@ -1,24 +1,32 @@
-"""What the studies of sliding share: two solids, and what is read off a slide by whole sites."""
+"""What the studies of sliding share: two solids, what is read off a slide by whole sites, and lines.
+
+Slides by whole sites resolve only contacts of several sites. On a line such contacts take few sites in all.
+Each line slides twice, with a rest and with one of 1, the time of a shift. The difference of the two areas at
+the same slip leaves out what differs from place to place, and D_c is the slip at which its mean has fallen
+to 1/e of that at the end of the rest.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.axes import Axes
 
+from asperity.analysis import patches
 from asperity.fits import Estimate, jackknife
 from asperity.surfaces import spectral
+from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.studies.campaigns import Solid
+from asperity_research.studies.campaigns import Campaign, Solid, hold, slide
+from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import columns, power
 
-STEADY = 8
-"""Shifts at the end of a slide that count as steady."""
-
+STEADY = 8  # Shifts at the end of a slide that count as steady
 LATTICE = Solid("lattice of springs, conserved creep", {"k0": 1.0, "k1": 3.0, "R": 1.0}, 0.01)
 HALF_SPACE = Solid(
     "half-space, E(t) like ln t",
@@ -40,9 +48,9 @@ def steady_area(one: xr.Dataset, leg: int) -> float:
     return float(before_shifts(one, leg)[-STEADY:].mean())
 
 
-def area_at_rest(one: xr.Dataset, leg: int) -> float:
-    """Area at the end of a rest."""
-    return float(one["area"].values[one["leg"].values == leg][-1])
+def after_rest(one: xr.Dataset) -> Field:
+    """Area at the end of a rest, the second leg, and before each shift of the slide that follows."""
+    return np.append(one["area"].values[one["leg"].values == 1][-1], before_shifts(one, 2))
 
 
 def correlation_length(roll_off: float, cutoff: float, shape: tuple[int, ...] = (512, 512)) -> float:
@@ -81,3 +89,122 @@ class Slips:
         found = jackknife(self.slips, self.excess)
         head = {"family": self.name, "length": self.length, **more}
         return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})
+
+
+REST = "protocol.1.duration"
+_ON_LINES = {
+    "half_space": (replace(HALF_SPACE, load=0.1), 1e3, style.BLUE),
+    "lattice": (replace(LATTICE, load=0.3), 10.0, style.INK),
+}
+"""Solids, with the load of a site; hold times; colors."""
+
+Waves = tuple[tuple[float, float], ...]  # Longest and shortest wavelengths
+_ALL = ((64.0, 16.0), (128.0, 32.0), (256.0, 64.0))
+_LONGEST = ((64.0, 32.0), (128.0, 32.0), (256.0, 32.0))
+LINES: Mapping[str, tuple[str, str, Waves, str]] = {
+    "line_half_space": ("all waves longer, half-space", "half_space", _ALL, "s-"),
+    "line_longest": ("only the longest waves longer, half-space", "half_space", _LONGEST, "^-"),
+    "line_lattice": ("all waves longer, lattice of springs", "lattice", _ALL, "o-"),
+}
+"""By name: words, solid, longest and shortest wavelengths, and marks."""
+
+
+def line_campaigns(surfaces: int) -> Iterator[Campaign]:
+    """Give the campaigns, with so many lines each."""
+    conditions = {(solid, *waves): None for _, solid, every, _ in LINES.values() for waves in every}
+    for name, roll_off, cutoff in conditions:
+        solid, rest, _ = _ON_LINES[name]
+        slip = max(1.5 * cutoff, 0.375 * roll_off)
+        run_in = round(slip * 2 / 3)
+        rough = {"hurst": 0.8, "roll_off": roll_off, "cutoff": cutoff, **solid.rough}
+        yield solid.campaign(
+            _folder(name, roll_off, cutoff),
+            f"A slide after a rest and after hardly one, lines with waves from {cutoff:g} to {roll_off:g}",
+            {"kind": "spectral", "shape": [max(2048, int(16 * roll_off))], **rough},
+            aging={"first": 1.0, "per_decade": 1, "rtol": 0.05},
+            protocol=[slide(run_in), hold(rest), slide(slip)],
+            output={"maps_at": [float(run_in)]},
+            sweep={REST: [1.0, rest], "seeds": surfaces},
+        )
+
+
+def _folder(solid: str, roll_off: float, cutoff: float) -> str:
+    return f"line_{solid}_{roll_off:g}_{cutoff:g}"
+
+
+def slip_to_one_over_e(excess: Field) -> float:
+    """Slip at which an excess, at slips of 0, 1, 2 and so on, first falls to 1/e; NaN if it does not."""
+    below = excess < excess[0] / math.e
+    at = int(np.argmax(below))
+    if not below[at]:
+        return math.nan
+    return float(at - (excess[0] / math.e - excess[at]) / (excess[at - 1] - excess[at]))
+
+
+@dataclass(frozen=True, eq=False)
+class Lines(Slips):
+    """All lines of one family; for each length the mean length of a contact by site, before the rest."""
+
+    slip: Callable[[Field], float] = slip_to_one_over_e
+    patch: tuple[Field, ...] = ()
+
+    @classmethod
+    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
+        """Read them from the campaigns of the family, or of some of its wavelengths."""
+        _, solid, all_of_it, _ = LINES[name]
+        every = every or all_of_it
+        sizes, excesses = [], []
+        for waves in every:
+            folder = _folder(solid, *waves)
+            data, rests = evidence[folder], evidence.values(folder, REST)
+            rows, longer = [], []
+            for seed in data["seed"].values.tolist():
+                hardly, rested = (after_rest(data.sel({REST: rest, "seed": seed})) for rest in rests)
+                rows.append(rested - hardly)
+                fields = evidence.fields(folder, **{REST: rests[-1], "seed": seed})
+                found = patches(fields["in_contact"].values[0]).sizes
+                longer.append((found**2).sum() / found.sum())
+            sizes.append(np.array(longer))
+            excesses.append(np.array(rows))
+        lengths = np.array([correlation_length(*waves, shape=(2**16,)) for waves in every])
+        return cls(name, lengths, tuple(excesses), patch=tuple(sizes))
+
+    def of_patch(self) -> Estimate:
+        """Power of the mean length of a contact in D_c."""
+        several = len(self.patch)
+
+        def statistic(*some: Field) -> float:
+            return power(np.array([one.mean() for one in some[:several]]), self.slips(*some[several:]))
+
+        return jackknife(statistic, (*self.patch, *self.excess))
+
+    def contacts(self) -> pd.DataFrame:
+        """Return the contacts and D_c, a row each length."""
+        return self.table(patch=[one.mean() for one in self.patch])
+
+
+def numbers_on_lines(every: list[Lines]) -> dict[str, dict[str, Estimate]]:
+    """Return what decides the claims on D_c, by claim."""
+    return {
+        claim: {
+            f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines: {LINES[one.name][0]}": of(one)
+            for one in every
+        }
+        for claim, what, of in (
+            ("resolved", "correlation length", Lines.of_length),
+            ("contact", "mean length of a contact", Lines.of_patch),
+        )
+    }
+
+
+def draw_lines(ax: Axes, table: pd.DataFrame) -> None:
+    """Draw D_c against the correlation length."""
+    looks = {name: (mark, _ON_LINES[solid][2], words) for name, (words, solid, _, mark) in LINES.items()}
+    style.families(ax, table, "family", "length", "slip", looks)
+    ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
+    for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
+        axis.set_ticks(marks, [f"{mark}" for mark in marks])
+        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
+    ax.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
+    ax.set_title("on lines", fontsize=9)
+    ax.legend(fontsize=6)

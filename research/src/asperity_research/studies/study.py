@@ -1,12 +1,13 @@
 """A study: a question, the campaigns that answer it, and one function for the numbers and one for the figure.
 
-The report lies in the folder of the study, beside its campaigns::
+Its words stand in a text file beside its module. The report lies in its folder, beside its campaigns::
 
     report.md  ledger.csv  figure.svg .pdf .png  data/TABLE.csv  origin.toml  NAME/CAMPAIGN/campaign.toml
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -19,10 +20,48 @@ from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
 from asperity.base.checks import instance
+from asperity.fits import Estimate
 from asperity_research.studies.campaigns import Campaign, Home, Prepared
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
+from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.report import About, write_drawing, write_report, write_table, write_text
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a study says: its name, question, caption and page; and its claims, by key.
+
+    A claim has a place in the literature, a sentence, the range (``ends``) that its numbers share if they do,
+    and a note or several by key. Sentences have facts in braces.
+    """
+
+    study: Mapping[str, str]
+    claims: Mapping[str, Mapping[str, Any]]
+
+    @classmethod
+    def beside(cls, module: str) -> Words:
+        """Read them from the text file beside a module."""
+        found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
+        return cls(found.pop("study", {}), found)
+
+    def judge(
+        self,
+        claim: str,
+        numbers: Mapping[str, Estimate] | Sequence[Measurement],
+        *,
+        key: str = "",
+        ends: Sequence[float] = (),
+        **facts: object,
+    ) -> Finding:
+        """Put numbers into a claim: by what they are, within the ends of the claim or others, or measured."""
+        said, key = self.claims[claim], key or claim
+        if isinstance(numbers, Mapping):
+            low, high = ends or said["ends"]
+            numbers = [Measurement(what, one, low, high) for what, one in numbers.items()]
+        note = said.get("note", "")
+        note = note if isinstance(note, str) else note.get(key, "")
+        sentences = (said["claim"].format(**facts), tuple(numbers))
+        return Finding(key, said["place"], *sentences, note=note.format(**facts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,41 +78,37 @@ class Study:
 
     Attributes
     ----------
+    caption
+        What the figure shows; plain text with the tags i, sub and sup of HTML.
+    page
+        Page of the documentation that says what follows.
     quick, full
         The campaigns; the full ones hold the runs of the quick ones where that can be.
     analyse
         Computes the outcome from the finished campaigns.
     draw
         Draws the figure of the tables of the outcome.
-    caption
-        What the figure shows; plain text with the tags i, sub and sup of HTML.
-    page
-        Page of the documentation that says what follows.
     """
 
     name: str
     question: str
+    caption: str
+    page: str
     quick: tuple[Campaign, ...]
     full: tuple[Campaign, ...]
     analyse: Callable[[Evidence], Outcome]
     draw: Callable[[Mapping[str, pd.DataFrame]], Figure]
-    caption: str
-    page: str
 
     @property
     def home(self) -> Home:
         """Whose folder it writes to."""
         return Home(f"the study {self.name}", self.name)
 
-    def campaigns(self, *, quick: bool) -> tuple[Campaign, ...]:
-        """Return the campaigns of one effort or the other."""
-        return self.quick if quick else self.full
-
     def prepared_in(
         self, directory: str | Path, *, quick: bool = False, seed: int = 0
     ) -> AbstractContextManager[tuple[Prepared, ...]]:
         """Write the campaign files; see `asperity_research.studies.campaigns.prepared_in`."""
-        return campaigns.prepared_in(directory, self.campaigns(quick=quick), self.home, seed=seed)
+        return campaigns.prepared_in(directory, self.quick if quick else self.full, self.home, seed=seed)
 
 
 @dataclass(frozen=True, eq=False)

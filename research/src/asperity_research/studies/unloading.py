@@ -8,33 +8,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.fits import Estimate
-from asperity_research.arrays import Field
+from asperity_research.arrays import Field, Mask
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, estimate, proportion
 from asperity_research.studies.numbers import mean, slope
-from asperity_research.studies.study import Outcome, Study
+from asperity_research.studies.study import Outcome, Study, Words
 
+WORDS = Words.beside(__file__)
 WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
-RATIOS = (0.2, 0.5)
-"""Load after the step over that before."""
-
+RATIOS = (0.2, 0.5)  # Load after the step over that before
 _BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
-_FILM = {"kind": "coated_half_space", "modulus": 1.0, "poisson": 0.4, "thickness": 4.0}
-_COATED = _FILM | {"base_modulus": 1.0, "base_poisson": 0.4, "base_branches": _BRANCHES}
-_SPRINGS = {"k0": 1.0, "k1": 3.0}
-_WAITS = (5.0, 30.0, 200.0)
-_END = 1e4
-_MOST = 0.1
-"""Share of surfaces with a dip that still counts as none: 64 surfaces without any leave it below 0.06."""
+_COATED = {
+    "kind": "coated_half_space",
+    "modulus": 1.0,
+    "poisson": 0.4,
+    "thickness": 4.0,
+    "base_modulus": 1.0,
+    "base_poisson": 0.4,
+    "base_branches": _BRANCHES,
+}
+_SPRINGS, _WAITS = {"k0": 1.0, "k1": 3.0}, (5.0, 30.0, 200.0)
 
 SOLIDS = {
     "half_space": Solid(
@@ -53,148 +55,106 @@ SOLIDS = {
 }
 """The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
 
-SEPARABLE = ("half_space",)
-"""Those whose spectra are all proportional."""
+SEPARABLE = ("half_space",)  # Those whose spectra are all proportional
 
 
 def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
     """Return the campaigns, one for each solid: so many surfaces, of so many sites along a side."""
-    return tuple(_campaigns(surfaces, side))
-
-
-def _campaigns(surfaces: int, side: int) -> Iterator[Campaign]:
+    found = []
     for name, solid in SOLIDS.items():
         loads = [ratio * (solid.load * side**2) for ratio in RATIOS]
-        yield solid.campaign(
+        one = solid.campaign(
             name,
             "Area after a fall of the load",
             waves(side, side / 2, rms_slope=1.0),
             aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
-            protocol=[hold(solid.waits[0]), {"kind": "step", "load": loads[0]}, hold(_END)],
+            protocol=[hold(solid.waits[0]), {"kind": "step", "load": loads[0]}, hold(1e4)],
             output={},
             sweep={WAIT: list(solid.waits), LOAD: loads, "seeds": surfaces},
         )
-
-
-@dataclass(frozen=True, eq=False)
-class After:
-    """Areas after the step for one solid, one waiting time and one load ratio.
-
-    Time since the step, 0 just after it; areas in sites, shape (surfaces, times).
-    """
-
-    solid: str
-    wait: float
-    ratio: float
-    time: Field
-    area: Field
-
-    @property
-    def depth(self) -> Field:
-        """Lost area over the area just after the step, one a surface."""
-        return np.asarray(1 - self.area.min(axis=1) / self.area[:, 0])
-
-    @property
-    def log_time(self) -> Field:
-        """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
-        at = [self.time[area == area.min()] for area in self.area]
-        return np.array([np.log(some[[0, -1]]).mean() if some[0] > 0 else math.nan for some in at])
-
-    def tables(self) -> tuple[dict[str, object], pd.DataFrame]:
-        """Return depth and time of the minimum, a row; and the mean area over that just after the step."""
-        head = {"solid": self.solid, "waiting_time": self.wait, "load_ratio": self.ratio}
-        depth, log_time = self.depth, self.log_time[np.isfinite(self.log_time)]
-        lost, time = mean(depth), mean(log_time) if log_time.size else _UNKNOWN
-        dip = head | {
-            "surfaces": depth.size,
-            "with_a_dip": int((depth > 0).sum()),
-            "depth": float(lost.value),
-            "depth_stderr": float(lost.stderr),
-            "deepest": float(depth.max()),
-            "time_of_minimum": float(np.exp(time.value)),
-            "log_time_stderr": float(time.stderr),
-            "area_after_step": float(self.area[:, 0].mean()),
-        }
-        relative = mean(self.area / self.area[:, :1])
-        course = {"time": self.time, "area": relative.value, "area_stderr": relative.stderr}
-        return dip, pd.DataFrame(head | course)
-
-
-def _after_the_step(evidence: Evidence, name: str) -> Iterator[After]:
-    """Give the areas after the step for every waiting time and load of a campaign."""
-    data = evidence[name][["area", "time", "leg"]]
-    for wait in data[WAIT].values:
-        for ratio, load in zip(RATIOS, data[LOAD].values, strict=True):
-            found = Around.step(data.sel({WAIT: wait, LOAD: load}))
-            yield After(name, float(wait), ratio, found.time, found.after)
+        found.append(one)
+    return tuple(found)
 
 
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what is claimed of the area after a fall of the load."""
-    found = {name: list(_after_the_step(evidence, name)) for name in SOLIDS}
-    early = [one for one in found["conserved"] if one.wait < _relaxation_time(evidence["conserved"])]
-    dips, curves = zip(*(one.tables() for some in found.values() for one in some), strict=True)
-    return Outcome(
-        tuple(_findings(found, early)), {"dips": pd.DataFrame(list(dips)), "curves": pd.concat(curves)}
-    )
+    dips, curves = [], []
+    lost: dict[str, list[Mask]] = {name: [] for name in SOLIDS}  # where a surface loses contact
+    times: dict[float, dict[float, Field]] = {ratio: {} for ratio in RATIOS}  # of minima, by ratio and wait
+    relaxation = _relaxation_time(evidence["conserved"].attrs)
+    for name in SOLIDS:
+        data = evidence[name][["area", "time", "leg"]]
+        for wait, (ratio, load) in product(data[WAIT].values, zip(RATIOS, data[LOAD].values, strict=True)):
+            step = Around.step(data.sel({WAIT: wait, LOAD: load}))
+            since, area = step.time, step.after
+            depth = 1 - area.min(axis=1) / area[:, 0]  # lost area over that just after the step
+            log_time = np.array([_log_of_minimum(since, each) for each in area])
+            lost[name].append(depth > 0)
+            if name == "conserved" and wait < relaxation:
+                times[ratio][wait] = log_time
+            log_time = log_time[np.isfinite(log_time)]
+            deep, time = mean(depth), mean(log_time) if log_time.size else _UNKNOWN
+            head = {"solid": name, "waiting_time": float(wait), "load_ratio": ratio}
+            dip = head | {
+                "surfaces": depth.size,
+                "with_a_dip": int((depth > 0).sum()),
+                "depth": float(deep.value),
+                "depth_stderr": float(deep.stderr),
+                "deepest": float(depth.max()),
+                "time_of_minimum": float(np.exp(time.value)),
+                "log_time_stderr": float(time.stderr),
+                "area_after_step": float(area[:, 0].mean()),
+            }
+            relative = mean(area / area[:, :1])
+            course = {"time": since, "area": relative.value, "area_stderr": relative.stderr}
+            dips.append(dip)
+            curves.append(pd.DataFrame(head | course))
+    tables = {"dips": pd.DataFrame(dips), "curves": pd.concat(curves)}
+    return Outcome(tuple(_findings(lost, times)), tables)
 
 
-def _findings(found: Mapping[str, list[After]], early: list[After]) -> Iterator[Finding]:
-    few = -math.inf, _MOST
-    note = "A surface counts if it loses one site at any waiting time and any load ratio."
-
-    def lost(*, separable: bool) -> dict[str, Estimate]:
-        return {
-            f"share of surfaces that lose contact: {solid.what}": _surfaces_that_lose(found[name])
-            for name, solid in SOLIDS.items()
-            if (name in SEPARABLE) is separable
+def _findings(
+    lost: Mapping[str, list[Mask]], times: Mapping[float, Mapping[float, Field]]
+) -> Iterator[Finding]:
+    for key, separable in (("separable", True), ("any-linear-solid", False)):
+        lose = {name: np.any(some, axis=0) for name, some in lost.items() if (name in SEPARABLE) is separable}
+        shares = {
+            f"share of surfaces that lose contact: {SOLIDS[name].what}": proportion(int(one.sum()), one.size)
+            for name, one in lose.items()
         }
-
-    place = "the theorem of this study"
-    claim = "On a separable solid no contact is lost after the load has fallen."
-    yield Finding.within(few, "separable", place, claim, lost(separable=True), note)
-    place = "Li, Brenner and Frérot, arXiv:2511.19402"
-    claim = "On no linear viscoelastic solid is contact lost after the load has fallen."
-    yield Finding.within(few, "any-linear-solid", place, claim, lost(separable=False), note)
-    waits = f"waits from {early[0].wait:g} to {early[-1].wait:g}" if early else "no wait is short enough"
+        yield WORDS.judge(key, shares)
+    early = [*times[RATIOS[0]]]
+    waits = f"waits from {early[0]:g} to {early[-1]:g}" if early else "no wait is short enough"
     what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
-    by_ratio = {ratio: [one for one in early if one.ratio == ratio] for ratio in RATIOS}
     numbers = {
         f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(some)
-        for ratio, some in by_ratio.items()
+        for ratio, some in times.items()
     }
-    place = "Dillavou and Rubinstein, Phys. Rev. Lett. 120, 224101 (2018)"
-    claim = "The time of the minimum is proportional to the waiting time."
-    note = (
-        "Mean over the surfaces that lose contact after each of these waits. They are shorter than the "
-        "relaxation time of the longest waves of the surface; longer ones find it relaxed."
-    )
-    yield Finding.within((0.8, 1.2), "time-of-minimum", place, claim, numbers, note)
+    yield WORDS.judge("time-of-minimum", numbers)
 
 
 _UNKNOWN = estimate(math.nan, math.nan, math.nan, math.nan, 0)
 
 
-def _surfaces_that_lose(every: list[After]) -> Estimate:
-    lose = np.any([one.depth > 0 for one in every], axis=0)
-    return proportion(int(lose.sum()), lose.size)
+def _log_of_minimum(time: Field, area: Field) -> float:
+    """Logarithm of the time of the minimum, in the middle where it lasts; NaN without a dip."""
+    at = time[area == area.min()]
+    return float(np.log(at[[0, -1]]).mean()) if at[0] > 0 else math.nan
 
 
-def _relaxation_time(data: xr.Dataset) -> float:
+def _relaxation_time(of: Mapping[str, float]) -> float:
     """Relaxation time of the longest waves of the surface on a lattice whose creep conserves the mean."""
-    lam = (2 * np.pi / data.attrs["roll_off"]) ** 2
-    k0, k1, mobility = (data.attrs[name] for name in ("k0", "k1", "R"))
-    return float((k0 * lam + k1) / (mobility * k0 * k1 * lam**2))
+    lam = (2 * np.pi / of["roll_off"]) ** 2
+    return float((of["k0"] * lam + of["k1"]) / (of["R"] * of["k0"] * of["k1"] * lam**2))
 
 
-def _exponent(every: list[After]) -> Estimate:
+def _exponent(times: Mapping[float, Field]) -> Estimate:
     """Slope of ln (time of the minimum) against ln (waiting time), surface by surface; their mean."""
-    wait = np.array([one.wait for one in every])
-    times = np.array([one.log_time for one in every] or [np.empty(0)])
-    times = times[:, np.isfinite(times).all(axis=0)].T
-    if wait.size < 2 or not len(times):
-        return replace(_UNKNOWN, runs=len(times))
-    return mean(np.array([slope(wait, one) for one in times]))
+    logs = np.array([*times.values()] or [np.empty(0)])
+    logs = logs[:, np.isfinite(logs).all(axis=0)].T
+    if len(times) < 2 or not len(logs):
+        return replace(_UNKNOWN, runs=len(logs))
+    return mean(np.array([slope(np.array([*times]), one) for one in logs]))
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -229,14 +189,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 
 
 UNLOADING = Study(
-    name="unloading",
-    question="Does the contact area fall before it rises, after the load has fallen?",
+    **WORDS.study,
     quick=campaigns(surfaces=8, side=32),
     full=campaigns(surfaces=64, side=32),
     analyse=analyse,
     draw=draw,
-    caption="Left: area after the load has fallen, over that just after the step; mean over all surfaces. "
-    "Middle: lost area over the area just after the step. Right: time of the minimum, geometric mean "
-    "over the surfaces that have one. Bars: standard errors.",
-    page="docs/studies/unloading.md",
 )

@@ -17,8 +17,7 @@ from asperity_research.studies.campaigns import Campaign, Solid
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import crossing, slope
 
-WINDOW = (10.0, 1e3)
-"""Reduced times k0 R t between which B is measured."""
+WINDOW = (10.0, 1e3)  # Reduced times k0 R t between which B is measured
 
 HEIGHTS: Mapping[str, tuple[Callable[..., Field], Callable[[float], theory.HeightLaw]]] = {
     "gaussian": (gaussian, theory.GaussianHeights),
@@ -30,39 +29,27 @@ _MIDDLE, _LAST = 100.0, 1e6
 """Where its halves meet, and the end of the runs in which the end of the closed form is looked for."""
 
 SIDE = 512
-RATIO = 3.0
-"""k1/k0 where it is not varied."""
-
+RATIO = 3.0  # k1/k0 where it is not varied
 _SOLID = {"k0": 1.0, "k1": RATIO, "R": 1.0}
 
-LIGHT, LIGHTEST = 1e-3, 1e-4
-"""Loads a site, over k0 and the rms height, of contacts far apart."""
-
+LIGHT, LIGHTEST = 1e-3, 1e-4  # Loads a site, over k0 and the rms height, of contacts far apart
 LOADS = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 RATIOS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 VISCOUS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
 RMS = 4.0
-ZERO = 1e-3
-"""Where R_viscous = 0 is drawn."""
-
+ZERO = 1e-3  # Where R_viscous = 0 is drawn
 SIZES = (128, 256, 512)
 SIZE_LOAD = 1e-2
 
 HURST, CUTOFFS = (0.2, 0.5, 0.8), (2.0, 4.0, 8.0)
 _WAVE_SIDE, _WAVE_SIZES = 256, (128, 512)
 
-ENDING = (1e-3, 3e-3, 1e-2, 3e-2)
-"""Loads a site at which the end of the closed form is looked for."""
-
-END = 0.9
-"""Area over that of the closed form at which this has come to its end."""
+ENDING = (1e-3, 3e-3, 1e-2, 3e-2)  # Loads a site at which the end of the closed form is looked for
+END = 0.9  # Area over that of the closed form at which this has come to its end
 
 
-Number = Callable[[Field, Field], float]
-"""What is computed from times and areas, shapes (n,) and (runs, n)."""
-
-Key = tuple[str, str, float]
-"""What is varied, on which surfaces or under which load, and its value."""
+Number = Callable[[Field, Field], float]  # What is computed from times and areas, shapes (n,) and (runs, n)
+Key = tuple[str, str, float]  # What is varied, on which surfaces or under which load, and its value
 
 
 def campaigns(*, seeds: int, light: int | None = None) -> Iterator[Campaign]:

@@ -1,4 +1,4 @@
-r"""Study: two-step loads, and slide-hold-slide, with creep that stress and heat activate.
+r"""Two-step loads with creep that stress and heat activate.
 
 A contact is held under a load for a waiting time t_w; then the load falls at once to a part of it, and stays.
 Creep follows Eyring's law v0 sinh(s/s0), and linear laws on the same surfaces stand beside it. The unit of
@@ -28,24 +28,14 @@ from asperity.fits import Estimate, jackknife
 from asperity_research.arrays import Field
 from asperity_research.studies.campaigns import Campaign, Solid, after_waits, waves
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding
 from asperity_research.studies.numbers import all_columns, columns, crossing, mean, slope, vertex
 
 _STEPS = (1e-6, 1e-4, 1e-2, 1.0)
 _DECADES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
 _LINEAR = (0.1, 1.0, 10.0, 100.0, 1e3)
-_END = 1e5
-SIDE = 64
-"""Sites along a side."""
-
-LOAD = 0.05
-"""Load a site before the step."""
-
-ROUGH = waves(SIDE, 16.0)
-"""The table of the surface, without its height."""
-
-_FLAT = {"k0": 1.0, "k1": 3.0, "R": 0.0}
-_HALF_SPACE = {"kind": "half_space", "modulus": 1.0}
+SIDE = 64  # Sites along a side
+LOAD = 0.05  # Load a site before the step
+ROUGH = waves(SIDE, 16.0)  # The table of the surface, without its height
 
 
 def _eyring(stress: float, stiffness: float) -> dict[str, Any]:
@@ -54,7 +44,7 @@ def _eyring(stress: float, stiffness: float) -> dict[str, Any]:
 
 
 def _springs(words: str, waits: tuple[float, ...], ratios: tuple[float, ...], **table: Any) -> Solid:
-    return Solid(words, _FLAT | table, LOAD, waits, ratios)
+    return Solid(words, {"k0": 1.0, "k1": 3.0, "R": 0.0} | table, LOAD, waits, ratios)
 
 
 def eyring_lattice(
@@ -65,34 +55,29 @@ def eyring_lattice(
     return _springs(words, waits, ratios, k0=k0, **_eyring(stress, 3.0))
 
 
-_LOGARITHM = [[0.06, 10.0**decade] for decade in range(-7, 6)]
+def _half_space(words: str, waits: tuple[float, ...], ratios: tuple[float, ...], **table: Any) -> Solid:
+    return Solid(words, {"kind": "half_space", "modulus": 1.0} | table, LOAD, waits, ratios)
+
+
+_LOGARITHM = {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]}
 SOLIDS = {
     "lattice": eyring_lattice(0.05, _DECADES, (0.2, 0.5)),
     "lighter": eyring_lattice(0.05, _STEPS, (0.8,)),
     "cold": eyring_lattice(0.025, _STEPS, (0.5,)),
     "warm": eyring_lattice(0.1, _STEPS, (0.5,)),
     "bed": eyring_lattice(0.05, _STEPS, (0.5,), k0=0.0),
-    "half_space": Solid(
-        "half-space in series with creep, s0 = 0.05",
-        _HALF_SPACE | _eyring(0.05, 1.0),
-        LOAD,
-        _STEPS,
-        (0.5, 0.8),
+    "half_space": _half_space(
+        "half-space in series with creep, s0 = 0.05", _STEPS, (0.5, 0.8), **_eyring(0.05, 1.0)
     ),
     "viscous": _springs("linear lattice, R_viscous = 1/3", _LINEAR, (0.2,), R_viscous=1 / 3),
     "conserved": _springs("linear lattice, R = 1", _LINEAR, (0.2,), R=1.0),
-    "logarithm": Solid(
-        "linear half-space, E(t) like ln t",
-        _HALF_SPACE | {"branches": _LOGARITHM},
-        LOAD,
-        (1e-3, 1e-2, 0.1, 1.0),
-        (0.5,),
+    "logarithm": _half_space(
+        "linear half-space, E(t) like ln t", (1e-3, 1e-2, 0.1, 1.0), (0.5,), **_LOGARITHM
     ),
 }
 """By the names of their campaigns. k1 = 3 k0 and E* = 1; M k1 = 1 in the linear limit of each lattice."""
 
-IN_SERIES = ("bed", "half_space")
-"""Solids whose whole stiffness creeps."""
+IN_SERIES = ("bed", "half_space")  # Solids whose whole stiffness creeps
 
 
 def campaigns(surfaces: int, every: int) -> Iterator[Campaign]:
@@ -104,19 +89,12 @@ def campaigns(surfaces: int, every: int) -> Iterator[Campaign]:
                 f"Area after the load has fallen to {ratio:g} of it, waiting time as a factor on creep",
                 ROUGH | solid.rough,
                 aging={"first": 1e-2, "per_decade": 4, "rtol": 5e-3},
-                **after_waits({"load": ratio * (LOAD * SIDE**2)}, solid.waits[::every], _END, surfaces),
+                **after_waits({"load": ratio * (LOAD * SIDE**2)}, solid.waits[::every], 1e5, surfaces),
             )
 
 
-FELL = 0.01
-"""Lost part of the area from which on it counts as a fall."""
-
-RISE = 1.03
-"""Area over the smallest one so far at which growth counts as resumed."""
-
-PROPORTIONAL = (0.8, 1.2)
-"""Powers of the waiting time that bear out that a time is proportional to it."""
-
+FELL = 0.01  # Lost part of the area from which on it counts as a fall
+RISE = 1.03  # Area over the smallest one so far at which growth counts as resumed
 Reading = Callable[[Field, Field], float]
 """What is read off times since the step, the first 0, and areas, shape (n,)."""
 
@@ -180,11 +158,6 @@ class Steps:
         """What they are of, as columns."""
         return {"solid": self.name, "load_ratio": self.ratio}
 
-    @property
-    def depth(self) -> Field:
-        """Lost area over that just after the step, shape (surfaces, waits)."""
-        return np.asarray(1 - self.area.min(axis=2) / self.area[:, :, 0])
-
     def times(self, of: Reading, area: Field) -> Field:
         """Return ln(time / waiting time) at each wait, for a sample of areas after the step."""
         return np.log([of(self.time, one) for one in area.mean(axis=0)])
@@ -218,7 +191,7 @@ class Steps:
 
     def deepest(self) -> Estimate:
         """Largest over the waits of the lost area, the mean over the surfaces."""
-        return jackknife(lambda depth: depth.mean(axis=0).max(), self.depth)
+        return jackknife(lambda area: (1 - area.min(axis=2) / area[:, :, 0]).mean(axis=0).max(), self.area)
 
     def rows(self) -> pd.DataFrame:
         """Return areas, lost area and times, a row each waiting time."""
@@ -233,7 +206,8 @@ class Steps:
             "area_after": self.area[:, :, 0].mean(axis=0),
         }
         found = {name: np.exp(values) for name, values in logarithms.items()}
-        return pd.DataFrame(self.head | areas | columns("depth", mean(self.depth)) | found)
+        depth = mean(1 - self.area.min(axis=2) / self.area[:, :, 0])
+        return pd.DataFrame(self.head | areas | columns("depth", depth) | found)
 
     def powers(self) -> dict[str, object]:
         """Return the lost area and the powers of the waiting time."""
@@ -253,34 +227,3 @@ class Steps:
             "area": (self.area / self.area[:, :, :1]).mean(axis=0).ravel(),
         }
         return pd.DataFrame(self.head | course)
-
-
-def findings(every: list[Steps]) -> Iterator[Finding]:
-    """Judge what is claimed of the area after a fall of the load."""
-
-    def known(what: str, number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
-        return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
-
-    def deepest(*, in_series: bool) -> dict[str, Estimate]:
-        return known(
-            "largest mean of lost area over that after the step",
-            lambda one: one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None,
-        )
-
-    dillavou, here = "Dillavou and Rubinstein 2018", "this study"
-    claim = "Where all of the stiffness creeps, no contact is lost after the load has fallen"
-    numbers = deepest(in_series=True)
-    yield Finding.within((-math.inf, FELL), "series", "the proof on this page", claim, numbers)
-    claim = "With activated creep beside permanent springs, the area falls before it rises"
-    numbers, note = deepest(in_series=False), "The largest over the waiting times."
-    yield Finding.within((FELL, math.inf), "falls", dillavou, claim, numbers, note)
-    in_time = "power of the waiting time in the time of"
-    claim = "The time of the minimum is proportional to the waiting time"
-    numbers = known(f"{in_time} the minimum", lambda one: one.power(time_of_minimum))
-    yield Finding.within(PROPORTIONAL, "minimum", dillavou, claim, numbers)
-    claim = "The time at which growth resumes is proportional to the waiting time"
-    numbers = known(f"{in_time} growth", lambda one: one.power(time_of_growth))
-    yield Finding.within(PROPORTIONAL, "growth", here, claim, numbers)
-    claim = "The power in the time of growth is that of the mean forces"
-    numbers = known("power less d s_2/d s_1", Steps.excess)
-    yield Finding.within((-0.1, 0.1), "estimate", here, claim, numbers)
