@@ -110,9 +110,7 @@ CALLS: list[Call] = [
     call(asp.relaxation.Creep, time=TIME, compliance=STIFFENING, noise=0.5),
     call(asp.relaxation.Dynamic, frequency=TIME, storage=STIFFENING, loss=ERROR, noise=0.5),
     call(
-        asp.relaxation.fit,
-        data=asp.relaxation.Relaxation(np.array(TIME), np.array(RELAXED)),
-        per_decade=2.0,
+        asp.relaxation.fit, data=asp.relaxation.Relaxation(np.array(TIME), np.array(RELAXED)), per_decade=2.0
     ),
     call(asp.relaxation.from_retardation, compliance=0.5, delayed=MAXWELL, fluidity=2.0),
     call(asp.relaxation.power_law, modulus=2.0, **FADING),
