@@ -56,13 +56,6 @@ def test_solids_and_solvers_survive(way: Callable[[Any], Any]) -> None:
     np.testing.assert_array_equal(pressed.u, contact.u)
 
 
-def test_a_solid_has_a_short_repr() -> None:
-    assert repr(SOLID) == "<Solid: spring_lattice, k0 1, k1 3, R 1, R_viscous 0>"
-    own = asp.solids.Solid(SOLID.permanent, SOLID.branches)
-    assert asp.solids.Solid(SOLID.permanent, SOLID.branches, SOLID.parameters) == SOLID
-    assert repr(own) == "<Solid: of own spectra>"
-
-
 @pytest.mark.parametrize("way", WAYS[1:])
 def test_a_contact_survives_and_stays_closed(way: Callable[[Any], Any]) -> None:
     contact = asp.press(uncorrelated(8), SOLID, load=5.0)

@@ -144,45 +144,22 @@ def test_perimeters_are_counted_side_by_side(shape: tuple[int, ...]) -> None:
             assert perimeter == pytest.approx(total, rel=1e-14)
 
 
-@pytest.mark.parametrize("by", [(0, 0), (-2, 0), (-2, -4)])
-def test_a_rectangle_has_its_aspect_wherever_the_seam_cuts_it(by: tuple[int, int]) -> None:
-    touching = rolled(filled((16, 20), (slice(0, 3), slice(0, 7))), by)
-    found = shapes_of(touching, (1.0, 1.0))
-    assert found.found.sizes.tolist() == [21]
-    assert found.aspect[0] == pytest.approx(7 / 3, rel=1e-12)
-    assert found.perimeter[0] == 20
-    expected = np.mod([1 + by[0], 3 + by[1]], (16, 20))
-    np.testing.assert_allclose(found.center[0], expected, atol=1e-12)
-    oblong = shapes_of(touching, (0.5, 3.0))
-    assert oblong.aspect[0] == pytest.approx(21 / 1.5, rel=1e-12)
-    assert oblong.perimeter[0] == pytest.approx(2 * (21 + 1.5))
-    np.testing.assert_allclose(oblong.center[0], expected * (0.5, 3.0), atol=1e-12)
-
-
-def test_a_bent_patch_over_a_corner_is_the_one_in_the_middle() -> None:
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        blob = np.zeros((16, 16), dtype=bool)
-        blob[4:12, 4:12] = rng.random((8, 8)) < 0.6
-        whole = shapes_of(blob, (1.0, 2.0), connectivity=2)
-        for by in ((-8, -8), (8, 0), (-5, -9)):
-            moved = shapes_of(rolled(blob, by), (1.0, 2.0), connectivity=2)
-            np.testing.assert_array_equal(moved.found.sizes, whole.found.sizes)
-            # Patches of one size change places, so that only the set of shapes is the same.
-            np.testing.assert_allclose(np.sort(moved.aspect), np.sort(whole.aspect), rtol=1e-12)
-            np.testing.assert_allclose(np.sort(moved.perimeter), np.sort(whole.perimeter), rtol=1e-12)
-            shifted = np.mod(whole.center + np.array(by) * (1.0, 2.0), (16.0, 32.0))
-            near = np.abs(moved.center[:, None] - shifted[None]).max(axis=-1).min(axis=0)
-            assert near.max() < 1e-9
-
-
-def test_a_diagonal_line_is_as_long_as_its_moments_say() -> None:
-    """Of n sites on a diagonal: n^2 - 1 over 12 along each axis, and between the axes."""
-    n = 6
-    touching = rolled(np.diag(np.arange(10) < n), (-3, -3))
-    found = shapes_of(touching, (1.0, 1.0), connectivity=2)
-    assert found.aspect.tolist() == pytest.approx([math.sqrt(2 * (n**2 - 1) + 1)])
-    assert shapes_of(touching, (1.0, 1.0)).aspect.tolist() == pytest.approx([1.0] * n)
+@pytest.mark.parametrize("by", [(0, 0), (8, 0), (-5, -9)])
+def test_a_patch_has_the_center_and_axes_of_its_moments_wherever_the_seam_cuts_it(
+    by: tuple[int, int],
+) -> None:
+    spacing = np.array([1.0, 2.0])
+    for seed in range(10):
+        blob = np.pad(scattered((8, 8), 0.6, seed), 4)
+        found = shapes_of(rolled(blob, by), spacing.tolist(), connectivity=2)
+        aspects = []
+        for patch in flooded(blob, 2):
+            sites = np.array(list(patch)) * spacing
+            short, long = np.linalg.eigvalsh(np.cov(sites.T, ddof=0) + np.diag(spacing**2) / 12)
+            aspects.append(math.sqrt(long / short))
+            center = np.mod(sites.mean(axis=0) + by * spacing, (16.0, 32.0))
+            assert np.abs(found.center - center).max(axis=1).min() < 1e-9
+        np.testing.assert_allclose(np.sort(found.aspect), np.sort(aspects), rtol=1e-12)
 
 
 def test_a_patch_around_the_lattice_has_no_ends() -> None:
@@ -338,41 +315,31 @@ def test_every_dataset_with_fields_has_the_series(history: asp.results.History) 
 
 
 def test_a_table_of_patches_adds_up(history: asp.results.History) -> None:
-    final = history.final
-    table = patch_table(final)
-    assert table.sizes["patch"] == patches(final.in_contact).count
-    assert int(table["size"].sum()) == final.area
-    assert float(table["load"].sum()) == pytest.approx(final.load, rel=1e-12)
-    assert float(table["largest_pressure"].max()) == final.largest_pressure
-    np.testing.assert_allclose(table["mean_pressure"] * table["size"], table["load"], rtol=1e-12)
+    table = patch_table(history.final)
     of_map = patch_table(history.dataset.isel(field_time=-1))
     for name in table.variables:
         np.testing.assert_allclose(of_map[name], table[name], rtol=1e-9, atol=1e-9)
         assert of_map[name].attrs == table[name].attrs
     columns = "patch size perimeter aspect y x load mean_pressure largest_pressure"
-    assert list(table.to_dataframe().reset_index().columns) == columns.split()
-
-
-def test_units_of_a_table_are_those_of_the_contact() -> None:
+    assert " ".join(table.to_dataframe().reset_index().columns) == columns
     heights = np.round(1e-7 * np.random.default_rng(0).normal(size=(24, 16)), 9)
     rough = asp.surfaces.Surface(heights, unit="m", pixel_size=(1e-6, 2e-6), length_unit="m")
     contact = asp.press(rough, asp.solids.half_space(modulus=1e9), pressure=1e6)
-    history = asp.age(contact, [1.0], fields_at=[0.0])
     table = patch_table(contact)
-    units = {name: table[name].attrs["units"] for name in map(str, table.data_vars)}
-    assert units == {
+    assert table.sizes["patch"] == patches(contact.in_contact).count
+    assert int(table["size"].sum()) == contact.area
+    assert float(table["contact_area"].sum()) == pytest.approx(contact.contact_area, rel=1e-12)
+    assert float(table["load"].sum()) == pytest.approx(contact.load, rel=1e-12)
+    assert float(table["largest_pressure"].max()) == contact.largest_pressure
+    np.testing.assert_allclose(table["mean_pressure"] * table["contact_area"], table["load"], rtol=1e-12)
+    assert {name: table[name].attrs["units"] for name in map(str, table.data_vars)} == {
         **{"size": "sites", "contact_area": "m^2", "perimeter": "m", "aspect": "1", "y": "m", "x": "m"},
         **{"load": "N", "mean_pressure": "Pa", "largest_pressure": "Pa"},
     }
-    assert float(table["contact_area"].sum()) == pytest.approx(contact.contact_area)
-    assert float(table["load"].sum()) == pytest.approx(contact.load)
-    of_map = patch_table(history.dataset.isel(field_time=0))
-    assert {name: of_map[name].attrs["units"] for name in units} == units
-    in_series = [
-        history[name].attrs["units"] for name in ("perimeter", "contact_pressure", "mean_contact_age")
-    ]
-    assert in_series == ["m", "Pa", "s"]
-    assert history["perimeter"].item() == pytest.approx(float(table["perimeter"].sum()))
+    series = asp.age(contact, [1.0], fields_at=[0.0])
+    names = ("perimeter", "contact_pressure", "mean_contact_age")
+    assert [series[name].attrs["units"] for name in names] == ["m", "Pa", "s"]
+    assert series["perimeter"].item() == pytest.approx(float(table["perimeter"].sum()))
 
 
 def test_tracks_follow_each_patch(history: asp.results.History) -> None:
