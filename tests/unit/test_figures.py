@@ -456,7 +456,7 @@ def test_the_figure_of_distributions_shows_which_part_has_more() -> None:
     labels = [axes.get_xlabel() for axes in figure.axes]
     assert labels == ["gap [µm]", "area of a patch [µm²]", "contact pressure [MPa]"]
     gap, patch, pressure = figure.axes
-    assert [line.get_label() for line in gap.lines] == ["$t$ = $0$", "$t$ = $10$ s"]
+    assert [line.get_label() for line in gap.lines] == ["$t$ = $0$ s", "$t$ = $10$ s"]
     levels, above = (np.asarray(values) for values in gap.lines[-1].get_data())
     gaps = 1e6 * (data["u"] - data["heights"]).values[-1]
     assert last.gap.size == gaps.size - int(data["area"][-1])
