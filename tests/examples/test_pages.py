@@ -36,7 +36,7 @@ SOURCES = (
     *(ROOT, ROOT / "src" / "asperity", ROOT / "src" / "asperity" / "app", ROOT / "benchmarks"),
     *(ROOT / "research", ROOT / "research" / "src" / "asperity_research"),
 )
-NAMES = {"asp", "asperity", "challenge", "contact", *asperity.__all__}
+NAMES = {"asp", "asperity", "challenge", "contact", *filter(str.islower, asperity.__all__)}
 FILES = (".csv", ".html", ".md", ".npy", ".png", ".toml", ".txt", ".zarr")
 TEN_LINES = r"sites in contact: ([\d ]+)"
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -173,19 +171,6 @@ def test_surfaces_and_spectra_are_drawn() -> None:
         plot_surface(gaussian((8, 8)), axes())  # type: ignore[arg-type]
     with refuses("spectrum"):
         plot_spectrum(surface, axes())  # type: ignore[arg-type]
-
-
-def test_a_film_marks_the_contacts_of_a_profile_where_it_has_yielded() -> None:
-    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
-    history = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
-    film: Any = history.animate()
-    assert "<img" in film._repr_html_()
-    film._func(1)
-    marks = [line.get_ydata() for line in film._fig.axes[0].lines if line.get_marker() == "s"]
-    final = history.final
-    assert final.permanent_indentation.max() > 0.1
-    touching = np.sort(final.heights[final.in_contact])
-    np.testing.assert_allclose(np.sort(np.concatenate(marks)), touching, rtol=0, atol=1e-12)
 
 
 CONTACT = press(uncorrelated(16), SOLID, load=10.0)
