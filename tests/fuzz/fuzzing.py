@@ -107,7 +107,7 @@ def damage_bytes(draw: Draw, content: bytes) -> bytes:
     for _ in range(draw.one([1, 1, 2, 10])):
         at = draw.between(0, near - 1)
         data[draw.one([at, size - 1 - at])] ^= 1 << draw.between(0, 7)
-    return {
+    damaged: dict[str, bytes] = {
         "flip": bytes(data),
         "cut": content[:begin],
         "begin": content[begin:],
@@ -115,7 +115,8 @@ def damage_bytes(draw: Draw, content: bytes) -> bytes:
         "zero": content[:begin] + bytes(end - begin) + content[end:],
         "noise": content[:begin] + draw.rng.bytes(end - begin) + content[end:],
         "insert": content[:begin] + nasty + content[begin:],
-    }[how]
+    }
+    return damaged[how]
 
 
 def damage_json(draw: Draw, tree: Any) -> Any:

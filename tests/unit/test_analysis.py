@@ -109,7 +109,7 @@ def test_the_fit_ends_at_the_limit_that_is_known() -> None:
     assert summary.fit is not None
     assert summary.fit.a == pytest.approx(4, rel=1e-14)
     assert summary.fit.a_stderr == 0
-    assert np.max(summary.fit_curve) <= 4
+    assert np.asarray(summary.fit_curve).max() <= 4
     assert summary.fit_worst == pytest.approx(np.abs(1 - summary.fit.area_ratio(TIMES) / ratio).max())
     assert summary.fit_worst > summary.fit.rms_residual > free.rms_residual
     assert aging_summary(synthetic(ratio, relaxed_area=5000.0)).fit_note.startswith(

@@ -114,7 +114,7 @@ def test_the_load_is_drawn_where_the_separation_is_held(separated: xr.Dataset) -
     figure = figures.aging_curve(separated, aging_summary(separated))
     lower = figure.axes[1]
     assert "load" in lower.get_ylabel()
-    drawn = {line.get_marker() + line.get_linestyle(): np.asarray(line.get_ydata()) for line in lower.lines}
+    drawn = {f"{line.get_marker()}{line.get_linestyle()}": line.get_ydata() for line in lower.lines}
     load = separated["load"].values
     np.testing.assert_array_equal(drawn["oNone"], load[1:] / load[0])
     np.testing.assert_array_equal(drawn["None:"], [separated.attrs["relaxed_load"] / load[0]] * 2)
@@ -235,9 +235,10 @@ def test_a_surface_and_its_spectrum_are_drawn_in_readable_units(shape: tuple[int
     for axes, expected in zip(drawn.axes, known.axes, strict=True):
         assert axes.get_legend_handles_labels()[1] == expected.get_legend_handles_labels()[1]
         for curve, other in zip(axes.lines, expected.lines, strict=True):
-            np.testing.assert_allclose(curve.get_xydata(), other.get_xydata(), atol=1e-9)
+            points, expected_points = (np.asarray(one.get_xydata()) for one in (curve, other))
+            np.testing.assert_allclose(points, expected_points, atol=1e-9)
         for image, other_image in zip(axes.images, expected.images, strict=True):
-            np.testing.assert_allclose(image.get_array(), 1e9 * heights)
+            np.testing.assert_allclose(np.asarray(image.get_array()), 1e9 * heights)
             assert image.get_extent() == pytest.approx(other_image.get_extent())
 
 

@@ -77,6 +77,7 @@ def test_axes_that_are_given_are_drawn_into_and_others_are_new(pressed: Contact,
     for plot in (pressed.plot, aged.plot, Surface(gaussian((8, 8))).plot):
         assert plot(ax) is ax
         assert plot().get_figure() is plt.gcf()
+    assert len(aged.plot().child_axes) == 1  # in percent of the nominal area
 
 
 def test_a_profile_shows_its_contacts(aged: History) -> None:

@@ -364,11 +364,12 @@ def test_a_saved_history_is_no_contact():
 
 
 def test_several_loads_give_the_contacts_of_each():
-    for name, values in (
-        ("load", np.array([10.0, 30.0])),
-        ("pressure", (0.01, 0.03)),
-        ("separation", [0.1, 0.0]),
-    ):
+    given: dict[str, Any] = {
+        "load": np.array([10.0, 30.0]),
+        "pressure": (0.01, 0.03),
+        "separation": [0.1, 0.0],
+    }
+    for name, values in given.items():
         found: list[asp.Contact] = asp.press(ROUGH, SPRINGS, **{name: values})
         for one, value in zip(found, values, strict=True):
             np.testing.assert_array_equal(one.u, asp.press(ROUGH, SPRINGS, **{name: value}).u)
