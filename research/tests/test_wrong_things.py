@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from tests.calls import WRONG
 from tests.refusals import refuses
+from tests.unit.test_public_calls import WRONG
 
 import asperity_research.challenge as challenge
 import asperity_research.experiments as experiments

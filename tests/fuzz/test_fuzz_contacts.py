@@ -49,25 +49,16 @@ def heights(draw: Draw, longest: int = 40) -> Any:
     scale, offset = draw.one([1.0, 1.0, draw.decades(-30, 30)]), draw.one([0.0, 0.0, 0.0, 1.0, -1e3, 1e9])
     draw.say(f"{kind} {rough.shape} x {scale:g} + {offset:g} x")
     rough = scale * (rough + offset)
-    if draw.chance(0.3) and 1e-25 < scale < 1e25:
-        return draw.one(LAYOUTS)(rough)
-    return rough
+    return draw.one(LAYOUTS)(rough) if draw.chance(0.3) and 1e-25 < scale < 1e25 else rough
 
 
 def springs(draw: Draw) -> dict[str, Any]:
     """Spring constants, of which k1 is not zero."""
     near = draw.chance(0.5)
-    k0, k1, R, R_viscous = (draw.decades(*((-2, 2) if near else (-8, 8))) for _ in range(4))
-    some = {
-        "k0": draw.one([k0, k0, k0, k0, 0.0]),
-        "k1": k1,
-        "R": draw.one([R, R, 0.0]),
-        "R_viscous": draw.one([R_viscous, 0.0]),
-    }
-    if not near:
-        unit = draw.one([1.0, 1.0, 1e-20, 1e20])
-        some |= {"k0": some["k0"] * unit, "k1": k1 * unit}
-    return some
+    k0, k1, R, viscous = (draw.decades(*((-2, 2) if near else (-8, 8))) for _ in range(4))
+    unit = 1.0 if near else draw.one([1.0, 1.0, 1e-20, 1e20])
+    k0, R, viscous = draw.one([k0, k0, k0, k0, 0.0]), draw.one([R, R, 0.0]), draw.one([viscous, 0.0])
+    return {"k0": k0 * unit, "k1": k1 * unit, "R": R, "R_viscous": viscous}
 
 
 def control(draw: Draw, rough: Any, stiffness: float) -> dict[str, Any]:
@@ -77,9 +68,8 @@ def control(draw: Draw, rough: Any, stiffness: float) -> dict[str, Any]:
     if draw.chance(0.65):
         # A load that leaves any contact with the numbers that it needs lies in the bounds of numbers.
         return {"load": float(np.clip(draw.decades(-6, 3) * stiffness * spread * rough.size, 1e-90, 1e90))}
-    return {
-        "separation": float(rough.max()) + spread * draw.one([-1e-6, -0.03, -0.3, -1.0, -3.0, 0.0, 0.5, -1e3])
-    }
+    depth = draw.one([-1e-6, -0.03, -0.3, -1.0, -3.0, 0.0, 0.5, -1e3])
+    return {"separation": float(rough.max()) + spread * depth}
 
 
 def judged(contact: Contact, k: dict[str, float], load: float | None = None) -> None:
@@ -87,8 +77,11 @@ def judged(contact: Contact, k: dict[str, float], load: float | None = None) -> 
     proof = assert_equilibrium(contact, k0=k["k0"], k1=k["k1"], load_may_vanish=True)
     if load is not None:
         # The heights are rounded where they are, far from zero perhaps, and the stiffest spring feels it.
-        largest = max(float(np.abs(field).max()) for field in (contact.u, contact.u0))
-        rounding = np.spacing(largest) * (4 * contact.u.ndim * k["k0"] + k["k1"]) * contact.u.size
+        rounding = (
+            np.spacing(np.abs([contact.u, contact.u0]).max())
+            * (4 * contact.u.ndim * k["k0"] + k["k1"])
+            * contact.u.size
+        )
         assert abs(proof.load - load) <= 1e-9 * load + rounding
         assert abs(contact.load - load) <= 1e-9 * load + rounding
 
@@ -129,11 +122,10 @@ def test_springs():
 def relaxing(draw: Draw) -> list[tuple[float, float]]:
     """Branches: any, none, or those of a power law."""
     if draw.chance(0.2):
-        first, exponent = draw.decades(-4, 0), draw.rng.uniform(0.02, 0.98)
+        first, accuracy = draw.decades(-4, 0), draw.one([0.1, 0.01, 1e-3])
+        law = {"modulus": 1.0, "exponent": draw.rng.uniform(0.02, 0.98), "accuracy": accuracy}
         times = {"time": 1.0, "first": first, "last": first * draw.decades(0.5, 8)}
-        accuracy = draw.one([0.1, 0.01, 1e-3])
-        series = asp.relaxation.power_law(modulus=1.0, exponent=exponent, accuracy=accuracy, **times)
-        return list(series.branches)
+        return list(asp.relaxation.power_law(**law, **times).branches)
     shares = draw.rng.random(draw.between(0, 5)) * draw.one([1.0, 1e-3])
     shares /= max(1.0, shares.sum()) * draw.one([1.0, 2.0])
     return [(share, draw.decades(-4, 4)) for share in shares.tolist()]
@@ -141,23 +133,24 @@ def relaxing(draw: Draw) -> list[tuple[float, float]]:
 
 def continuum(draw: Draw) -> tuple[asp.solids.Solid, float]:
     """A half-space, with an apparatus or without, a layer or a film, of any branches or flow; its modulus."""
-    modulus = draw.decades(-6, 6)
-    branches = relaxing(draw)
-    if draw.chance(0.25):
-        film = {"modulus": modulus, "poisson": draw.one([0.0, 0.3, 0.5]), "branches": branches}
-        base = {"base_modulus": modulus * draw.decades(-3, 3), "base_poisson": draw.one([0.0, 0.3, 0.5])}
-        base |= {"base_branches": relaxing(draw), "thickness": draw.decades(-2, 2)}
-        base["apparatus"] = draw.one([None, None, math.inf, modulus * draw.decades(-2, 2)])
-        draw.say({**film, **base})
-        return asp.solids.coated_half_space(**film, **base), modulus
-    if draw.chance(0.3):
-        thickness, poisson = draw.decades(-2, 2), draw.one([-0.5, 0.0, 0.3, 0.5])
-        layer = {"thickness": thickness, "poisson": poisson, "bonded": draw.chance(0.5)}
-        return asp.solids.layer(modulus=modulus, branches=branches, **layer), modulus
-    flow = (draw.decades(-3, 3), draw.one([-1.0, 0.0, 1.0, 2.0])) if draw.chance(0.2) else None
+    modulus, branches = draw.decades(-6, 6), relaxing(draw)
+    solid: dict[str, Any] = {"modulus": modulus, "branches": branches}
     apparatus = draw.one([None, None, math.inf, modulus * draw.decades(-2, 2)])
-    branches = [] if flow else branches
-    return asp.solids.half_space(modulus=modulus, branches=branches, flow=flow, apparatus=apparatus), modulus
+    kind = draw.one(
+        [asp.solids.coated_half_space, asp.solids.layer, asp.solids.half_space, asp.solids.half_space]
+    )
+    if kind is not asp.solids.half_space:
+        solid |= {"poisson": draw.one([-0.5, 0.0, 0.3, 0.5]), "thickness": draw.decades(-2, 2)}
+    if kind is asp.solids.coated_half_space:
+        solid |= {"base_modulus": modulus * draw.decades(-3, 3), "base_poisson": draw.one([0.0, 0.3, 0.5])}
+        solid |= {"base_branches": relaxing(draw), "apparatus": apparatus}
+    elif kind is asp.solids.layer:
+        solid |= {"bonded": draw.chance(0.5)}
+    else:
+        flow = (draw.decades(-3, 3), draw.one([-1.0, 0.0, 1.0, 2.0])) if draw.chance(0.2) else None
+        solid |= {"flow": flow, "apparatus": apparatus, "branches": [] if flow else branches}
+    draw.say(solid)
+    return kind(**solid), modulus
 
 
 def test_contacts_of_continua():
@@ -186,10 +179,9 @@ def test_contacts_of_continua():
             draw.say(one)
             state = one.final if isinstance(one, asp.History) else one
             if isinstance(state, Contact):
-                touching = state.u == state.heights
-                np.testing.assert_array_equal(state.in_contact, touching)
+                np.testing.assert_array_equal(state.in_contact, state.u == state.heights)
                 assert (state.u >= state.heights).all()
-                assert (state.force[~touching] == 0).all()
+                assert (state.force[~state.in_contact] == 0).all()
                 assert (state.force >= 0).all()
                 assert state.residual <= 1e-8
                 assert state.normal_stiffness >= 0

@@ -1,17 +1,19 @@
-"""Analysis: what a history says, checked by closed forms and by counting again."""
+"""Analysis: what a history or a prediction says, by closed forms, by counting again, by known spreads."""
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import asperity as asp
 from asperity import age, press, relax
 from asperity.analysis import SiteState, aging_summary, contact_maps, with_limit
 from asperity.analysis.aging import FAR_APART
+from asperity.analysis.prediction import growth_of
+from asperity.relaxation import PronySeries
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian, self_affine
 from asperity.theory import ExponentialHeights, GaussianHeights, exponential_growth, site_stiffness
@@ -53,19 +55,15 @@ def saturating(times: np.ndarray, a: float, q: float, t0: float) -> np.ndarray:
 def test_maps_account_for_every_site(aged: xr.Dataset) -> None:
     maps = contact_maps(aged)
     assert maps.times.tolist() == [0.0, 100.0, 1e4, np.inf]
-    initial = int(aged["area"][0])
-    recorded = [int(aged["area"].sel(time=t)) for t in (0.0, 100.0, 1e4)]
+    recorded = aged["area"].sel(time=[0.0, 100.0, 1e4]).values
     assert [maps.area(n) for n in range(4)] == [*recorded, aged.attrs["relaxed_area"]]
     for number in range(4):
-        assert maps.count(number, SiteState.KEPT) + maps.count(number, SiteState.LOST) == initial
+        assert maps.count(number, SiteState.KEPT) + maps.count(number, SiteState.LOST) == recorded[0]
     assert maps.count(0, SiteState.NEW) == maps.count(0, SiteState.LOST) == 0
-    assert maps.count(2, SiteState.LOST) > 0
-    assert maps.count(2, SiteState.NEW) > 0
-    touching = maps.states == SiteState.KEPT
-    assert np.array_equal(touching.any(axis=0), aged["in_contact"].values[0])
-    np.testing.assert_array_equal(
-        maps.surfaces[3][maps.states[3] == SiteState.NEW], maps.heights[maps.states[3] == SiteState.NEW]
-    )
+    assert min(maps.count(2, SiteState.LOST), maps.count(2, SiteState.NEW)) > 0
+    kept, new = (maps.states == state for state in (SiteState.KEPT, SiteState.NEW))
+    np.testing.assert_array_equal(kept.any(axis=0), aged["in_contact"].values[0])
+    np.testing.assert_array_equal(maps.surfaces[3][new[3]], maps.heights[new[3]])
 
 
 def test_what_cannot_be_used_is_refused(aged: xr.Dataset) -> None:
@@ -82,9 +80,8 @@ def test_the_window_of_a_profile_has_most_contacts() -> None:
     maps = contact_maps(age(contact, [1.0], fields_at=[0.0, 1.0], rtol=1e-2).dataset)
     first, last = maps.window
     touching = np.isin(maps.states[-1], (SiteState.KEPT, SiteState.NEW))
-    best = max(int(touching[i : i + 160].sum()) for i in range(400 - 160 + 1))
     assert last - first == 160
-    assert int(touching[first:last].sum()) == best
+    assert touching[first:last].sum() == np.convolve(touching, np.ones(160), "valid").max()
 
 
 def test_a_known_law_is_found_again() -> None:
@@ -93,16 +90,13 @@ def test_a_known_law_is_found_again() -> None:
     assert summary.fit is not None
     assert (summary.fit.a, summary.fit.q, summary.fit.t0) == pytest.approx((3.0, 0.4, 2.0), rel=1e-6)
     assert summary.fit_note == ""
-    assert summary.fit_curve is not None
-    np.testing.assert_allclose(summary.fit_curve, saturating(summary.curve_time, 3.0, 0.4, 2.0), rtol=1e-6)
+    expected = saturating(summary.curve_time, 3.0, 0.4, 2.0)
+    np.testing.assert_allclose(np.asarray(summary.fit_curve), expected, rtol=1e-6)
     assert summary.relaxed_ratio == 3.0
     assert (summary.initial_area, summary.sites) == (10000, 10**6)
     assert summary.dilute_note == "the dilute theory needs independent sites"
-
-
-def test_the_steepest_growth_is_that_of_a_logarithm() -> None:
-    summary = aging_summary(synthetic(1 + 0.3 * np.arange(25.0) / 4))
-    assert summary.steepest_per_decade == pytest.approx(0.3, rel=1e-12)
+    logarithm = aging_summary(synthetic(1 + 0.3 * np.arange(25.0) / 4))
+    assert logarithm.steepest_per_decade == pytest.approx(0.3, rel=1e-12)
 
 
 def test_the_fit_ends_at_the_limit_that_is_known() -> None:
@@ -115,8 +109,7 @@ def test_the_fit_ends_at_the_limit_that_is_known() -> None:
     assert summary.fit is not None
     assert summary.fit.a == pytest.approx(4, rel=1e-14)
     assert summary.fit.a_stderr == 0
-    assert summary.fit_curve is not None
-    assert summary.fit_curve.max() <= 4
+    assert np.asarray(summary.fit_curve).max() <= 4
     assert summary.fit_worst == pytest.approx(np.abs(1 - summary.fit.area_ratio(TIMES) / ratio).max())
     assert summary.fit_worst > summary.fit.rms_residual > free.rms_residual
     assert aging_summary(synthetic(ratio, relaxed_area=5000.0)).fit_note.startswith(
@@ -139,12 +132,10 @@ def test_the_load_is_summarized_where_the_separation_is_held() -> None:
 
 def mirrored(scan: np.ndarray) -> Surface:
     """A scan of 0.5 um a pixel, as `asperity.surfaces.read` makes it periodic."""
-    heights = scan
-    for axis in range(scan.ndim):
-        heights = np.concatenate([heights, np.flip(heights, axis)], axis)
-    provenance: dict[str, Any] = {"file": "scan.npy", "unit": "nm", "periodic_rule": "mirror"}
-    provenance |= {"pixel_size": [0.5] * scan.ndim, "length_unit": "um"}
-    return Surface(heights, "nm", (0.5,) * scan.ndim, "um", provenance)
+    heights = np.pad(scan, [(0, n) for n in scan.shape], mode="symmetric")
+    origin: dict[str, Any] = {"file": "scan.npy", "unit": "nm", "periodic_rule": "mirror"}
+    origin |= {"pixel_size": [0.5] * scan.ndim, "length_unit": "um"}
+    return Surface(heights, "nm", (0.5,) * scan.ndim, "um", origin)
 
 
 @pytest.mark.parametrize("shape", [(24, 16), (40,)])
@@ -161,44 +152,31 @@ def test_maps_of_a_mirrored_scan_show_the_scan(shape: tuple[int, ...]) -> None:
 
 def test_a_sample_of_contacts_has_their_share_and_their_places() -> None:
     rng = np.random.default_rng(4)
-    states = np.where(rng.random((2, 301, 210)) < 0.03, SiteState.NEW, SiteState.FREE).astype(np.int8)
+    states = np.where(rng.random((2, 302, 210)) < 0.03, SiteState.NEW, SiteState.FREE).astype(np.int8)
     states[:, 96:200, 96:200] = SiteState.KEPT  # 52 x 52 cells of 2 x 2 sites
     cells = some_maps(states).sampled(2)
-    assert cells.shape == (2, 151, 105)
     np.testing.assert_array_equal(cells[:, 48:100, 48:100], SiteState.KEPT)
-    touching = states != SiteState.FREE
-    assert 4 * np.count_nonzero((cells != 0).any(axis=0)) == pytest.approx(touching.any(axis=0).sum(), abs=4)
-    for number in range(2):
-        assert 4 * np.count_nonzero(cells[number]) == pytest.approx(touching[number].sum(), rel=0.05)
-        whole = np.pad(states[number], ((0, 1), (0, 0)))
-        blocks = whole.reshape(151, 2, 105, 2).swapaxes(1, 2).reshape(151, 105, 4)
-        assert (blocks == cells[number][..., None]).any(axis=-1).all()
+    for one, drawn in zip(states, cells, strict=True):
+        assert 4 * np.count_nonzero(drawn) == pytest.approx(np.count_nonzero(one), rel=0.05)
+        blocks = one.reshape(151, 2, 105, 2).swapaxes(1, 2).reshape(151, 105, 4)
+        assert (blocks == drawn[..., None]).any(axis=-1).all()
     np.testing.assert_array_equal(some_maps(states).sampled(1), states)
-
-
-def test_a_close_up_is_where_most_happens_and_a_scale_bar_is_round() -> None:
-    states = np.zeros((2, 300, 400), dtype=np.int8)
-    states[:, :100, :100] = SiteState.KEPT
-    states[1, 140:150, 260:300] = SiteState.NEW
-    maps = some_maps(states)
-    assert maps.close_up() == (slice(128, 256), slice(256, 384))
-    maps = dataclasses.replace(maps, pixel_size=0.05, length_unit="um")
-    assert maps.scale_bar(400) == pytest.approx((100, 5, "um"))
-    assert maps.scale_bar(40) == pytest.approx((10, 500, "nm"))
 
 
 def test_a_fit_that_means_little_says_so() -> None:
     assert "not determined" in aging_summary(synthetic(1 + 0.3 * np.log1p(TIMES / 0.1))).fit_note
     two_steps = saturating(TIMES, 2.0, 3.0, 0.1) + saturating(TIMES, 9.0, 3.0, 300.0) - 1
     assert "misses these areas by" in aging_summary(synthetic(two_steps)).fit_note
-    constant = aging_summary(synthetic(np.ones(25)))
-    few = aging_summary(synthetic(np.array([1.5]), times=np.array([1.0])))
     none = aging_summary(synthetic(np.empty(0), times=np.empty(0)))
+    few = aging_summary(synthetic(np.array([1.5]), times=np.array([1.0])))
+    for one, why in (
+        (aging_summary(synthetic(np.ones(25))), "the area does not grow"),
+        (few, "it takes 4 times above 0 or more"),
+        (none, "only time 0 was asked for"),
+    ):
+        assert (one.fit, one.fit_curve, one.fit_note) == (None, None, f"no fit: {why}")
     assert none.time.size == none.curve_time.size == 0
     assert np.isnan(few.steepest_per_decade)
-    whys = ["the area does not grow", "it takes 4 times above 0 or more", "only time 0 was asked for"]
-    for one, why in zip((constant, few, none), whys, strict=True):
-        assert (one.fit, one.fit_curve, one.fit_note) == (None, None, f"no fit: {why}")
 
 
 def test_exponential_heights_grow_like_the_compliance_until_the_dips_meet() -> None:
@@ -222,19 +200,133 @@ def test_viscous_creep_makes_the_dips_meet_sooner() -> None:
     assert viscous.dilute_time[-1] < still.dilute_time[-1] < TIMES[-1]
 
 
-@pytest.mark.parametrize(
-    ("attribute", "value", "note"),
-    [
+def test_the_dilute_theory_is_not_claimed_where_it_does_not_hold() -> None:
+    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0))
+    for attribute, value, note in (
         ("held", "separation", "needs a constant load"),
         ("R", 0.0, "needs k0, k1 and R above 0"),
         ("held_load", 1e6, "too dense"),
         ("k1", 1e-4, "too dense"),  # the elastic dips, (k0/k1)^(1/2) sites wide, meet at once
-    ],
-)
-def test_the_dilute_theory_is_not_claimed_where_it_does_not_hold(
-    attribute: str, value: float | str, note: str
-) -> None:
-    dataset = synthetic(saturating(TIMES, 3.0, 0.4, 2.0)).assign_attrs({attribute: value})
-    summary = aging_summary(dataset, law=GaussianHeights())
-    assert summary.dilute_time.size == summary.dilute_ratio.size == 0
-    assert note in summary.dilute_note
+    ):
+        summary = aging_summary(dataset.assign_attrs({attribute: value}), law=GaussianHeights())
+        assert summary.dilute_time.size == summary.dilute_ratio.size == 0
+        assert note in summary.dilute_note
+
+
+def made_history(slope: float, spread: float) -> xr.Dataset:
+    """A history of area 1 + slope log10 t, in sixteen tiles that grow alike, but for a spread."""
+    time = np.geomspace(1.0, 1e4, 17)
+    moments = time[::4]
+    own = slope * (1 + spread * (-1.0) ** np.arange(4))
+    filled = np.round(40 * (1 + own * np.log10(moments)[:, None]))
+    sites = np.arange(100).reshape(10, 10) < filled[:, :, None, None]  # of each map in each column of tiles
+    rows = np.tile(sites.swapaxes(1, 2).reshape(5, 10, 40), (1, 4, 1))
+    area = np.append(np.nan, 1 + slope * np.log10(time))
+    maps = ("field_time", "y", "x")
+    return xr.Dataset(
+        {
+            "contact_area_corrected": ("time", area),
+            "in_contact": (maps, rows),
+            "pressure": (maps, np.ones(rows.shape)),
+        },
+        {"time": np.append(0.0, time), "field_time": moments},
+    )
+
+
+def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
+    """The modulus of a compliance of 1 + 0.1 log10 t, very nearly."""
+    time = np.geomspace(1.0, 1e4, 30)
+    exact = 1e9 / (1 + 0.1 * np.log10(time))
+    deviations = np.random.default_rng(seed).normal(size=30)
+    return asp.relaxation.Relaxation(time, exact * (1 + error * deviations), noise=0.5)
+
+
+def drawn(found: asp.relaxation.Fit) -> list[PronySeries]:
+    """The series of a table, and those that its noise would have given."""
+    return [found.series, *(one.series for one in found.resampled)]
+
+
+@pytest.fixture(scope="module")
+def exact() -> list[PronySeries]:
+    return drawn(asp.relaxation.fit(noisy(0.0, 0)))
+
+
+def test_growth_of_a_straight_line(exact: list[PronySeries]) -> None:
+    growth = growth_of(made_history(0.1, 0.0), exact)
+    assert growth.per_decade == pytest.approx(0.1)
+    assert growth.straight is True
+    assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
+    assert [begin for begin, *_ in growth.decades] == pytest.approx([1, 10, 100, 1000])
+    np.testing.assert_allclose(growth.of_scan, 0.1, rtol=1e-9)
+    np.testing.assert_allclose(growth.of_table, 0.1, rtol=0.02)
+
+
+def test_tiles_that_grow_differently_widen_the_band(exact: list[PronySeries]) -> None:
+    # Half of the tiles grow by 5 %, half by 15 % a decade; of 16 drawn, the mean spreads by 5 % / 4.
+    growth = growth_of(made_history(0.1, 0.5), exact)
+    low, high = growth.of_scan
+    assert high - low == pytest.approx(2 * 2.131 * 0.05 / np.sqrt(15), rel=0.15)
+    assert (growth.band[0] <= low * 1.02, growth.band[1] >= high * 0.98) == (True, True)
+    # In four decades half grow by 20 %, half by 60 %.
+    assert growth.ratio == pytest.approx(1.4)
+    low, high = growth.ratio_band
+    assert high - low == pytest.approx(2 * 2.131 * 0.2 / np.sqrt(15), rel=0.15)
+    assert growth.range == pytest.approx((0.1, 0.1))
+
+
+@pytest.mark.slow
+def test_a_noisy_table_widens_the_band_as_other_tables_spread() -> None:
+    # The area is the compliance here: each table of the same noise gives a slope of its own.
+    time = np.geomspace(1.0, 1e4, 17)
+    slopes = []
+    for seed in range(40):
+        compliance = asp.relaxation.fit(noisy(0.01, seed)).series.compliance_at(time)
+        slopes.append(np.polyfit(np.log10(time), compliance / compliance[0], 1)[0])
+    widths = []
+    for seed in (0, 1, 2):
+        found = asp.relaxation.fit(noisy(0.01, seed))
+        history = made_history(0.1, 0.0)
+        compliance = found.series.compliance_at(time)
+        history["contact_area_corrected"][1:] = compliance / compliance[0]
+        low, high = growth_of(history, drawn(found)).of_table
+        widths.append(high - low)
+    assert np.mean(widths) == pytest.approx(2 * 1.96 * np.std(slopes), rel=0.35)
+
+
+def test_deviations_that_are_no_noise_give_no_band() -> None:
+    time = np.geomspace(1.0, 1e4, 30)
+    modulus = 1e9 * time**-0.05 * (1 + 0.01 * np.sin(np.log(time) * 1.5))
+    wavy = asp.relaxation.Relaxation(time, modulus, noise=0.5)
+    growth = growth_of(made_history(0.1, 0.0), drawn(asp.relaxation.fit(wavy, branches=2)))
+    assert growth.of_table == (growth.per_decade, growth.per_decade)
+
+
+def light(end: float = 0.0) -> tuple[xr.Dataset, PronySeries]:
+    """A history whose area is its compliance, but at the last time; and that solid."""
+    solid = PronySeries(1e9, ((0.2, 10.0), (0.2, 300.0)))
+    history = made_history(0.1, 0.0)
+    compliance = solid.compliance_at(np.asarray(history["time"])[1:])
+    history["contact_area_corrected"][1:] = compliance / compliance[0]
+    history["contact_area_corrected"][-1] *= 1 + end
+    return history, solid
+
+
+def test_all_of_many_draws_are_in_the_band() -> None:
+    history, solid = light()
+    growing = PronySeries(1e9, ((0.3, 10.0), (0.3, 300.0)))
+    compliance = growing.compliance_at(np.array([1.0, 1e4]))
+    for still, growers in ((1, 2), (250, 50)):
+        growth = growth_of(history, [solid, *[solid] * still, *[growing] * growers])
+        assert growth.ratio_band[1] == pytest.approx(compliance[1] / compliance[0], rel=1e-3)
+        assert growth.ratio_band[0] == pytest.approx(growth.ratio)
+    assert growth_of(history, [solid] * 5).of_table == pytest.approx((growth.per_decade,) * 2)
+
+
+def test_a_pixel_at_the_end_is_not_taken_for_the_slope_of_the_curve() -> None:
+    history, solid = light(end=1e-3)  # after ten relaxation times the compliance hardly grows
+    x = np.log(solid.compliance_at(np.array([10**3.75, 1e4])))
+    assert 1e-3 / np.diff(x)[0] > 50
+    growing = PronySeries(1e9, ((0.3, 10.0), (0.3, 300.0)))
+    compliance = growing.compliance_at(np.array([1.0, 1e4]))
+    ratio = growth_of(history, [solid, growing, growing]).ratio_band
+    np.testing.assert_allclose(ratio, compliance[1] / compliance[0], rtol=0.01)

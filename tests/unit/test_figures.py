@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import io
 import math
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,48 +16,35 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asperity import History, age, press, relax
-from asperity.analysis import (
-    AgingSummary,
-    ContactMaps,
-    SiteState,
-    aging_summary,
-    contact_maps,
-    distributions,
-    with_limit,
-)
+from asperity import History, age, figures, press, relax
+from asperity.analysis import aging_summary, contact_maps, distributions, with_limit
+from asperity.analysis.aging import AgingSummary
+from asperity.analysis.maps import ContactMaps, SiteState
+from asperity.analysis.scan import written
 from asperity.base.words import power
-from asperity.figures import (
-    aging_curve,
-    campaign_figure,
-    contact_figure,
-    distribution_figure,
-    fit_figure,
-    history_figure,
-    patch_figure,
-    style,
-    surface_figure,
-)
+from asperity.figures.contacts import COLORS
 from asperity.figures.surface import SurfaceView
 from asperity.fits import measured_growth
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 from asperity.solids import half_space, spring_lattice
-from asperity.surfaces import Surface, gaussian, power_spectrum, spectral
+from asperity.surfaces import Surface, gaussian, spectral
 from asperity.theory import GaussianHeights
 from tests.refusals import refuses
 
 LONG_NAME = "after_polish_position_B2_" * 3 + "sample_7_channel_1_second_scan.opd"
+GROWTH = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
 
 
-def history(shape: tuple[int, ...]) -> xr.Dataset:
-    contact = press(gaussian(shape), spring_lattice(k0=1.0, k1=3.0), load=0.02 * np.prod(shape))
+@functools.cache
+def history(*shape: int) -> xr.Dataset:
+    contact = press(gaussian(shape), spring_lattice(k0=1.0, k1=3.0), load=0.02 * math.prod(shape))
     times = np.geomspace(1e-2, 100, 9)
     return with_limit(age(contact, times, fields_at=[0.0, 1.0, 100.0], rtol=1e-2).dataset, relax(contact))
 
 
 @pytest.fixture(scope="module")
 def aged() -> xr.Dataset:
-    return history((64, 64))
+    return history(64, 64)
 
 
 @pytest.fixture(scope="module")
@@ -73,11 +59,10 @@ def legend_of(figure: Figure) -> str:
 
 
 def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSummary) -> None:
-    figure = aging_curve(aged, summary)
+    figure = figures.aging_curve(aged, summary)
     axes = figure.axes[0]
     markers = next(line for line in axes.lines if line.get_marker() == "o")
-    np.testing.assert_array_equal(markers.get_xdata(), summary.time)
-    np.testing.assert_array_equal(markers.get_ydata(), summary.area_ratio)
+    np.testing.assert_array_equal(markers.get_xydata(), np.transpose([summary.time, summary.area_ratio]))
     drawn = {line.get_linestyle(): np.asarray(line.get_ydata()) for line in axes.lines}
     np.testing.assert_array_equal(drawn["-"], summary.fit_curve)
     np.testing.assert_array_equal(drawn["--"], summary.dilute_ratio)
@@ -89,34 +74,30 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     (right,) = axes.child_axes
     assert "% of nominal area" in right.get_ylabel()
     figure.draw_without_rendering()
-    low, high = axes.get_ylim()
     share = 100 * summary.initial_area / summary.sites
-    assert right.get_ylim() == pytest.approx((low * share, high * share))
+    assert right.get_ylim() == pytest.approx([share * end for end in axes.get_ylim()])
 
 
-def test_the_legend_gives_the_fit_and_its_misfit(aged: xr.Dataset, summary: AgingSummary) -> None:
+def test_the_legend_gives_the_fit_and_its_misfit_or_why_there_is_none(
+    aged: xr.Dataset, summary: AgingSummary
+) -> None:
     assert summary.fit is not None
     fit = dataclasses.replace(summary.fit, a=2.9283, q=0.2083, t0=0.131, rms_residual=0.0123)
     known = dataclasses.replace(summary, fit=fit, fit_worst=0.034)
-    text = legend_of(aging_curve(aged, known))
+    text = legend_of(figures.aging_curve(aged, known))
     assert "$a$ = 2.9283, the relaxed limit" in text
     assert "$q$ = 0.208, $t_0$ = 0.131" in text
     assert "misfit 1.2 % rms, 3.4 % at worst" in text
-    assert "±" not in text  # what the law misses along one curve is no scatter
     assert "dilute theory (no fit)" in text
     assert "relaxed limit" in text
-    text = legend_of(aging_curve(aged, dataclasses.replace(known, relaxed_ratio=None)))
+    short = {name: getattr(summary, name)[:50] for name in ("dilute_time", "dilute_ratio")}
+    text = legend_of(figures.aging_curve(aged, dataclasses.replace(known, relaxed_ratio=None, **short)))
     assert "$a$ = 2.93, extrapolated" in text
-    ended: dict[str, Any] = {
-        "dilute_time": summary.dilute_time[:50],
-        "dilute_ratio": summary.dilute_ratio[:50],
-    }
-    assert "far apart" in legend_of(aging_curve(aged, dataclasses.replace(summary, **ended)))
-    # What is missing is not drawn, and the legend says why.
+    assert "far apart" in text
     none: dict[str, Any] = {"fit": None, "fit_curve": None, "fit_note": "no fit: the area does not grow"}
     none |= {"dilute_time": np.empty(0), "dilute_ratio": np.empty(0), "relaxed_ratio": None}
-    figure = aging_curve(aged, dataclasses.replace(summary, **none))
-    assert legend_of(figure).split("\n") == ["no fit: the area does not grow", "computed"][::-1]
+    figure = figures.aging_curve(aged, dataclasses.replace(summary, **none))
+    assert legend_of(figure).split("\n") == ["computed", "no fit: the area does not grow"]
     assert len(figure.axes[0].lines) == 2
 
 
@@ -130,14 +111,13 @@ def separated() -> xr.Dataset:
 
 
 def test_the_load_is_drawn_where_the_separation_is_held(separated: xr.Dataset) -> None:
-    figure = aging_curve(separated, aging_summary(separated))
+    figure = figures.aging_curve(separated, aging_summary(separated))
     lower = figure.axes[1]
     assert "load" in lower.get_ylabel()
-    markers = next(line for line in lower.lines if line.get_marker() == "o")
+    drawn = {f"{line.get_marker()}{line.get_linestyle()}": line.get_ydata() for line in lower.lines}
     load = separated["load"].values
-    np.testing.assert_array_equal(markers.get_ydata(), load[1:] / load[0])
-    limit = next(line for line in lower.lines if line.get_linestyle() == ":")
-    np.testing.assert_array_equal(limit.get_ydata(), [separated.attrs["relaxed_load"] / load[0]] * 2)
+    np.testing.assert_array_equal(drawn["oNone"], load[1:] / load[0])
+    np.testing.assert_array_equal(drawn["None:"], [separated.attrs["relaxed_load"] / load[0]] * 2)
     assert "after_polish_position_B2" in figure.get_suptitle()
     assert "R_viscous = 0.1" in figure.get_suptitle()
 
@@ -145,36 +125,31 @@ def test_the_load_is_drawn_where_the_separation_is_held(separated: xr.Dataset) -
 def test_the_axis_ends_at_full_contact() -> None:
     contact = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=6000.0)
     dataset = age(contact, [0.1, 1.0, 10.0], rtol=1e-2).dataset
-    figure = aging_curve(dataset, aging_summary(dataset))
+    figure = figures.aging_curve(dataset, aging_summary(dataset))
     figure.draw_without_rendering()
     assert dataset["contact_fraction"][-1] > 0.99
-    (right,) = figure.axes[0].child_axes
-    assert right.get_ylim()[1] == pytest.approx(100)
+    assert figure.axes[0].child_axes[0].get_ylim()[1] == pytest.approx(100)
 
 
-PALETTE = {
-    SiteState.FREE: "white",
-    SiteState.KEPT: style.INK,
-    SiteState.NEW: style.VERMILION,
-    SiteState.LOST: style.SKY,
-}
-
-
-def test_maps_color_every_site(aged: xr.Dataset) -> None:
+def test_maps_color_every_site_in_colors_that_differ_in_gray(aged: xr.Dataset) -> None:
+    palette = {SiteState.FREE: "white", **COLORS}
     maps = contact_maps(aged)
-    panels = [axes for axes in contact_figure(maps).axes if "sites" in axes.get_title()]
+    panels = [axes for axes in figures.contact_figure(maps).axes if "sites" in axes.get_title()]
     assert len(panels) == len(maps.times)
     for number, axes in enumerate(panels):
         shown = np.asarray(axes.images[0].get_array())
-        for state, color in PALETTE.items():
+        for state, color in palette.items():
             colored = np.isclose(shown, matplotlib.colors.to_rgb(color)).all(axis=-1)
             np.testing.assert_array_equal(colored, maps.states[number] == state)
     assert f"{maps.area(0)} sites" in panels[0].get_title()
     assert "relaxed" in panels[-1].get_title()
+    # Relative luminance, Rec. 709.
+    gray = [np.dot([0.2126, 0.7152, 0.0722], matplotlib.colors.to_rgb(color)) for color in palette.values()]
+    assert np.diff(np.sort(gray)).min() > 0.15
 
 
-def some_maps(states: np.ndarray) -> ContactMaps:
-    return ContactMaps(
+def some_maps(states: np.ndarray, **options: Any) -> ContactMaps:
+    maps = ContactMaps(
         heights=np.zeros(states.shape[1:]),
         indentation=np.zeros(states.shape[1:]),
         times=np.arange(float(len(states))),
@@ -184,16 +159,18 @@ def some_maps(states: np.ndarray) -> ContactMaps:
         window=(0, states.shape[1]),
         unit="1",
     )
+    return dataclasses.replace(maps, **options)
 
 
-@pytest.mark.parametrize(
-    ("sites", "fraction"), [(60, 0.3), (128, 0.01), (300, 0.02), (600, 0.4), (600, 0.02), (2048, 0.01)]
-)
+SCANNED: dict[str, Any] = {"copies": 4, "pixel_size": 0.25, "length_unit": "um"}
+
+
+@pytest.mark.parametrize(("sites", "fraction"), [(60, 0.3), (300, 0.02), (2048, 0.01)])
 def test_the_ink_of_a_map_is_the_contact_fraction(sites: int, fraction: float) -> None:
     states = (np.random.default_rng(0).random((1, sites, sites)) < fraction).astype(int)
-    figure = contact_figure(some_maps(states))
+    figure = figures.contact_figure(some_maps(states))
     canvas = FigureCanvasAgg(figure)
-    figure.set_dpi(style.RESOLUTION)
+    figure.set_dpi(figures.style.RESOLUTION)
     canvas.draw()
     box = figure.axes[1].get_window_extent()
     pixels = np.asarray(canvas.buffer_rgba())[::-1, :, 0] / 255
@@ -208,41 +185,35 @@ def test_a_large_lattice_has_close_ups_and_says_so() -> None:
     states[:, 300:420, 200:300] = SiteState.KEPT
     states[1, 330:340, 310:320] = SiteState.NEW
     maps = some_maps(states)
-    figure = contact_figure(maps)
+    figure = figures.contact_figure(maps)
     assert "of 4 sites in contact one is drawn, 2 × 2 sites large" in figure.get_suptitle()
     shown = [axes for axes in figure.axes if axes.images and axes.get_xlim() == (255.5, 383.5)]
     assert len(shown) == 1 + len(maps.times)  # the topography too
     colored = np.asarray(shown[-1].images[0].get_array())
-    assert colored.shape == (128, 128, 3)
-    new = np.isclose(colored, matplotlib.colors.to_rgb(style.VERMILION)).all(axis=-1)
+    new = np.isclose(colored, matplotlib.colors.to_rgb(figures.style.VERMILION)).all(axis=-1)
     np.testing.assert_array_equal(new, maps.states[1, 256:384, 256:384] == SiteState.NEW)
 
 
 def test_a_scan_has_a_scale_and_says_that_it_is_mirrored() -> None:
-    figure = contact_figure(as_scan(some_maps(np.ones((1, 40, 60)))))
+    figure = figures.contact_figure(some_maps(np.ones((1, 40, 60)), **SCANNED))
     assert "40 × 60 sites of 250 nm" in figure.get_suptitle()
     assert "the scan is mirrored: one of 4 copies is shown" in figure.get_suptitle()
     topography = figure.axes[0]
     assert [text.get_text().strip() for text in topography.texts] == ["5 µm"]
-    bar = topography.lines[-1]
-    assert np.ptp(np.asarray(bar.get_xdata())) == pytest.approx(20)
-    line = dataclasses.replace(
-        some_maps(np.ones((1, 40))), copies=2, pixel_size=0.25, length_unit="um", window=(0, 40)
-    )
-    lower = contact_figure(line).axes[1]
+    assert np.ptp(np.asarray(topography.lines[-1].get_xdata())) == pytest.approx(20)
+    line = some_maps(np.ones((1, 40)), **SCANNED | {"copies": 2, "window": (0, 40)})
+    lower = figures.contact_figure(line).axes[1]
     assert lower.get_xlabel() == "position [µm]"
     assert "one of 2 copies" in lower.get_title()
     assert lower.get_xlim() == pytest.approx((-0.125, 9.875))
 
 
 def test_a_line_contact_has_profiles() -> None:
-    maps = contact_maps(history((300,)))
-    figure = contact_figure(maps)
+    maps = contact_maps(history(300))
+    figure = figures.contact_figure(maps)
     upper, lower = figure.axes
-    curves = [line for line in upper.lines if line.get_linestyle() == "-"]
-    first, last = maps.window
-    for number, curve in enumerate(curves):
-        np.testing.assert_array_equal(curve.get_ydata(), maps.surfaces[number][first:last])
+    curves = [line.get_ydata() for line in upper.lines if line.get_linestyle() == "-"]
+    np.testing.assert_array_equal(curves, maps.surfaces[:, slice(*maps.window)])
     assert len(curves) == len(maps.times) == len(lower.get_yticklabels())
     figure.draw_without_rendering()
     legend = upper.get_legend()
@@ -250,21 +221,42 @@ def test_a_line_contact_has_profiles() -> None:
     assert legend.get_window_extent().x0 > upper.get_window_extent().x1  # it hides nothing
 
 
-@pytest.mark.parametrize("heights", [gaussian((20, 12)), gaussian(64), np.zeros((4, 4))])
-def test_a_surface_is_drawn_with_units(heights: np.ndarray) -> None:
-    surface = Surface(heights, "nm", (0.5,) * heights.ndim, "um")
-    figure = surface_figure(surface, title="name.npy", note="3 undefined pixels filled")
-    labels = " ".join(axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes)
-    assert "height [nm]" in labels
-    assert "position [µm]" in labels
-    power = "[nm² µm²]" if heights.ndim == 2 else "[nm² µm]"
-    assert f"power spectrum C(q) {power}" in labels
-    assert figure.get_suptitle() == "name.npy\n3 undefined pixels filled"
-    figure.draw_without_rendering()
+@pytest.mark.parametrize("shape", [(128, 96), (512,)])
+def test_a_surface_and_its_spectrum_are_drawn_in_readable_units(shape: tuple[int, ...]) -> None:
+    size = (2e-7, 1e-7)[: len(shape)]
+    heights = spectral(shape, spacing=size, cutoff=4e-7, rms_height=3e-9, seed=2)
+    same = Surface(1e9 * heights, "nm", tuple(1e6 * d for d in size), "um")
+    surfaces = Surface(heights, "m", size, "m"), same
+    drawn, known = (figures.surface_figure(one, title="scan.npy", note="3 pixels filled") for one in surfaces)
+    labels = {label for axes in drawn.axes for label in (axes.get_xlabel(), axes.get_ylabel())}
+    power = "[nm² µm²]" if len(shape) == 2 else "[nm² µm]"
+    assert labels > {"height [nm]", "position [µm]", "wave number q [1/µm]", f"power spectrum C(q) {power}"}
+    assert drawn.get_suptitle() == "scan.npy\n3 pixels filled"
+    for axes, expected in zip(drawn.axes, known.axes, strict=True):
+        assert axes.get_legend_handles_labels()[1] == expected.get_legend_handles_labels()[1]
+        for curve, other in zip(axes.lines, expected.lines, strict=True):
+            points, expected_points = (np.asarray(one.get_xydata()) for one in (curve, other))
+            np.testing.assert_allclose(points, expected_points, atol=1e-9)
+        for image, other_image in zip(axes.images, expected.images, strict=True):
+            np.testing.assert_allclose(np.asarray(image.get_array()), 1e9 * heights)
+            assert image.get_extent() == pytest.approx(other_image.get_extent())
 
 
-def as_scan(maps: ContactMaps) -> ContactMaps:
-    return dataclasses.replace(maps, copies=4, pixel_size=0.25, length_unit="um")
+def test_a_figure_shows_the_measured_part_of_a_surface() -> None:
+    measured = gaussian((30, 20), rms=5e-9, seed=2)
+    mirrored = np.pad(measured, ((0, 30), (0, 20)), mode="symmetric")
+    origin = {"original_shape": [30, 20], "periodic_rule": "mirror"}
+    view = SurfaceView(Surface(mirrored, "m", (1e-7, 2e-7), "m", origin))
+    np.testing.assert_allclose(view.heights, measured * 1e9)
+    position, profile = view.profile()
+    np.testing.assert_array_equal(profile, view.heights[15])
+    np.testing.assert_allclose(position[:2], [0.1, 0.3])
+    edges, density, _ = view.histogram()
+    assert float(np.sum(density * np.diff(edges))) == pytest.approx(1.0)
+    bare = SurfaceView(Surface(1e-6 * gaussian((6, 9), seed=1)))  # counts in pixels
+    assert (bare.unit, bare.length_unit) == ("1e-06", "pixel")
+    np.testing.assert_allclose(bare.heights, gaussian((6, 9), seed=1))
+    figures.surface_figure(Surface(np.zeros((4, 4))), title="flat").draw_without_rendering()
 
 
 def long_history(*, repeats: int) -> xr.Dataset:
@@ -277,34 +269,30 @@ def long_history(*, repeats: int) -> xr.Dataset:
     return age(contact, np.geomspace(0.01, end, 30), protocol=[Repeat(legs, repeats)], rtol=1e-2).dataset
 
 
-@pytest.fixture(scope="module")
-def all_figures(aged: xr.Dataset, separated: xr.Dataset) -> dict[str, Figure]:
+def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) -> None:
     """Every kind of figure, with the longest words that it may meet."""
-    many = contact_maps(separated)
+    many = dataclasses.replace(contact_maps(separated), **SCANNED)
     named = Surface(1e-6 * gaussian((30, 90)), provenance={"file": LONG_NAME})
-    growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
     note = "512 × 512 pixels, 1234567 undefined pixels filled, plane removed, mirrored to 1024 × 1024 at last"
-    return {
-        "load held": aging_curve(aged, aging_summary(aged)),
-        "separation held": aging_curve(separated, aging_summary(separated)),
-        "maps": contact_figure(contact_maps(aged)),
-        "one map": contact_figure(as_scan(some_maps(np.full((1, 700, 600), 3)))),
-        "high map": contact_figure(as_scan(some_maps(np.full((2, 900, 30), 2)))),
-        "wide map": contact_figure(as_scan(some_maps(np.full((2, 30, 900), 2)))),
-        "maps of a scan": contact_figure(as_scan(many)),
-        "line": contact_figure(contact_maps(history((300,)))),
-        "surface": surface_figure(named, title=LONG_NAME, note=note),
-        "profile": surface_figure(Surface(gaussian(64), "nm"), title=LONG_NAME, note=note),
-        "history": history_figure(long_history(repeats=3)),
-        "history of many legs": history_figure(long_history(repeats=4)),
-        "patches": patch_figure(aged),
-        "patches that slip off": patch_figure(separated),
-        "fit": fit_figure(growth, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
+    drawn = {
+        "load held": figures.aging_curve(aged, aging_summary(aged)),
+        "separation held": figures.aging_curve(separated, aging_summary(separated)),
+        "maps": figures.contact_figure(contact_maps(aged)),
+        "one map": figures.contact_figure(some_maps(np.full((1, 700, 600), 3), **SCANNED)),
+        "high map": figures.contact_figure(some_maps(np.full((2, 900, 30), 2), **SCANNED)),
+        "wide map": figures.contact_figure(some_maps(np.full((2, 30, 900), 2), **SCANNED)),
+        "maps of a scan": figures.contact_figure(many),
+        "line": figures.contact_figure(contact_maps(history(300))),
+        "surface": figures.surface_figure(named, title=LONG_NAME, note=note),
+        "profile": figures.surface_figure(Surface(gaussian(64), "nm"), title=LONG_NAME, note=note),
+        "history": figures.history_figure(long_history(repeats=3)),
+        "history of many legs": figures.history_figure(long_history(repeats=4)),
+        "patches": figures.patch_figure(aged),
+        "patches that slip off": figures.patch_figure(separated),
+        "fit": figures.fit_figure(GROWTH, quantity=LONG_NAME * 3, unit_time=LONG_NAME, window=True),
     }
-
-
-def test_everything_is_on_the_canvas(all_figures: dict[str, Figure]) -> None:
-    for name, figure in all_figures.items():
+    for name, figure in drawn.items():
+        assert isinstance(figure, figures.style.Drawing), name
         figure.draw_without_rendering()
         box = figure.get_tightbbox()
         width, height = figure.get_size_inches()
@@ -312,106 +300,51 @@ def test_everything_is_on_the_canvas(all_figures: dict[str, Figure]) -> None:
         assert (box.x1 < width, box.y1 < height) == (True, True), name
 
 
-@pytest.mark.slow
-def test_text_in_pdf_is_not_of_type_3(all_figures: dict[str, Figure]) -> None:
-    for name, figure in all_figures.items():
-        file = io.BytesIO()
-        figure.savefig(file, format="pdf")
-        assert b"/Subtype /Type0" in file.getvalue(), name
-        assert b"/Type3" not in file.getvalue(), name
-
-
-@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
-def test_figures_can_be_written(aged: xr.Dataset, summary: AgingSummary, tmp_path: Path, kind: str) -> None:
-    path = tmp_path / f"aging.{kind}"
-    aging_curve(aged, summary).savefig(path)
-    magic = {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}[kind]
-    assert path.read_bytes().startswith(magic)
-
-
-def test_results_load_no_figures_and_figures_no_global_machinery() -> None:
-    code = (
-        "import sys, asperity.results; assert 'matplotlib' not in sys.modules; "
-        "import asperity.figures; assert 'matplotlib.pyplot' not in sys.modules"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
-
-
-def test_the_marks_of_maps_differ_in_gray() -> None:
-    # Relative luminance, Rec. 709, of white paper and of the three marks.
-    colors = ("#ffffff", style.INK, style.VERMILION, style.SKY)
-    weights = np.array([0.2126, 0.7152, 0.0722])
-    gray = np.sort([float(weights @ np.asarray(matplotlib.colors.to_rgb(color))) for color in colors])
-    assert np.diff(gray).min() > 0.15
+def test_figures_are_written_and_text_in_pdf_is_not_of_type_3(
+    aged: xr.Dataset, summary: AgingSummary, tmp_path: Path
+) -> None:
+    for kind, magic in {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}.items():
+        figures.aging_curve(aged, summary).savefig(tmp_path / f"aging.{kind}")
+        assert (tmp_path / f"aging.{kind}").read_bytes().startswith(magic)
+    content = (tmp_path / "aging.pdf").read_bytes()
+    assert b"/Subtype /Type0" in content
+    assert b"/Type3" not in content
 
 
 def test_numbers_and_units_are_written_as_mathematics() -> None:
     said = {0.0: "0", 0.25: "0.25", 1000.0: "1000", 1e6: "10^{6}", 1e-5: "10^{-5}", math.inf: r"\infty"}
+    said[1.78e4] = r"1.8 \times 10^{4}"
     assert {value: power(value) for value in said} == said
-    assert power(1.78e4) == r"1.8 \times 10^{4}"
-    labels = [style.with_unit("height", unit) for unit in ("1", "um", "1e-06")]
+    labels = [figures.style.with_unit("height", unit) for unit in ("1", "um", "1e-06")]
     assert labels == ["height", "height [µm]", "height [$10^{-6}$ units]"]
+    spelled = [figures.style.spelled(unit) for unit in ("um^2", "uN", "MPa", "rms", "unit")]
+    assert spelled == ["µm²", "µN", "MPa", "rms height", "unit"]
+    assert figures.style.spaced("62 um^2") == "62\u00a0µm²"
+    assert figures.style.spaced("62") == "62"
 
 
-def test_names_from_outside_are_not_read_as_mathematics():
-    growth = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
-    figure = fit_figure(growth, quantity=r"$\frac{1}$", unit_time=r"$\foo$", window=False)
+def test_a_value_is_written_with_a_prefix_in_si_and_as_it_is_elsewhere() -> None:
+    for value, unit, text in (
+        (1.5e6, "Pa", "1.5 MPa"),
+        (-2e-6, "N", "-2 uN"),
+        (0.0, "N", "0 N"),
+        (2.5e-4, "m^2", "250 mm^2"),
+        (1e-13, "m^2", "0.1 um^2"),
+        (9.9e-14, "m^2", "99000 nm^2"),
+        (1e-30, "m^2", "1e-30 m^2"),
+        (1e7, "s", "1e+07 s"),
+        (0.01, "s", "10 ms"),
+        (1e-6, "1", "1e-06"),
+        (math.inf, "N/m", "inf"),
+        (122.88, "stiffness unit * height unit", "122.9"),
+    ):
+        assert written(value, unit) == text
+
+
+def test_names_from_outside_are_not_read_as_mathematics() -> None:
+    figure = figures.fit_figure(GROWTH, quantity=r"$\frac{1}$", unit_time=r"$\foo$", window=False)
     figure.savefig(io.BytesIO())
     assert figure.axes[0].get_ylabel() == r"\$\frac{1}\$"
-
-
-def test_a_view_shows_the_measured_part_in_readable_units() -> None:
-    measured = gaussian((30, 20), rms=5e-9, seed=2)
-    doubled = np.concatenate([measured, measured[::-1]])
-    surface = Surface(
-        np.concatenate([doubled, doubled[:, ::-1]], axis=1),
-        "m",
-        (1e-7, 2e-7),
-        "m",
-        {"original_shape": [30, 20], "periodic_rule": "mirror"},
-    )
-    view = SurfaceView(surface)
-    assert (view.unit, view.length_unit) == ("nm", "um")
-    np.testing.assert_allclose(view.heights, measured * 1e9)
-    assert view.pixel_size == pytest.approx((0.1, 0.2))
-    position, profile = view.profile()
-    np.testing.assert_array_equal(profile, view.heights[15])
-    np.testing.assert_allclose(position[:2], [0.1, 0.3])
-    assert view.along(0, 15) == pytest.approx(15.5 * 0.1)
-    edges, density, _ = view.histogram()
-    assert float(np.sum(density * np.diff(edges))) == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("shape", [(128, 96), (512,)])
-def test_a_spectrum_is_shown_in_readable_units(shape: tuple[int, ...]) -> None:
-    size = (2e-7, 1e-7)[: len(shape)]
-    heights = spectral(shape, spacing=size, cutoff=4e-7, rms_height=3e-9, seed=2)
-    surface = Surface(heights, "m", size, "m")
-    shown = SurfaceView(surface).in_units(power_spectrum(surface))
-    same = power_spectrum(Surface(1e9 * heights, "nm", tuple(1e6 * d for d in size), "um"))
-    assert (shown.unit, shown.length_unit) == ("nm", "um")
-    np.testing.assert_allclose(shown.wave_number, same.wave_number)
-    np.testing.assert_allclose(shown.power, same.power, atol=1e-12 * same.power.max())
-    np.testing.assert_allclose(shown.along[0][1], same.along[0][1], atol=1e-12 * same.along[0][1].max())
-    assert shown.fit is not None
-    assert same.fit is not None
-    for name in ("hurst", "interval", "longest", "shortest", "exponent", "middle"):
-        assert getattr(shown.fit, name) == pytest.approx(getattr(same.fit, name)), name
-
-
-def test_a_view_of_a_bare_array_counts_in_pixels() -> None:
-    surface = Surface(gaussian((6, 9), seed=1))
-    view = SurfaceView(surface)
-    assert (view.unit, view.length_unit) == ("1", "pixel")
-    np.testing.assert_array_equal(view.profile()[1], view.heights[3])
-    measured = power_spectrum(surface)
-    np.testing.assert_array_equal(view.in_units(measured).power, measured.power)
-    small = SurfaceView(Surface(1e-6 * gaussian((6, 9), seed=1)))
-    assert small.unit == "1e-06"
-    np.testing.assert_allclose(small.heights, view.heights)
-    line = SurfaceView(Surface(np.zeros(5)))
-    assert line.profile()[1].size == 5
-    assert np.isnan(line.histogram()[2]).all()
 
 
 def gathered(loads: int, moduli: int, seeds: int) -> xr.Dataset:
@@ -420,33 +353,30 @@ def gathered(loads: int, moduli: int, seeds: int) -> xr.Dataset:
     load, k1 = np.arange(1.0, loads + 1), np.arange(1.0, moduli + 1)
     mean = 0.01 * load[:, None, None] * k1[:, None] * (1 + np.log1p(times))
     data = xr.Dataset(coords={"load": load, "k1": k1, "seed": np.arange(seeds), "time": times})
-    dims = ("load", "k1", "time")
-    data["contact_fraction_mean"] = (dims, mean)
-    data["contact_fraction_stderr"] = (dims, 0.1 * mean)
+    data["contact_fraction_mean"] = (("load", "k1", "time"), mean)
+    data["contact_fraction_stderr"] = 0.1 * data["contact_fraction_mean"]
     return data.assign_attrs(runs=loads * moduli * seeds, finished=loads * moduli * seeds)
 
 
 def test_a_campaign_shows_the_mean_of_each_point_and_its_standard_error() -> None:
-    figure = campaign_figure(gathered(3, 2, 6))
+    figure = figures.campaign_figure(gathered(3, 2, 6))
     assert [axes.get_title() for axes in figure.axes] == ["k1 = 1", "k1 = 2"]
     curve = figure.axes[1].lines[2]  # k1 = 2, load = 3
     assert curve.get_label() == "load = 3"
-    times = np.asarray(curve.get_xdata())
-    np.testing.assert_allclose(np.asarray(curve.get_ydata()), 100 * 0.06 * (1 + np.log1p(times)))
+    times, area = (np.asarray(values) for values in curve.get_data())
+    np.testing.assert_allclose(area, 100 * 0.06 * (1 + np.log1p(times)))
     edges = np.asarray(figure.axes[1].collections[2].get_paths()[0].vertices)[:, 1]
     assert edges.max() == pytest.approx(1.1 * 6 * (1 + np.log1p(100.0)))
     assert edges.min() == pytest.approx(0.9 * 6 * (1 + np.log1p(0.1)))
-    title = figure.get_suptitle()
-    assert "mean of 6 seeds ± standard error" in title
-    assert "drawn" not in title
+    assert "mean of 6 seeds ± standard error" in figure.get_suptitle()
+    assert "drawn" not in figure.get_suptitle()
 
 
 def test_a_campaign_of_many_points_shows_some_and_says_so() -> None:
-    figure = campaign_figure(gathered(20, 9, 3))
-    assert len([axes for axes in figure.axes if axes.lines]) == 6
-    assert {len(axes.lines) for axes in figure.axes if axes.lines} == {7}
+    figure = figures.campaign_figure(gathered(20, 9, 3))
+    assert [len(axes.lines) for axes in figure.axes if axes.lines] == [7] * 6
     assert "6 of 9 panels drawn, 7 of 20 curves a panel drawn" in " ".join(figure.get_suptitle().split())
-    (axes,) = campaign_figure(gathered(1, 1, 1).isel(load=0, k1=0)).axes
+    (axes,) = figures.campaign_figure(gathered(1, 1, 1).isel(load=0, k1=0)).axes
     assert (len(axes.lines), axes.get_title()) == (1, "")
 
 
@@ -458,21 +388,37 @@ def yielded() -> History:
     return age(contact, [1.0], fields_at=[0.0, 2.0, 4.0, 5.0], protocol=legs)
 
 
+def test_maps_show_what_has_yielded_where_it_has_slid(yielded: History) -> None:
+    maps = contact_maps(yielded.dataset)
+    figure = figures.contact_figure(maps)
+    titles = [axes.get_title().split(":")[0] for axes in figure.axes[1:6] if axes.get_title()]
+    assert titles[:3] == ["$t$ = $0$", "$t$ = $2$, just before", "$t$ = $2$, just after"]
+    lower = np.roll(yielded.dataset["permanent_indentation"].values[-1], -3, axis=1)
+    np.testing.assert_array_equal(maps.indentation, lower)
+    drawn = np.asarray(figure.axes[0].images[1].get_array())
+    np.testing.assert_array_equal(drawn[..., 3] > 0, lower > 0)
+    assert f"{lower.max():.2g}" in figure.axes[0].get_title()
+    assert "rough surface has yielded" in [text.get_text() for text in figure.legends[0].texts]
+
+
+def test_a_profile_shows_what_has_yielded_and_where_it_touches_now() -> None:
+    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
+    profile = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
+    upper = figures.contact_figure(contact_maps(profile.dataset)).axes[0]
+    assert "what has yielded" in upper.get_legend_handles_labels()[1]
+    (touches,) = (line for line in upper.lines if line.get_label() == "contact at the end")
+    heights = profile.final.heights[profile.final.in_contact]
+    np.testing.assert_allclose(np.asarray(touches.get_ydata()), heights, rtol=0, atol=1e-12)
+
+
 def test_the_depth_of_what_has_yielded_has_a_unit() -> None:
     rough = Surface(spectral((32, 32), rms_height=0.2, seed=0), "um", (1.0, 1.0), "um")
     contact = press(rough, half_space(modulus=4e9, branches=[(0.5, 1.0)], hardness=5e7), pressure=1e6)
     history = age(contact, [1.0], fields_at=[0.0, 1.0])
-    title = contact_figure(contact_maps(history.dataset)).axes[0].get_title()
+    title = figures.contact_figure(contact_maps(history.dataset)).axes[0].get_title()
     depth, unit = title.split(" by up to ")[1].split("\u00a0")
-    assert unit in ("nm", "µm")
     deepest = history.final.permanent_indentation.max() * {"nm": 1e9, "µm": 1e6}[unit]
     assert float(depth) == pytest.approx(deepest, rel=0.05)
-
-
-def test_maps_on_both_sides_of_a_shift_say_which_they_are(yielded: History) -> None:
-    figure = contact_figure(contact_maps(yielded.dataset))
-    titles = [axes.get_title().split(":")[0] for axes in figure.axes[1:6] if axes.get_title()]
-    assert titles[:3] == ["$t$ = $0$", "$t$ = $2$, just before", "$t$ = $2$, just after"]
 
 
 def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: History) -> None:
@@ -484,67 +430,42 @@ def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: Histo
     np.testing.assert_allclose(last.gap, np.sort(final.gap[~final.in_contact]), rtol=0, atol=1e-12)
 
 
-def test_the_map_of_the_rough_surface_shows_what_has_yielded(yielded: History) -> None:
-    maps = contact_maps(yielded.dataset)
-    lower = np.roll(yielded.dataset["permanent_indentation"].values[-1], -3, axis=1)
-    np.testing.assert_array_equal(maps.indentation, lower)
-    figure = contact_figure(maps)
-    drawn = np.asarray(figure.axes[0].images[1].get_array())
-    np.testing.assert_array_equal(drawn[..., 3] > 0, lower > 0)
-    assert f"{lower.max():.2g}" in figure.axes[0].get_title()
-    assert "rough surface has yielded" in [text.get_text() for text in figure.legends[0].texts]
-    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
-    profile = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
-    upper = contact_figure(contact_maps(profile.dataset)).axes[0]
-    assert "what has yielded" in upper.get_legend_handles_labels()[1]
-    (touches,) = (line for line in upper.lines if line.get_label() == "contact at the end")
-    heights = profile.final.heights[profile.final.in_contact]
-    np.testing.assert_allclose(np.asarray(touches.get_ydata()), heights, rtol=0, atol=1e-12)
-
-
-def test_the_figure_of_distributions_shows_which_part_has_more(aged: xr.Dataset) -> None:
-    *_, last = distributions(aged)
-    assert (last.time, last.patch.sum(), last.pressure) == (100.0, int(aged["area"][-1]), None)
-    gap, patch = distribution_figure(aged).axes
-    assert [line.get_label() for line in gap.lines] == ["$t$ = $0$", "$t$ = $100$"]
-    heights, above = (np.asarray(values) for values in gap.lines[-1].get_data())
-    fields = aged.isel(field_time=-1)
-    gaps = (fields["u"] - fields["heights"]).values
-    assert last.gap.size == gaps.size - int(aged["area"][-1])
-    for k in (0, 1000, -1):
-        assert above[k] == pytest.approx(np.mean(gaps >= heights[k]))
-    assert np.asarray(patch.lines[0].get_ydata())[0] == 1.0
-    assert patch.get_xscale() == patch.get_yscale() == "log"
-
-
 def test_the_figure_of_patches_shows_their_series(aged: xr.Dataset, yielded: History) -> None:
-    number, size, growth, age_of_contact = patch_figure(aged).axes
+    number, size, growth, age_of_contact = figures.patch_figure(aged).axes
+    drawn = [line.get_xydata() for line in (*number.lines, *size.lines)]
+    names = ["patches", *(f"{which}_patch_size" for which in ("largest", "mean", "median"))]
     time = aged["field_time"].values
-    for axes, names in (
-        (number, ["patches"]),
-        (size, [f"{which}_patch_size" for which in ("largest", "mean", "median")]),
-    ):
-        for line, name in zip(axes.lines, names, strict=True):
-            np.testing.assert_array_equal(line.get_xydata(), np.transpose([time, aged[name].values]))
+    np.testing.assert_array_equal(drawn, [np.transpose([time, aged[name].values]) for name in names])
     np.testing.assert_array_equal(age_of_contact.lines[0].get_ydata(), aged["contact_age"].sel(quantile=0.5))
     gains = [aged[f"gained_by_{how}"].sum() for how in ("expansion", "coalescence", "births")]
     tops = [part.get_paths()[0].get_extents().y1 for part in growth.collections]
     assert tops[:3] == np.cumsum(gains).tolist()
     assert growth.get_xscale() == "symlog"
     lost = sum(yielded.dataset[f"lost_by_{how}"].sum() for how in ("shrinkage", "deaths"))
-    lowest = patch_figure(yielded.dataset).axes[2].collections[-1].get_paths()[0].get_extents().y0
+    lowest = figures.patch_figure(yielded.dataset).axes[2].collections[-1].get_paths()[0].get_extents().y0
     assert lowest == -lost < 0
 
 
-def test_pressures_and_areas_of_patches_have_units() -> None:
+def test_the_figure_of_distributions_shows_which_part_has_more() -> None:
     heights = spectral((32, 32), hurst=0.8, spacing=1e-6, rms_slope=0.1, seed=1)
     solid = half_space(modulus=3e9, branches=[(0.5, 1.0)])
     contact = press(Surface(heights, "m", (1e-6, 1e-6), "m"), solid, pressure=5e6)
     data = age(contact, [10.0], fields_at=[0.0, 10.0]).dataset
-    figure = distribution_figure(data)
+    *_, last = distributions(data)
+    assert (last.time, last.patch.sum()) == (10.0, int(data["area"][-1]))
+    figure = figures.distribution_figure(data)
     labels = [axes.get_xlabel() for axes in figure.axes]
     assert labels == ["gap [µm]", "area of a patch [µm²]", "contact pressure [MPa]"]
-    pressures, above = (np.asarray(values) for values in figure.axes[2].lines[0].get_data())
+    gap, patch, pressure = figure.axes
+    assert [line.get_label() for line in gap.lines] == ["$t$ = $0$ s", "$t$ = $10$ s"]
+    levels, above = (np.asarray(values) for values in gap.lines[-1].get_data())
+    gaps = 1e6 * (data["u"] - data["heights"]).values[-1]
+    assert last.gap.size == gaps.size - int(data["area"][-1])
+    for k in (0, 100, -1):
+        assert above[k] == pytest.approx(np.mean(gaps >= levels[k] * (1 - 1e-12)))
+    assert np.asarray(patch.lines[0].get_ydata())[0] == 1.0
+    assert patch.get_xscale() == patch.get_yscale() == "log"
+    pressures, above = (np.asarray(values) for values in pressure.lines[0].get_data())
     mean = pressures[0] + np.sum(np.diff(pressures) * above[1:])  # the mean is the integral of the part above
     assert mean == pytest.approx(float(data["mean_contact_pressure"][0]) / 1e6)
 
@@ -552,14 +473,14 @@ def test_pressures_and_areas_of_patches_have_units() -> None:
 def test_what_cannot_be_drawn_is_refused(aged: xr.Dataset) -> None:
     at_once = aged.isel(time=[0]).drop_dims("field_time")
     with refuses("summary"):
-        aging_curve(at_once, aging_summary(at_once))
+        figures.aging_curve(at_once, aging_summary(at_once))
     with refuses("dataset"):
-        history_figure(at_once)
+        figures.history_figure(at_once)
     for few in (aged.isel(field_time=[0]), aged.drop_dims("field_time")):
         with refuses("dataset"):
-            patch_figure(few)
+            figures.patch_figure(few)
     with refuses("dataset"):
         distributions(aged.drop_dims("field_time"))
     for other in (aged.drop_vars("contact_fraction"), 3):
         with refuses("dataset"):
-            campaign_figure(other)  # type: ignore[arg-type]
+            figures.campaign_figure(other)  # type: ignore[arg-type]

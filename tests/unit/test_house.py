@@ -68,52 +68,38 @@ def imported(file):
             yield from (alias.name for alias in node.names)
 
 
-@pytest.mark.parametrize(
-    ("source", "package", "rooms"),
-    [(SOURCE, "asperity", ROOMS), (RESEARCH, "asperity_research", ROOMS_OF_RESEARCH)],
-)
-def test_imports_point_upstream(source, package, rooms):
-    level, checked = levels(rooms), 0
-    for file in source.rglob("*.py"):
-        module = ".".join([package, *file.relative_to(source).with_suffix("").parts])
-        room = room_of(module.removesuffix(".__init__"), package)
-        for other in imported(file):
+def files_of(source, package):
+    """Names of the modules of a package, and what each imports."""
+    parts = {
+        file: (package, *file.relative_to(source).with_suffix("").parts) for file in source.rglob("*.py")
+    }
+    return {".".join(name).removesuffix(".__init__"): set(imported(file)) for file, name in parts.items()}
+
+
+HOUSES = [(files_of(SOURCE, "asperity"), ROOMS), (files_of(RESEARCH, "asperity_research"), ROOMS_OF_RESEARCH)]
+
+
+@pytest.mark.parametrize(("files", "rooms"), HOUSES, ids=["library", "research"])
+def test_imports_point_upstream_and_never_in_a_circle(files, rooms):
+    package, level, checked = min(files), levels(rooms), 0
+    for name, others in files.items():
+        room = room_of(name, package)
+        for other in others:
+            assert package == "asperity_research" or not other.startswith("asperity_research"), name
             if not other.startswith(f"{package}.") or room in (package, "app"):  # their doors show all
                 continue
             there = room_of(other, package)
-            assert there in level, f"{file} imports {other}"
-            assert there == room or level[there] < level[room], f"{file}: {room} imports {there}"
+            assert there in level, f"{name} imports {other}"
+            assert there == room or level[there] < level[room], f"{name}: {room} imports {there}"
             checked += 1
     assert checked > 50
-
-
-def circles(files):
-    """Files that import each other in a loop."""
-    arrows = {name: {other for other in others if other in files} - {name} for name, others in files.items()}
-    while ends := [name for name, others in arrows.items() if not others]:
-        arrows = {name: others - set(ends) for name, others in arrows.items() if name not in ends}
-    return sorted(arrows)
-
-
-@pytest.mark.parametrize(("source", "package"), [(SOURCE, "asperity"), (RESEARCH, "asperity_research")])
-def test_no_files_import_each_other_in_a_circle(source, package):
-    files = {}
-    for file in source.rglob("*.py"):
-        name = ".".join([package, *file.relative_to(source).with_suffix("").parts])
-        found = set(imported(file))
-        found |= {other.rpartition(".")[0] for other in found}
-        files[name.removesuffix(".__init__")] = found
     # A package's face hands names on.
-    faces = {name for name in files if any(other.startswith(f"{name}.") for other in files)}
-    assert circles({name: found for name, found in files.items() if name not in faces}) == []
-
-
-def test_the_library_knows_neither_programs_nor_research():
-    for file in SOURCE.rglob("*.py"):
-        named = set(imported(file))
-        assert not any(module.startswith("asperity_research") for module in named), file
-        if file.relative_to(SOURCE).parts[0] not in ("app", "__main__.py", "__init__.py"):
-            assert not any(module.startswith("asperity.app") for module in named), file
+    within = {name for name in files if not any(other.startswith(f"{name}.") for other in files)}
+    wider = {name: files[name] | {other.rpartition(".")[0] for other in files[name]} for name in within}
+    arrows = {name: (others & within) - {name} for name, others in wider.items()}
+    while ends := {name for name, others in arrows.items() if not others}:
+        arrows = {name: others - ends for name, others in arrows.items() if name not in ends}
+    assert not arrows
 
 
 def test_no_other_module_imports_by_a_text():
@@ -123,86 +109,41 @@ def test_no_other_module_imports_by_a_text():
 
 
 def test_theory_imports_nothing_of_the_simulation():
-    for file in (SOURCE / "theory").rglob("*.py"):
-        named = {module for module in imported(file) if module.startswith("asperity.")}
-        others = {module for module in named if room_of(module, "asperity") not in ("theory", "errors")}
-        assert all(module.startswith("asperity.base.checks") for module in others)
-
-
-def test_public_names():
-    assert sorted(asperity.__all__) == dir(asperity)
-    assert set(asperity.__all__) == {
-        "ActiveSet",
-        "Carried",
-        "Checkpoint",
-        "Contact",
-        "Frame",
-        "History",
-        "Load",
-        "Multigrid",
-        "Separation",
-        "__version__",
-        "age",
-        "analysis",
-        "campaign",
-        "errors",
-        "figures",
-        "fits",
-        "friction",
-        "infer",
-        "inference",
-        "observe",
-        "predict",
-        "press",
-        "protocols",
-        "relax",
-        "relaxation",
-        "results",
-        "slide",
-        "solids",
-        "surfaces",
-        "theory",
+    files, _ = HOUSES[0]
+    named = {
+        other for name, others in files.items() if name.startswith("asperity.theory") for other in others
     }
+    rooms = {other: room_of(other, "asperity") for other in named if other.startswith("asperity.")}
+    others = {other for other, room in rooms.items() if room not in ("theory", "errors")}
+    assert all(other.startswith("asperity.base.checks") for other in others)
 
 
-def test_public_rooms_show_public_names():
-    for name in asperity.__all__:
-        member = getattr(asperity, name)
-        if isinstance(member, ModuleType):
-            assert sorted(member.__all__) == dir(member)
+def test_public_rooms_show_public_names_and_no_module_hides_behind_a_function_of_its_name():
+    assert sorted(asperity.__all__) == dir(asperity)
+    rooms = [getattr(asperity, name) for name in asperity.__all__]
+    for room in (room for room in rooms if isinstance(room, ModuleType)):
+        assert sorted(room.__all__) == dir(room)
+        for module in pkgutil.iter_modules(getattr(room, "__path__", [])):
+            found = importlib.import_module(f"{room.__name__}.{module.name}")
+            assert getattr(room, module.name) is found
 
 
-# The name of the room of predictions is that of the function at its door.
-@pytest.mark.parametrize("room", sorted(set(levels(ROOMS)) - {"__main__", "app.predict"}))
-def test_every_room_is_reached(room):
-    assert asperity.__getattr__(room.removeprefix("app.")) is sys.modules[f"asperity.{room}"]
+def test_every_room_is_reached():
+    # The name of the room of predictions is that of the function at its door.
+    for room in set(levels(ROOMS)) - {"__main__", "app.predict"}:
+        assert asperity.__getattr__(room.removeprefix("app.")) is sys.modules[f"asperity.{room}"]
 
 
-@pytest.mark.parametrize(
-    "room",
-    [
-        "analysis",
-        "app.campaign",
-        "figures",
-        "fits",
-        "friction",
-        "inference",
-        "relaxation",
-        "results",
-        "solids",
-        "surfaces",
-        "theory",
-    ],
-)
-def test_no_module_hides_behind_a_function_of_its_name(room):
-    inside = importlib.import_module(f"asperity.{room}")
-    for module in pkgutil.iter_modules(inside.__path__):
-        found = importlib.import_module(f"asperity.{room}.{module.name}")
-        assert getattr(inside, module.name) is found
-
-
-def test_a_room_is_reached_whatever_was_imported_before():
-    code = "import asperity; asperity.analysis.patches"
+def test_imports_are_light_and_a_room_is_reached_whatever_was_imported_before():
+    code = """
+import sys, asperity
+assert not {"numpy", "xarray", "matplotlib"} & set(sys.modules)
+asperity.analysis.patches
+asperity.results
+assert "matplotlib" not in sys.modules
+asperity.figures
+assert "matplotlib.pyplot" not in sys.modules
+"""
     assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0
 
 
@@ -225,24 +166,15 @@ def test_whatever_waits_for_a_process_in_a_test_has_a_limit():
 
 def test_type_checkers_know_the_public_names_and_no_others():
     root = ast.parse((SOURCE / "__init__.py").read_text()).body
-    (seen,) = (
-        node for node in root if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-    )
-    imports = [node for node in seen.body if isinstance(node, ast.ImportFrom)]
+    conditions = {ast.unparse(node.test): node.body for node in root if isinstance(node, ast.If)}
+    imports = [node for node in conditions["TYPE_CHECKING"] if isinstance(node, ast.ImportFrom)]
     known = {alias.name for node in imports for alias in node.names}
     assert known | {"__version__"} == set(asperity.__all__)
     functions = {node.name for node in root if isinstance(node, ast.FunctionDef)}
-    assert functions == {
-        "__dir__"
-    }  # __getattr__, which would allow any name, stands under "not TYPE_CHECKING"
+    assert functions == {"__dir__"}  # __getattr__, which would allow any name, stands elsewhere
 
 
 def test_other_names_do_not_exist():
     for name in ("nope", "__main__", "_nope", "press_"):
         with pytest.raises(AttributeError, match=f"module 'asperity' has no attribute '{name}'"):
             getattr(asperity, name)
-
-
-def test_a_bare_import_is_light():
-    code = "import sys, asperity; sys.exit(any(m in sys.modules for m in ('numpy', 'xarray', 'matplotlib')))"
-    assert subprocess.run([sys.executable, "-c", code], check=False, timeout=120).returncode == 0

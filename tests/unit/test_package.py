@@ -61,26 +61,19 @@ def test_a_version_is_set_at_every_place_and_nothing_else_changes(release, tmp_p
     assert release.stated() == ["9.8.7", "9.8.7", "2031-02-03", *["9.8.7"] * 4, "9.8.7, 2031-02-03"]
     assert f"\n## {__version__}, " in changelog.read_text()
     for name in set(before) - {"CHANGELOG.md"}:
-        lines, new = before[name].splitlines(), (tmp_path / name).read_text().splitlines()
-        assert len(lines) == len(new)
-        changed = [line for line, other in zip(lines, new, strict=True) if line != other]
+        lines = zip(before[name].splitlines(), (tmp_path / name).read_text().splitlines(), strict=True)
+        changed = [line for line, new in lines if line != new]
         assert len(changed) == sum(place == name for place, _ in release.PLACES)
     with pytest.raises(SystemExit, match="expected the heading '## Unreleased'"):
         release.set_version("9.8.8", "2031-02-03")
 
 
 def test_the_conda_recipe_has_the_dependencies_of_the_package():
-    names = {"matplotlib-base": "matplotlib"}
     needs = yaml.safe_load(read("recipe.yaml"))["requirements"]
-
-    def stated(lines):
-        found = bounds(lines)
-        return {names.get(name, name): found[name] for name in found}
-
-    run = stated(needs["run"])
+    run = bounds(line.replace("matplotlib-base", "matplotlib") for line in needs["run"])
     assert run.pop("python") == SpecifierSet(PROJECT["requires-python"])
     assert run == bounds(PROJECT["dependencies"])
-    assert stated(needs["run_constraints"]) == bounds([*EXTRAS["campaign"], *EXTRAS["explore"]])
+    assert bounds(needs["run_constraints"]) == bounds([*EXTRAS["campaign"], *EXTRAS["explore"]])
 
 
 def test_the_lock_file_meets_every_bound():
@@ -113,9 +106,7 @@ def test_citation_and_archive_say_the_same():
 def test_every_stated_python_is_tried():
     jobs = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]
     matrix = set(jobs["test"]["strategy"]["matrix"]["python"])
-    stated = {
-        text.rpartition(" ")[2] for text in PROJECT["classifiers"] if re.search(r"Python :: 3\.\d", text)
-    }
+    stated = set(re.findall(r"Python :: (3\.\d+)", "\n".join(PROJECT["classifiers"])))
     tried = set(re.findall(r'"(3\.\d+)"', re.findall(r"PYTHONS = (.*)", read(".ci/packages.py"))[0]))
     assert matrix == stated == tried
     assert all(SpecifierSet(PROJECT["requires-python"]).contains(version) for version in stated)
@@ -131,7 +122,6 @@ def test_public_checks_are_what_a_developer_runs():
     assert os.access(ROOT / ".ci" / "run", os.X_OK)
 
 
-@pytest.mark.parametrize("name", ["campaign", "instruments", "explore", "docs"])
-def test_a_developer_gets_every_extra(name):
+def test_a_developer_gets_every_extra():
     (own,) = (Requirement(text) for text in EXTRAS["dev"] if Requirement(text).name == "asperity")
-    assert name in own.extras
+    assert own.extras >= {"campaign", "instruments", "explore", "docs"}

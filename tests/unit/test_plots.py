@@ -1,4 +1,4 @@
-"""Plots of one thing: what is drawn are its numbers, into axes of the user or new ones."""
+"""Plots of one thing, and the figure of a history: what is drawn are its numbers, and words are true."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+from numpy.typing import ArrayLike
 
-from asperity import Contact, History, age, press, protocols, relax
+from asperity import Contact, History, age, press, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
-from asperity.figures import plot_history, plot_spectrum, plot_surface, style
+from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, style
 from asperity.figures.contacts import COLORS
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Step, legs_of
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum
 from tests.refusals import refuses
+from tests.surfaces import uncorrelated
 
 SOLID = spring_lattice(k0=1.0, k1=3.0)
 
@@ -54,11 +58,10 @@ def test_a_map_shows_the_pressure_of_each_site_that_touches(pressed: Contact) ->
 
 def test_a_map_of_changes_has_a_color_for_each(pressed: Contact, aged: History) -> None:
     ax = aged.final.plot(axes(), since=pressed)
-    drawn, before, now = map_of(ax), pressed.in_contact, aged.final.in_contact
-    colors = {state: to_rgb(color) for state, color in COLORS.items()}
-    sites = {"KEPT": before & now, "NEW": now & ~before, "LOST": before & ~now}
-    for state, where in ((SiteState[name], where) for name, where in sites.items()):
-        np.testing.assert_array_equal((drawn == colors[state]).all(axis=-1), where)
+    before, now = pressed.in_contact, aged.final.in_contact
+    sites = {SiteState.KEPT: before & now, SiteState.NEW: now & ~before, SiteState.LOST: before & ~now}
+    for state, where in sites.items():
+        np.testing.assert_array_equal((map_of(ax) == to_rgb(COLORS[state])).all(axis=-1), where)
     assert f"new {(now & ~before).sum()}" in ax.get_title()
 
 
@@ -73,9 +76,8 @@ def test_axes_that_are_given_are_drawn_into_and_others_are_new(pressed: Contact,
     ax = axes()
     for plot in (pressed.plot, aged.plot, Surface(gaussian((8, 8))).plot):
         assert plot(ax) is ax
-        new = plot()
-        assert new is not ax
-        assert new.get_figure() is plt.gcf()
+        assert plot().get_figure() is plt.gcf()
+    assert len(aged.plot().child_axes) == 1  # in percent of the nominal area
 
 
 def test_a_profile_shows_its_contacts(aged: History) -> None:
@@ -96,16 +98,12 @@ def test_units_are_those_of_the_contact() -> None:
     assert part in ax.get_title()
     bar = ax.get_figure().axes[1]  # type: ignore[union-attr]
     assert bar.get_ylabel() == "contact pressure [MPa]"
-    drawn = map_of(ax)
-    np.testing.assert_allclose(np.nanmax(drawn), 1e-6 * contact.largest_pressure, rtol=1e-12)
+    np.testing.assert_allclose(np.nanmax(map_of(ax)), 1e-6 * contact.largest_pressure, rtol=1e-12)
     history = age(contact, [1.0, 2.0])
     drawn_area = history.plot(axes(), quantity="contact_area")
     assert drawn_area.get_ylabel() == "contact area [µm²]"
-    np.testing.assert_allclose(
-        np.asarray(drawn_area.lines[0].get_ydata(), dtype=float),
-        1e12 * history.dataset["contact_area"][1:],
-        rtol=1e-12,
-    )
+    areas = np.asarray(drawn_area.lines[0].get_ydata(), dtype=float)
+    np.testing.assert_allclose(areas, 1e12 * history["contact_area"][1:], rtol=1e-12)
 
 
 def test_a_contact_whose_surface_has_yielded_is_of_the_same_surface() -> None:
@@ -113,34 +111,25 @@ def test_a_contact_whose_surface_has_yielded_is_of_the_same_surface() -> None:
     now = press(before, load=80.0)
     assert now.permanent_indentation.sum() > before.permanent_indentation.sum()
     maps = maps_between(now, before)
+    assert maps_between(before).states.max() == SiteState.KEPT
     np.testing.assert_allclose(maps.heights, gaussian((24, 24)), rtol=0, atol=1e-12)
     np.testing.assert_array_equal(maps.indentation, now.permanent_indentation)
 
 
-def test_a_contact_without_load_can_be_drawn() -> None:
-    contact = press(gaussian((8, 8)), SOLID, separation=9.0)
-    assert contact.area == 0
-    contact.plot(axes()).get_figure(root=True).draw_without_rendering()  # type: ignore[union-attr]
-
-
 def test_an_earlier_contact_is_of_the_same_surface(pressed: Contact) -> None:
-    other = press(gaussian((48, 32), seed=5), SOLID, load=40.0)
-    with refuses("since"):
-        pressed.plot(axes(), since=other)
-    with refuses("since"):
-        pressed.plot(axes(), since=gaussian((48, 32)))  # type: ignore[arg-type]
+    for other in (press(gaussian((48, 32), seed=5), SOLID, load=40.0), gaussian((48, 32))):
+        with refuses("since"):
+            pressed.plot(axes(), since=other)  # type: ignore[arg-type]
     with refuses("ax"):
         pressed.plot(Figure())  # type: ignore[arg-type]
-    assert maps_between(pressed).states.max() == SiteState.KEPT
 
 
-@pytest.mark.parametrize("quantity", ["area", "load", "separation", "residual"])
-def test_a_history_is_drawn_over_the_logarithm_of_time(aged: History, quantity: str) -> None:
-    ax = aged.plot(axes(), quantity=quantity)
-    assert ax.get_xscale() == "log"
-    np.testing.assert_array_equal(ax.lines[0].get_xdata(), aged.dataset["time"][1:])
-    np.testing.assert_array_equal(ax.lines[0].get_ydata(), aged.dataset[quantity][1:])
-    np.testing.assert_array_equal(ax.lines[1].get_ydata(), [aged.dataset[quantity][0]] * 2)
+def test_a_history_is_drawn_over_the_logarithm_of_time(aged: History) -> None:
+    for quantity in ("area", "residual"):
+        ax, values = aged.plot(axes(), quantity=quantity), aged.dataset[quantity]
+        assert ax.get_xscale() == "log"
+        np.testing.assert_array_equal(ax.lines[0].get_xydata(), np.transpose([values["time"], values])[1:])
+        np.testing.assert_array_equal(ax.lines[1].get_ydata(), [values[0]] * 2)
 
 
 def test_the_limit_is_drawn_where_it_is_known(pressed: Contact, aged: History) -> None:
@@ -162,18 +151,6 @@ def test_histories_on_axes_of_the_user_take_the_colors_of_those(aged: History) -
     assert ax.get_legend_handles_labels()[1] == ["one", "two", "three"]
     assert [line.get_color() for line in ax.lines] == ["red", "#008000", "#0000ff", style.VERMILION]
     assert aged.plot().lines[0].get_color() == style.BLUE
-    plt.close("all")
-
-
-def test_a_protocol_has_a_column_for_each_leg(pressed: Contact) -> None:
-    legs = [protocols.Hold(10.0), protocols.Step(load=20.0), protocols.Hold(100.0)]
-    history = age(pressed, [0.1, 1.0, 10.1, 12.0, 110.0], protocol=legs, rtol=1e-2)
-    ax = history.plot(axes())
-    markers = [line for line in ax.lines if line.get_marker() in ("o", "D")]
-    shown = np.sort(np.concatenate([np.asarray(line.get_ydata()) for line in markers]))
-    np.testing.assert_array_equal(shown, np.sort(history.dataset["area"]))
-    assert any("load 40" in text.get_text() and "20" in text.get_text() for text in ax.texts)
-    assert "each leg" in ax.get_xlabel()
 
 
 def test_what_a_history_has_not_is_refused(pressed: Contact, aged: History) -> None:
@@ -197,15 +174,130 @@ def test_surfaces_and_spectra_are_drawn() -> None:
         plot_spectrum(surface, axes())  # type: ignore[arg-type]
 
 
-def test_a_film_marks_the_contacts_of_a_profile_where_it_has_yielded() -> None:
-    solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
-    history = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
-    film = history.animate()
-    assert "<img" in film._repr_html_()
-    film._func(1)  # type: ignore[attr-defined]
-    left = film._fig.axes[0]  # type: ignore[attr-defined]
-    marks = [line for line in left.lines if line.get_marker() == "s"]
-    heights = np.sort(np.concatenate([np.asarray(line.get_ydata()) for line in marks]))
-    final = history.final
-    assert final.permanent_indentation.max() > 0.1
-    np.testing.assert_allclose(heights, np.sort(final.heights[final.in_contact]), rtol=0, atol=1e-12)
+CONTACT = press(uncorrelated(16), SOLID, load=10.0)
+DECADES = np.geomspace(0.01, 1.0, 5)
+LAST = [Ramp(4.0, load=8.0, mobility=2.0), Step(load=12.0)]
+STEPPED = [Hold(1.0, hold="load"), Step(load=4.0), Hold(100.0), *LAST]
+STEPPED_TIMES = np.concatenate([DECADES, 1 + 100 * DECADES, [103.0]])
+CASES: dict[str, tuple[list[Leg] | None, ArrayLike]] = {
+    "steps after holds": (STEPPED, STEPPED_TIMES),
+    "cycles": ([Repeat([Ramp(1.0, load=20.0), Ramp(1.0, load=10.0)], 3)], np.linspace(0.25, 6, 24)),
+    "many legs": ([Repeat([Hold(1.0), Step(load=4.0), Hold(2.0), Step(load=10.0)], 6)], np.arange(1.0, 18)),
+    "steps alone": ([Step(load=4.0), Step(load=20.0)], [0.0]),
+    "steps at first": ([Step(load=4.0), Step(load=20.0), Hold(1.0)], DECADES),
+    "separation": ([Hold(1.0), Step(separation=1.5), Hold(1.0), Ramp(1.0, separation=1.3)], DECADES),
+    "one hold": (None, DECADES),
+}
+
+
+def legged(name):
+    protocol, times = CASES[name]
+    return age(CONTACT, times, protocol=protocol).dataset
+
+
+def panels(figure):
+    """Label -> places and values of all markers, and those of the filled ones."""
+    found = {}
+    for axes in figure.axes:
+        drawn = {kind: np.empty((2, 0)) for kind in "oD"}
+        drawn |= {line.get_marker(): line.get_data() for line in axes.lines if line.get_marker() in [*"oD"]}
+        found[axes.get_ylabel().split("\n")[0]] = np.hstack([drawn["o"], drawn["D"]]), np.array(drawn["D"])
+    return found
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_entry_is_drawn_once(name):
+    data = legged(name)
+    figure = history_figure(data)
+    kinds = [type(leg) for leg in legs_of(CASES[name][0] or Hold(1.0))]
+    numbers = data["leg"].values if "leg" in data.coords else np.zeros(data.sizes["time"], int)
+    after = np.array([kinds[number] is Step for number in numbers]) & (np.arange(numbers.size) > 0)
+    drawn = panels(figure)
+    assert list(drawn) == ["separation", "load", "contact area [sites]"][name != "separation" :]
+    for label, (all_points, filled) in drawn.items():
+        values = data[label.replace("contact ", "").split(" ")[0]].values
+        np.testing.assert_array_equal(np.sort(all_points[1]), np.sort(values))
+        np.testing.assert_array_equal(filled[1], values[after])
+    figure.draw_without_rendering()
+
+
+def test_both_sides_of_a_jump_are_joined():
+    data = legged("steps after holds")
+    numbers, load = data["leg"].values, data["load"].values
+    axes = history_figure(data).axes[0]
+    (jumps,) = (line for line in axes.lines if line.get_linestyle() == "--")
+    y = np.asarray(jumps.get_ydata()).reshape(-1, 3)
+    first, last = (int(np.flatnonzero(numbers == leg)[0]) for leg in (1, 4))
+    np.testing.assert_array_equal(y[:, :2], [load[[first - 1, first]], load[[last - 1, last]]])
+    assert np.isnan(y[:, 2]).all()
+    joined = next(line for line in axes.lines if line.get_linestyle() == "-")
+    assert np.isnan(np.asarray(joined.get_ydata())).sum() == 2  # no curve through the jumps
+
+
+def test_each_leg_has_its_own_time():
+    data = legged("steps after holds")
+    figure = history_figure(data)
+    figure.draw_without_rendering()
+    axes = figure.axes[-1]
+    ticks = dict(zip(axes.get_xticks(), (text.get_text() for text in axes.get_xticklabels()), strict=True))
+    begins = [place for place, text in ticks.items() if text == "0"]
+    assert len(begins) == 3
+    places, _ = panels(figure)["load"][0]
+    assert places.min() == begins[0] == 0
+    assert begins[1] in places  # the state after the first jump
+    assert places.max() == pytest.approx(max(ticks))  # the end of the last column, where both sides lie
+    # Decades are as long as each other within a column; a leg's end is the end of its column.
+    second = {text: place for place, text in ticks.items() if begins[1] < place < begins[2] and "10^" in text}
+    assert list(second) == ["$10^{0}$", "$10^{1}$", "$10^{2}$"]
+    assert np.ptp(np.diff(list(second.values()))) == pytest.approx(0, abs=1e-9)
+    assert second["$10^{2}$"] in places
+    assert axes.get_xlabel().startswith("time since the beginning of each leg")
+
+
+def test_heads_say_what_happens():
+    heads = [text.get_text() for text in history_figure(legged("steps after holds")).axes[0].texts]
+    said = [" ".join(head.split()) for head in heads]
+    assert said == [
+        "hold load for 1",
+        "load 10 → 4 hold for 100",
+        "ramp to load 8 in 4, mobility × 2 then load 8 → 12",
+    ]
+    many = history_figure(legged("many legs"))
+    assert len(many.axes[0].texts) == 0
+    assert "6 × (hold for 1, step to load 4, hold for 2, step to load 10)" in many.get_suptitle()
+    assert "16 × 16 sites, load 10 at first, k0 = 1, k1 = 3, R = 1" in many.get_suptitle()
+
+
+def test_many_legs_and_cycles_share_a_linear_axis():
+    for name in ("cycles", "many legs"):
+        data = legged(name)
+        figure = history_figure(data)
+        places, _ = panels(figure)["load"][0]
+        np.testing.assert_array_equal(np.sort(places), data["time"].values)
+        assert figure.axes[-1].get_xscale() == "linear"
+        assert figure.axes[-1].get_xlabel().startswith("time $t$")
+
+
+def test_a_fall_after_a_jump_is_pointed_at():
+    times = np.concatenate([DECADES, 1 + 10 * DECADES])
+    data = age(CONTACT, times, protocol=[Hold(1.0), Step(load=4.0), Hold(10.0)]).dataset
+    after = int(np.flatnonzero(data["leg"].values == 1)[0])
+    for areas, texts in (([9, 8, 8, 9, 9, 10], 1), ([9, 9, 9, 9, 10, 11], 0), ([9, 9, 9, 8, 8, 8], 0)):
+        data["area"].values[after:] = areas
+        figure = history_figure(data)
+        arrows = [text for text in figure.axes[-1].texts if isinstance(text, Annotation)]
+        assert len(arrows) == texts
+        head = " ".join(figure.axes[0].texts[1].get_text().split())
+        assert ("area 9 → 8 at 0.1, then grows" in head) == bool(texts)
+        if arrows:
+            assert arrows[0].xy[1] == 8
+            assert arrows[0].xy[0] in panels(figure)["load"][0][0]
+
+
+def test_a_plot_of_a_protocol_has_a_column_for_each_leg():
+    data = legged("steps after holds")
+    ax = plot_history(data, axes())
+    ((points, _),) = panels(ax.get_figure()).values()
+    np.testing.assert_array_equal(np.sort(points[1]), np.sort(data["area"]))
+    assert any("load 10" in text.get_text() and "4" in text.get_text() for text in ax.texts)
+    assert "each leg" in ax.get_xlabel()

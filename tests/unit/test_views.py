@@ -6,14 +6,13 @@ import base64
 import functools
 import io
 import re
-from html.parser import HTMLParser
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import asperity as asp
-from asperity.base import views
 from asperity.base.views import InNotebooks
 from asperity.figures import html_of
 
@@ -49,37 +48,6 @@ RESULTS = {
     "relaxation": TABLE,
     "prediction": PREDICTION,
 }
-LONG = [
-    asp.fits.compare(TIME, CURVE),
-    asp.fits.ensemble(asp.fits.saturation, TIME, [CURVE, 1.01 * CURVE]),
-    asp.fits.measured_growth(TIME, CURVE),
-    asp.analysis.aging_summary(HISTORY.dataset),
-    asp.analysis.contact_maps(HISTORY.dataset),
-    asp.analysis.patches(SPRUNG.in_contact),
-    asp.surfaces.power_spectrum(SCAN),
-    TABLE.data,
-]
-
-
-class Reader(HTMLParser):
-    """Collects the texts of a page and checks that its tags match."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.texts: list[str] = []
-        self.open: list[str] = []
-        self.feed(page)
-        assert not self.open
-
-    def handle_starttag(self, tag: str, attrs: object) -> None:
-        if tag != "img":
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        self.texts.append(data)
 
 
 @functools.cache
@@ -87,24 +55,26 @@ def html(thing: InNotebooks) -> str:
     return thing._repr_html_()
 
 
+def texts(thing: InNotebooks) -> list[str]:
+    """The texts of a page whose tags match."""
+    return list(ElementTree.fromstring(re.sub(r"(<img[^>]*)>", r"\1/>", html(thing))).itertext())
+
+
 def cells(thing: InNotebooks) -> dict[str, str]:
-    texts = Reader(html(thing)).texts
-    return dict(zip(texts[1::2], texts[2::2], strict=False))
+    return dict(zip(texts(thing)[1::2], texts(thing)[2::2], strict=False))
 
 
-@pytest.mark.parametrize("name", RESULTS)
-def test_html_is_well_formed_and_its_picture_is_one(name: str) -> None:
-    thing = RESULTS[name]
-    assert isinstance(thing, InNotebooks)
-    page = html(thing)
-    assert Reader(page).texts
-    assert len(page) < 200_000
-    pictures = re.findall(r"data:image/png;base64,([^\"]+)", page)
-    assert len(pictures) == (name not in ("instant", "springs", "fit"))
-    for picture in pictures:
-        with Image.open(io.BytesIO(base64.b64decode(picture))) as image:
-            assert min(image.size) > 200
-            assert len(np.unique(np.asarray(image.convert("L")))) > 10
+def test_html_is_well_formed_and_its_picture_is_one() -> None:
+    for name, thing in RESULTS.items():
+        assert isinstance(thing, InNotebooks)
+        assert texts(thing), name
+        assert len(html(thing)) < 200_000, name
+        pictures = re.findall(r"data:image/png;base64,([^\"]+)", html(thing))
+        assert len(pictures) == (name not in ("instant", "springs", "fit")), name
+        for picture in pictures:
+            with Image.open(io.BytesIO(base64.b64decode(picture))) as image:
+                assert min(image.size) > 200, name
+                assert len(np.unique(np.asarray(image.convert("L")))) > 10, name
 
 
 def test_a_contact_gives_its_numbers_and_its_certificate() -> None:
@@ -113,9 +83,9 @@ def test_a_contact_gives_its_numbers_and_its_certificate() -> None:
     assert said["load"] == "23.04\u00a0mN"  # 10 MPa on 48 µm x 48 µm
     assert said["mean pressure"] == "10\u00a0MPa"
     assert f"residual of {PRESSED.residual:.1e}" in html(PRESSED)
-    assert "stiffness" not in html(PRESSED)
     assert cells(SPRUNG)["load"] == "20"
-    assert "stiffness" in html(SPRUNG)
+    assert cells(SPRUNG)["solid"] == "spring_lattice, k0 1, k1 3, R 1, R_viscous 0"
+    assert ["stiffness" in html(one) for one in (PRESSED, SPRUNG)] == [False, True]
 
 
 def test_a_history_gives_first_and_last_area_and_the_worst_residual() -> None:
@@ -124,40 +94,31 @@ def test_a_history_gives_first_and_last_area_and_the_worst_residual() -> None:
         assert said[when].startswith(f"{HISTORY.area.values[at]} of 576 sites")
     assert f"Worst residual {HISTORY['residual'].max():.1e}" in html(HISTORY)
     assert not [name for name in said if name.startswith("load at")]  # it is held
-    falling = cells(asp.age(SPRUNG, [10.0], hold="separation"))
-    assert float(falling["load at 10"]) < 20
+    assert float(cells(asp.age(SPRUNG, [10.0], hold="separation"))["load at 10"]) < 20
 
 
 def test_surfaces_solids_and_fits_give_their_parameters_and_names_from_files_are_text() -> None:
     assert "<b>scan" not in html(SCAN)
-    assert cells(SCAN)["from"] == "<b>scan</b> & more.opd"
-    assert cells(SCAN)["pixels"] == "2\u00a0µm × 2\u00a0µm"
-    assert cells(SPRINGS)["k1"] == "3"
-    assert cells(CREEPING)["share 0.25"] == "relaxes in 1e+03"
-    assert cells(FIT)["points"] == "21"
+    expected = {
+        SCAN: {"from": "<b>scan</b> & more.opd", "pixels": "2\u00a0µm × 2\u00a0µm"},
+        SPRINGS: {"k1": "3"},
+        CREEPING: {"share 0.25": "relaxes in 1e+03"},
+        FIT: {"points": "21"},
+    }
+    for thing, said in expected.items():
+        assert said.items() <= cells(thing).items()
     assert cells(FIT)["a"].startswith(f"{FIT.a:.3g}"[:3])
 
 
 def test_a_prediction_gives_its_growth_with_its_band() -> None:
-    said = cells(PREDICTION)
-    growth = PREDICTION.growth
+    said, growth = cells(PREDICTION), PREDICTION.growth
     assert said[PREDICTION.between("A")] == f"{growth.ratio:.5g}"
     assert said["95 % band"] == "{:.4g} to {:.4g}".format(*growth.ratio_band)
     assert said["growth per decade"].startswith(f"{100 * min(one[2] for one in growth.decades):.3g} to ")
     assert said["load"] == "23 mN"  # 10 MPa on 48 µm x 48 µm
-    assert all(remark in Reader(html(PREDICTION)).texts for remark in PREDICTION.remarks)
-
-
-def is_short(thing: object) -> bool:
-    return "\n" not in repr(thing) and len(repr(thing)) < 450
-
-
-def test_a_repr_is_short_and_on_one_line() -> None:
-    assert [thing for thing in (*RESULTS.values(), *LONG) if not is_short(thing)] == []
+    assert set(PREDICTION.remarks) <= set(texts(PREDICTION))
 
 
 def test_what_has_no_card_is_refused() -> None:
     with pytest.raises(TypeError, match="no card for a dict"):
         html_of({})
-    with pytest.raises(AttributeError, match="no attribute 'nope'"):
-        views.nope  # type: ignore[attr-defined]  # noqa: B018

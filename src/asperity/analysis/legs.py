@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,8 +65,10 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
     """
     check_dataset(dataset)
     times = [dataset[name].values for name in ("time", "field_time") if name in dataset.coords]
+    lasted = float(times[0][-1])
+    protocol = protocol_of(dataset) or ([Hold(lasted)] if lasted > 0 else [])
     # Times are given to the schedule as in the run, so that it finds the same switches to the last digit.
-    schedule = Schedule.of(_legs(dataset), np.unique(np.concatenate(times)))
+    schedule = Schedule.of(legs_of(protocol) if protocol else (), np.unique(np.concatenate(times)))
     ends = zip(schedule.switches, schedule.switches[1:], strict=False)
     return [
         _row(dataset, number, leg, *span)
@@ -84,14 +85,6 @@ def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
     """Number of the leg to which each entry belongs, shape ``(n,)``."""
     alone = np.zeros(dataset.sizes["time"], dtype=int)
     return dataset["leg"].values if "leg" in dataset.coords else alone
-
-
-def _legs(dataset: xr.Dataset) -> Iterator[Leg]:
-    protocol, lasted = protocol_of(dataset), float(dataset["time"].values[-1])
-    if protocol:
-        yield from legs_of(protocol)
-    elif lasted > 0:
-        yield Hold(lasted)
 
 
 def _row(dataset: xr.Dataset, number: int, leg: Leg, begin: float, end: float) -> LegRow:

@@ -362,7 +362,7 @@ def growth_of(
         return value, _band(value, both), _band(value, of_table), _band(value, of_scan)
 
     slope, band, of_table, of_scan = weighed(_slope)
-    rise, rise_band, *_ = weighed(_rise)
+    rise, rise_band, *_ = weighed(lambda _, area: float(area[-1] / area[0] - 1))
     return Growth(
         ratio=1 + rise,
         ratio_band=(1 + rise_band[0], 1 + rise_band[1]),
@@ -445,12 +445,6 @@ def _slope(time: Field, area: Field) -> float:
     """Slope of the area over the first against the decimal logarithm of time."""
     slope = float(np.polyfit(np.log10(time), area / area[0], 1)[0])
     return slope if abs(slope) > _ROUNDING else 0.0
-
-
-def _rise(time: Field, area: Field) -> float:
-    """How much larger the last area is than the first, over the first."""
-    del time
-    return float(area[-1] / area[0] - 1)
 
 
 def _band(slope: float, factors: Floats) -> Interval:

@@ -9,13 +9,12 @@ from asperity.figures.campaign import campaign_figure
 from asperity.figures.cards import html_of
 from asperity.figures.carried import carried_figure
 from asperity.figures.contacts import contact_figure
-from asperity.figures.distributions import distribution_figure
+from asperity.figures.fields import distribution_figure, patch_figure
 from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
 from asperity.figures.inference import inference_page, inference_pictures
 from asperity.figures.page import prediction_page, prediction_pictures
-from asperity.figures.patch_series import patch_figure
 from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
 from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure

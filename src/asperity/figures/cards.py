@@ -225,7 +225,7 @@ def _number(value: object) -> str:
 
 
 def _axes() -> Axes:
-    _, axes = style.single(_SIZE)
+    _, (axes,) = style.stacked(_SIZE, 1)
     return axes
 
 

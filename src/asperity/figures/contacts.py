@@ -213,14 +213,10 @@ def caption(maps: ContactMaps, number: int) -> str:
     percent = 100.0 * maps.area(number) / maps.heights.size
     changes = f", +{thousands(new)}" if number else ""
     changes += f" −{thousands(lost)}" if lost else ""
-    moment = _moment(maps, float(maps.times[number])) + _side(maps, number)
-    return f"{moment}:  {percent:.3g} %\n{counted(maps.area(number), 'site')}{changes}"
-
-
-def _side(maps: ContactMaps, number: int) -> str:
-    """On which side of a jump a map is, where both were kept."""
+    # Both sides of a jump may have been kept.
     before, time, after = (maps.times[at : at + 1].tolist() for at in (number - 1, number, number + 1))
-    return ", just before" if time == after else ", just after" if time == before else ""
+    side = ", just before" if time == after else ", just after" if time == before else ""
+    return f"{_moment(maps, *time)}{side}:  {percent:.3g} %\n{counted(maps.area(number), 'site')}{changes}"
 
 
 def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> None:

@@ -118,7 +118,7 @@ def pressure_figure(prediction: Prediction) -> Figure:
     """Draw the distribution of the contact pressure at the first and the last time."""
     times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
     unit, scale = readable("Pa", float(np.quantile(pressure[touching], 0.9)))
-    figure, axes = style.single((6.8, 3.6))
+    figure, (axes,) = style.stacked((6.8, 3.6), 1)
     edges = np.linspace(0, scale * float(np.quantile(pressure[0][touching[0]], 0.98)), _BINS + 1)
     looks = ((style.GRAY, "--"), (style.VERMILION, "-"))
     for field, mask, time, (color, dash) in zip(pressure, touching, times, looks, strict=True):

@@ -51,7 +51,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     if dataset.attrs.get("si"):
         label, factor = style.scaled("displacement", unit, float(way.max()))
     way = factor * way
-    figure, axes = style.single((6.4, 4.2))
+    figure, (axes,) = style.stacked((6.4, 4.2), 1)
     numbers = numbers_of(dataset)
     shaded = False
     speeds: dict[float, str] = {}

@@ -98,12 +98,6 @@ def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Ax
     return figure, list(grid[:, 0])
 
 
-def single(size: tuple[float, float]) -> tuple[Drawing, Axes]:
-    """Make a figure, of this size in inches, with one panel."""
-    figure = Drawing(figsize=size, layout="constrained")
-    return figure, figure.subplots()
-
-
 def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
     """Say what the surface was, what was prescribed, by default the load at first, and what the solid was."""
     attrs = dataset.attrs

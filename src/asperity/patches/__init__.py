@@ -1,9 +1,8 @@
 """Patches of contact: found, measured, linked from map to map, and summed up over the maps of a history."""
 
-from asperity.patches.dispersion import clustering
 from asperity.patches.labels import Labels, Patches, patches
 from asperity.patches.links import Links, Turnover, link_patches, linked, turnover
-from asperity.patches.series import QUANTILES, ages_of, clustering_box, map_series, quantiles
+from asperity.patches.series import QUANTILES, ages_of, clustering, clustering_box, map_series, quantiles
 from asperity.patches.shapes import Shapes, shapes_of
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""What maps of contact know: patches, what became of them, and how long each site has touched."""
+"""What maps of contact know: how it is scattered, what became of patches, how long each site has touched."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import scipy.ndimage
+from numpy.typing import ArrayLike, NDArray
 
+from asperity.base import checks
 from asperity.lattice import Field, Lattice, Mask
-from asperity.patches.dispersion import clustering, usual_box
+from asperity.patches.labels import mask
 from asperity.patches.links import linked
 from asperity.patches.shapes import Shapes, shapes_of
 
@@ -19,6 +21,11 @@ Maps = Sequence[Mask] | NDArray[np.bool_]
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 """Shares of the sites in contact at which pressures and ages are given; the last is the largest."""
+
+_CONTACTS_PER_BOX = 4
+_BOXES_PER_AXIS = 8
+_SMALLEST_BOX = 2
+"""The index of single sites is 1 whatever they do."""
 
 _EVENTS = (
     *("births", "deaths", "merges", "splits"),
@@ -37,12 +44,8 @@ def quantiles(values: Field) -> Field:
 def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str, NDArray[Any]]:
     """Measure the patches of each map, at times that do not decrease, and follow them from map to map.
 
-    Returns
-    -------
-    dict of arrays, shape ``(maps,)``; of ``contact_age`` ``(maps, quantiles)``
-        What the table of quantities has of maps, but for the pressure. Changes since the map before, those of
-        `Links`, are 0 at the first. NaN where there is no patch, and of the clustering where there are no
-        boxes.
+    The arrays, over the maps, are what the table of quantities has of maps, but for the pressure. Changes
+    since the map before are 0 at the first. NaN where there is no patch, and of the clustering no box.
     """
     rows: list[dict[str, Any]] = []
     box, before = clustering_box(maps), None
@@ -102,3 +105,60 @@ def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
         weight = sized[ended].sum()
         row["mean_patch_aspect"] = float(shapes.aspect[ended] @ sized[ended] / weight) if weight else math.nan
     return row
+
+
+def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
+    r"""Measure how clustered contacts are: the index of dispersion of their number in square boxes.
+
+    The variance of the number of contacts in a box is divided by the one that the same number of contacts
+    would have if they were strewn at random over the N sites, no two on one site. With m sites a box and
+    the contact fraction a, that is
+
+        var = m a (1 - a) (N - m)/(N - 1),
+
+    so that the index is 1 on average for contacts at random, at any contact fraction and on any lattice;
+    above 1 for contacts in clusters, below 1 for contacts that keep apart. Boxes are laid at every site,
+    across the seam too: none is cut off where the box does not divide the lattice.
+
+    Parameters
+    ----------
+    in_contact
+        Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
+    box
+        Side of a box, in lattice spacings. By default such that a box holds about four contacts, but at
+        least 2 and at most an eighth of the shorter axis: boxes with less than one contact see only contacts
+        that all but touch, and of large boxes there are too few to find a variance. The index depends on the
+        box: to compare contacts, for example of one surface at several times, give the same box to all.
+
+    Returns
+    -------
+    float
+        The index; NaN where there is nothing to strew (no contact, or all sites in contact).
+
+    Raises
+    ------
+    InputError
+        No boolean mask of one or two axes, or an empty one; a box of less than 2 sites or wider than half the
+        shorter axis, so that there is none on axes of less than 4 sites.
+    """
+    touching = mask("in_contact", in_contact)
+    sites, shorter = touching.size, min(touching.shape)
+    fraction = np.count_nonzero(touching) / sites
+    expected = f"a whole number of sites, 2 to {shorter // 2} (half an axis)"
+    side = usual_box(touching) if box is None else box
+    side = checks.integer("box", side, least=_SMALLEST_BOX, most=shorter // 2, expected=expected)
+    if fraction in (0.0, 1.0):
+        return math.nan
+    inside = touching.astype(np.int64)
+    for axis in range(touching.ndim):
+        inside = scipy.ndimage.convolve1d(inside, np.ones(side, dtype=np.int64), axis=axis, mode="wrap")
+    capacity = side**touching.ndim
+    at_random = capacity * fraction * (1 - fraction) * (sites - capacity) / (sites - 1)
+    return float(np.var(inside) / at_random)
+
+
+def usual_box(touching: Mask) -> int:
+    """Side of the boxes that `clustering` takes where none is given."""
+    fraction = np.count_nonzero(touching) / touching.size
+    side: float = (_CONTACTS_PER_BOX / fraction) ** (1 / touching.ndim) if fraction else 1.0
+    return max(_SMALLEST_BOX, min(round(side), int(min(touching.shape)) // _BOXES_PER_AXIS))

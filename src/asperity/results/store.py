@@ -54,10 +54,10 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     if target.suffix.lower() in _OTHER_FORMATS:
         advice = f'dataset.to_netcdf("{target.name}")'
         raise InputError("path", expected="a name that ends in .zarr", got=target, advice=advice)
-    if overwrite and target.exists() and not _is_zarr(target):
-        raise OutputError(
-            f"{target} is kept: it is no zarr folder, so save did not write it; choose another name"
-        )
+    is_empty = target.is_dir() and not any(target.iterdir())
+    if overwrite and target.exists() and not is_empty and not (target / "zarr.json").exists():
+        why = "it is no zarr folder, so save did not write it"
+        raise OutputError(f"{target} is kept: {why}; choose another name")
     with whole_folder(target, overwrite=overwrite) as folder, warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
@@ -101,18 +101,13 @@ def load(path: str | Path) -> xr.Dataset:
             folders = {entry.name for entry in folder.iterdir() if entry.is_dir()}
             if lost := {name for name in folders if name[0] not in "._"} - set(loaded.variables):
                 raise ValueError(f"{', '.join(sorted(lost))} cannot be read")
-            if loaded.attrs.pop(_WHOLE, 0) and (lost := _with_lost_chunks(folder)):
+            arrays = zarr.open_group(folder, mode="r").arrays() if loaded.attrs.pop(_WHOLE, 0) else ()
+            if lost := {name for name, array in arrays if array.nchunks_initialized < array.nchunks}:
                 raise ValueError(f"parts of {', '.join(sorted(lost))} are missing")
             return loaded
     except Exception as error:  # descriptions are parsed, numbers decoded: a damaged byte leads anywhere
         got = f"{path}: {reason_of(error)}"
         raise InputError("path", expected="a folder that asperity wrote", got=got) from error
-
-
-def _with_lost_chunks(folder: Path) -> set[str]:
-    """Names of the arrays of which not every chunk is there."""
-    arrays = zarr.open_group(folder, mode="r").arrays()
-    return {name for name, array in arrays if array.nchunks_initialized < array.nchunks}
 
 
 @contextmanager
@@ -170,10 +165,6 @@ def _part_of(path: Path) -> str:
 def _beside(path: Path, kind: str) -> Path:
     """A hidden name that nothing has yet."""
     return path.parent / f".{path.name}.{uuid.uuid4().hex[:12]}.{kind}"
-
-
-def _is_zarr(path: Path) -> bool:
-    return (path / "zarr.json").exists() or (path.is_dir() and not any(path.iterdir()))
 
 
 def _move_into_place(staging: Path, path: Path) -> None:

@@ -1,7 +1,8 @@
-"""Patches over time: how many and how large, by what the contact grew, and how old it is."""
+"""What kept fields tell: patches over time, and how gaps, pressures and areas of patches are distributed."""
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -9,6 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from asperity.analysis import distributions
+from asperity.base.words import power
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.lattice import Field
@@ -23,6 +26,8 @@ _LOSSES = (("lost_by_shrinkage", "shrinkage", style.GRAY), ("lost_by_deaths", "p
 
 _LEGEND = 0.2
 """Room for a legend, of the height of an axis."""
+
+_LOOKS = ((style.GRAY, "--"), (style.VERMILION, "-"))
 
 
 def patch_figure(dataset: xr.Dataset) -> Figure:
@@ -94,3 +99,56 @@ def _scale(values: Field, axes: Axes, which: str) -> None:
         scale = axes.set_xscale if which == "x" else axes.set_yscale
         # A power of ten, or the labels of 0 and of the first decade would overlap.
         scale("symlog", linthresh=10.0 ** math.floor(math.log10(float(positive.min()))), linscale=1.0)
+
+
+def distribution_figure(dataset: xr.Dataset) -> Figure:
+    """Draw which part of the surface has a larger gap, of the contact more pressure, of patches more area.
+
+    Parameters
+    ----------
+    dataset
+        The dataset of a `History` that kept fields; the first and the last of them are drawn.
+
+    Returns
+    -------
+    Figure
+        Without the pressure for solids that are defined on sites.
+
+    Raises
+    ------
+    InputError
+        The history kept no fields.
+    """
+    every = distributions(dataset)
+    moments = [every[0], every[-1]][: len(every)]
+    si, plane = bool(dataset.attrs.get("si")), dataset["heights"].ndim == 2
+    cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 1
+    gaps = [(one.gap, one.sites) for one in moments]
+    sizes = [(cell * one.patch, one.patch.size) for one in moments]
+    pressures = [(one.pressure, one.pressure.size) for one in moments if one.pressure is not None]
+    panels: list[tuple[str, str, str, list[tuple[Field, int]]]] = [
+        ("gap", "m", "surface", gaps),
+        ("area of a patch" if si else "sites of a patch", "m^2" if plane else "m", "patches", sizes),
+        *([("contact pressure", "Pa", "contact", pressures)] if pressures else []),
+    ]
+    figure = style.Drawing(figsize=(3.4 * len(panels), 3.4), layout="constrained")
+    for axes, (name, unit, of_what, samples) in zip(figure.subplots(1, len(panels)), panels, strict=True):
+        largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
+        label, factor = style.scaled(name, unit if si else "1", largest)
+        for moment, (values, whole), (color, dash) in zip(moments, samples, _LOOKS, strict=False):
+            said = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
+            _draw(axes, factor * values, whole, color=color, linestyle=dash, label=said)
+        axes.set_xlabel(label)
+        axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
+        if "patch" in name:
+            axes.set_xscale("log")
+            axes.set_yscale("log")
+        style.finish(axes)
+    return figure
+
+
+def _draw(axes: Axes, rising: Field, whole: int, **look: str) -> None:
+    """Draw the part of the whole that has each value or more."""
+    values, first = np.unique(rising, return_index=True)
+    above = (rising.size - first) / max(whole, 1)
+    axes.step(values, above, where="pre", linewidth=1.4, **look)  # type: ignore[arg-type]
