@@ -104,7 +104,8 @@ def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
     endings = [line.split(" => ")[0] for line in known]
     said = [f"{ending} => {mistaken(*shlex.split(f'{command} {ending}'))}" for ending in endings]
     if os.environ.get("ASPERITY_MESSAGES") == "write":
-        TABLE.write_text(TABLE.read_text("utf-8").replace("\n".join(known), "\n".join(said)), "utf-8")
+        old, new = ("\n".join([f"{command}]", *lines]) for lines in (known, said))
+        TABLE.write_text(TABLE.read_text("utf-8").replace(old, new), "utf-8")
     else:
         assert said == known
 
