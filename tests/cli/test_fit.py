@@ -1,7 +1,5 @@
 """``asperity fit``: what it says of a table, what it writes, and its mistakes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

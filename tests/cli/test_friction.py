@@ -1,7 +1,5 @@
 """``asperity friction``: what it says of records and runs, what it writes, and its mistakes."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Histories from flags and files: ``asperity run --leg ...`` and ``[[protocol]]``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """``asperity infer``: what it writes, what its flags change, and what takes its files."""
 
-from __future__ import annotations
-
 import itertools
 import shutil
 import tomllib

@@ -1,7 +1,5 @@
 """Disks that fill up, users who stop a run, readers who go away: nothing half-written is left."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

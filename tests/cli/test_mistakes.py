@@ -1,7 +1,5 @@
 """Mistakes: a line for each, beginning with the program's name; an exit status; never a traceback."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import re

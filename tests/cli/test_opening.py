@@ -1,7 +1,5 @@
 """``--open``, ``asperity explore --export``, and ``--install-completion``."""
 
-from __future__ import annotations
-
 import socket
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """``asperity predict``: from a table, a scan and a load to growth, against other ways to it."""
 
-from __future__ import annotations
-
 import html
 import json
 import re

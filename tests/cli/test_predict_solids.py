@@ -1,7 +1,5 @@
 """``asperity predict`` of solids that creep by a local law, yield, or have draws of their branches."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import Any

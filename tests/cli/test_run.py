@@ -1,7 +1,5 @@
 """``asperity run``: what it writes, on springs and in SI, and that it can be run again."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

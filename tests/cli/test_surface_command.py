@@ -1,7 +1,5 @@
 """``asperity surface``: what it says about a file, and what it draws."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
