@@ -34,8 +34,8 @@ def contact():
 
 @pytest.fixture(scope="module")
 def history(contact):
-    electric, sheared = {"resistivity": "17 nOhm m"}, {"shear": "0.2 mN", "friction": 0.4}
-    carried = asp.Carried(conductivity=0.2, poisson=0.3, **electric, **sheared)
+    how: dict[str, Any] = {"resistivity": "17 nOhm m", "shear": "0.2 mN", "friction": 0.4}
+    carried = asp.Carried(conductivity=0.2, poisson=0.3, **how)
     return asp.age(contact, [0.1, 1.0, 10.0], carried=carried)
 
 

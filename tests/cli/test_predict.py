@@ -282,6 +282,7 @@ def test_a_contact_of_one_pixel_or_of_all_does_not_grow(files, scan, pressure):
     FigureCanvasAgg(figure).draw()
     for axes in figure.axes[:2]:  # no point under the legend
         legend = axes.get_legend()
+        assert legend is not None
         box = legend.get_window_extent()
         points = [line.get_transform().transform(np.column_stack(line.get_data())) for line in axes.lines]
         assert not any(box.contains(*point) for line in points for point in line)

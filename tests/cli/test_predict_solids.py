@@ -139,7 +139,7 @@ def test_another_table_under_a_hardness_has_the_area_of_its_compliance():
     tables = [asp.relaxation.Relaxation(time, modulus * by, noise=0.5) for by in (1.0, noise)]
     one, other = (asp.predict(table, rough(4), pressure="10 MPa", hardness="0.1 GPa") for table in tables)
     assert one.series("yielding_area")[0] > 50
-    known, wanted = (p.fit.series.compliance_at(p.time) for p in (one, other))
+    known, wanted = (p.fit.series.compliance_at(p.time) for p in (one, other) if p.fit is not None)
     inside = (known[0] <= wanted) & (wanted <= known[-1])
     area = np.exp(np.interp(np.log(wanted), np.log(known), np.log(one.series("contact_area_corrected"))))
     np.testing.assert_allclose(area[inside], other.series("contact_area_corrected")[inside], rtol=0.013)
