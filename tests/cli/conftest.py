@@ -23,6 +23,7 @@ told = Sentences(Path(__file__).with_name("said.txt")).check
 """Expects what the command line said in the words of said.txt, which are written as those of messages.txt."""
 
 Asperity = Callable[..., tuple[int, str, str]]
+Mistaken = Callable[..., str]
 Refused = Callable[..., None]
 
 
@@ -44,10 +45,10 @@ def asperity(capsys: pytest.CaptureFixture[str]) -> Asperity:
 
 
 @pytest.fixture
-def refused(asperity: Asperity) -> Refused:
-    """Run a command that is a mistake, which gets one line that said.txt knows, and leaves nothing."""
+def mistaken(asperity: Asperity) -> Mistaken:
+    """Run a command that is a mistake, which gets one line and leaves nothing; give the line."""
 
-    def call(*words: str | Path, status: int = 2) -> None:
+    def call(*words: str | Path, status: int = 2) -> str:
         before = sorted(Path().rglob("*"))
         got, out, error = asperity(*words)
         # What was being done when it happened may come first.
@@ -58,10 +59,16 @@ def refused(asperity: Asperity) -> Refused:
         assert line.startswith("asperity: ")
         # Other distributions add commands.
         line = re.sub(r"; there are [a-z, ]*explore, .*(?= \(see)", "", line)
-        told(line.removeprefix("asperity: ").replace(str(Path.cwd()), "HERE"))
         assert sorted(Path().rglob("*")) == before
+        return line.removeprefix("asperity: ").replace(str(Path.cwd()), "HERE")
 
     return call
+
+
+@pytest.fixture
+def refused(mistaken: Mistaken) -> Refused:
+    """Run a command that is a mistake, which gets a line that said.txt knows."""
+    return lambda *words, status=2: told(mistaken(*words, status=status))
 
 
 @pytest.fixture

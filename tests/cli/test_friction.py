@@ -1,9 +1,5 @@
 """``asperity friction``: what it says of records and runs, what it writes, and its mistakes."""
 
-from __future__ import annotations
-
-import csv
-import shlex
 import tomllib
 from pathlib import Path
 
@@ -12,7 +8,8 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from tests.cli.conftest import Asperity, Refused
+from asperity.base.words import tables_to_toml
+from tests.cli.conftest import rows_of
 
 F = asp.friction
 LAW = F.RateAndState(a=0.010, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
@@ -20,25 +17,21 @@ HOLDS = F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1e-6, distance=50e-6)
 STEPS = F.velocity_steps([1e-5, 1e-6], distance=50e-6)
 
 
-def write(name: str, record: F.Record) -> None:
+def write(name, record):
     """Write the table of an experiment."""
     columns = np.column_stack([record.time, record.displacement * 1e6, record.friction])
     np.savetxt(name, columns, delimiter=",", header="time_s,displacement_um,friction", comments="")
 
 
-def test_parameters_of_a_table_in_words_files_and_a_picture(asperity: Asperity) -> None:
+def test_parameters_of_a_table_in_words_files_and_a_picture(asperity):
     write("lab.csv", F.synthetic_record([*HOLDS, *STEPS], LAW, noise=5e-4, seed=1))
     status, text, error = asperity("friction", "lab.csv", "--out", "found")
     assert (status, error) == (0, "")
     assert "the data prefer the aging law: the slip law is less than 1e-6 times as likely" in text
     assert text.index("aging law  mu =") < text.index("slip law   mu =")
     assert "not determined by this record" in text
-    assert sorted(path.name for path in Path("found").iterdir()) == [
-        "friction.csv",
-        "friction.png",
-        "friction.toml",
-        "summary.txt",
-    ]
+    names = ["friction.csv", "friction.png", "friction.toml", "summary.txt"]
+    assert sorted(path.name for path in Path("found").iterdir()) == names
     found = tomllib.loads(Path("found/friction.toml").read_text())
     for name in ("a", "b", "D_c", "mu_0"):
         low, high = found["intervals_95"][name]
@@ -46,12 +39,11 @@ def test_parameters_of_a_table_in_words_files_and_a_picture(asperity: Asperity) 
         assert found["parameters"][name] == pytest.approx(getattr(LAW, name), rel=0.05)
     assert found["units"] | {"D_c": "m", "V_0": "m/s"} == found["units"]
     assert found["origin"]["record"] == "lab.csv"
-    with Path("found/friction.csv").open() as stream:
-        assert [row["law"] for row in csv.DictReader(stream)] == ["aging", "slip"]
+    assert [row["law"] for row in rows_of(Path("found/friction.csv"))] == ["aging", "slip"]
     assert Path("found/friction.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_several_surfaces_and_a_law_that_was_asked_for(asperity: Asperity) -> None:
+def test_several_surfaces_and_a_law_that_was_asked_for(asperity):
     for seed in range(3):
         write(f"{seed}.csv", F.synthetic_record(HOLDS, LAW, per_leg=20, noise=5e-4, seed=seed))
     words = ("--a", "0.01", "--law", "slip", "--reference-velocity", "2 um/s")
@@ -66,7 +58,7 @@ def test_several_surfaces_and_a_law_that_was_asked_for(asperity: Asperity) -> No
     assert found["origin"]["intervals_from"] == "jackknife over surfaces"
 
 
-def test_a_run_that_slid(asperity: Asperity, refused: Refused) -> None:
+def test_a_run_that_slid(asperity, refused):
     rough = asp.surfaces.gaussian((256,), rms=1.0, seed=0)
     contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0), load=16.0)
     protocol = F.slide_hold_slide([10.0, 100.0], velocity=1.0, distance=8.0)
@@ -81,48 +73,32 @@ def test_a_run_that_slid(asperity: Asperity, refused: Refused) -> None:
     assert found["units"]["D_c"] == "length of the record"
 
 
-@pytest.mark.parametrize(("slip", "noted"), [(2.0, True), (0.05, False)])
-def test_a_slip_below_that_between_two_values_is_noted(asperity: Asperity, slip: float, noted: bool) -> None:
+def test_a_slip_below_that_between_two_values_is_noted(asperity):
     law = F.RateAndState(a=0.0, b=0.02, D_c=0.5, mu_0=0.6, V_0=1.0)
     velocity = np.repeat([1.0, 10.0, 1.0, 10.0], 60)
-    time = np.cumsum(slip / velocity)
-    friction = law.friction(time, velocity) + 1e-5 * np.sin(np.arange(time.size) ** 2)
-    table = np.column_stack([time, velocity, friction])
-    np.savetxt("record.csv", table, delimiter=",", header="time,velocity,friction", comments="")
-    status, text, error = asperity("friction", "record.csv", "--a", "0.0")
-    assert (status, error) == (0, "")
-    assert ("shorter than the slip between two values" in text) is noted
+    for slip, noted in ((2.0, True), (0.05, False)):
+        time = np.cumsum(slip / velocity)
+        friction = law.friction(time, velocity) + 1e-5 * np.sin(np.arange(time.size) ** 2)
+        table = np.column_stack([time, velocity, friction])
+        np.savetxt("record.csv", table, delimiter=",", header="time,velocity,friction", comments="")
+        status, text, error = asperity("friction", "record.csv", "--a", "0.0", "--overwrite")
+        assert (status, error) == (0, "")
+        assert ("shorter than the slip between two values" in text) is noted
 
 
-CAMPAIGN = """
-[surface]
-shape = [64]
-[contact]
-load = 8.0
-[aging]
-per_decade = 2
-[[protocol]]
-kind = "slide"
-distance = 8
-velocity = 1.0
-[[protocol]]
-kind = "hold"
-duration = 30.0
-[[protocol]]
-kind = "slide"
-distance = 8
-velocity = 1.0
-[sweep]
-seeds = 3
-solid.k1 = [3.0]
-"""
+SLIDE = {"kind": "slide", "distance": 8, "velocity": 1.0}
+CAMPAIGN = {
+    "surface": {"shape": [64]},
+    "contact": {"load": 8.0},
+    "aging": {"per_decade": 2},
+    "protocol": [SLIDE, {"kind": "hold", "duration": 30.0}, SLIDE],
+    "sweep": {"seeds": 3, "solid": {"k1": [3.0]}},
+}
 
 
 @pytest.mark.slow
-def test_the_surfaces_of_a_campaign(
-    asperity: Asperity, refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    Path("one.toml").write_text(CAMPAIGN)
+def test_the_surfaces_of_a_campaign(asperity, refused, monkeypatch):
+    Path("one.toml").write_text(tables_to_toml(CAMPAIGN))
     assert asperity("sweep", "one.toml", "--out", "one", "--workers", "1", "--quiet")[0] == 0
     status, text, error = asperity("friction", "one", "--shear-strength", "0.5")
     assert (status, error) == (0, "")
@@ -140,25 +116,8 @@ def test_the_surfaces_of_a_campaign(
     refused("friction", "one", "--shear-strength", "0.5", "--out", "none")
 
 
-MISTAKES = """
-    holds.csv
-    holds.csv --a 0.01 --events steps
-    holds.csv --columns time_s friction
-    bad.csv
-    none.csv
-    holds.csv --a 0.01 --reference-velocity '1 m'
-    bare.csv --a 0.01 --reference-velocity '1 um/s'
-    empty
-"""
-
-
-def test_mistakes(refused: Refused, asperity: Asperity) -> None:
+def test_a_folder_is_replaced_only_where_it_is_asked_for(refused, asperity):
     write("holds.csv", F.synthetic_record(HOLDS, LAW))
-    Path("bare.csv").write_text(Path("holds.csv").read_text().replace("_s,", ",").replace("_um", ""))
-    Path("empty").mkdir()
-    Path("bad.csv").write_text("time_s,displacement_um,friction\n0,0,0.6\n1,2,0.6\n2,1,0.6\n")
-    for line in MISTAKES.split("\n")[1:-1]:
-        refused("friction", *shlex.split(line))
     assert asperity("friction", "holds.csv", "--a", "0.01", "--quiet")[:2] == (0, "")
     refused("friction", "holds.csv", "--a", "0.01")
     assert asperity("friction", "holds.csv", "--a", "0.01", "--overwrite", "--quiet")[0] == 0

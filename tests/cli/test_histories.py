@@ -1,7 +1,5 @@
 """Histories from flags and files: ``asperity run --leg ...`` and ``[[protocol]]``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -14,47 +12,42 @@ from asperity.app.config import read_config
 from asperity.app.config.legs import legs_from_words
 from asperity.app.config.python import to_python
 from asperity.app.runs.pipeline import recorded_times
+from asperity.base.words import tables_to_toml
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
-from tests.cli.conftest import Asperity, rows_of
+from tests.cli.conftest import rows_of
 
 LEGS = ("--leg", "hold 1", "--leg", "step load=8", "--leg", "ramp 2 load=30", "--leg", "hold 4 mobility=2")
 SMALL = ("--shape", "32x32", "--load", "20", "--first", "0.1", "--per-decade", "2")
 
-FILE = """
-[surface]
-shape = [16, 16]
-[contact]
-load = 60.0
-[aging]
-first = 0.1
-per_decade = 1
-[[protocol]]
-kind = "repeat"
-count = 2
-legs = [
-    {kind = "step", load = 30.0}, {kind = "hold", duration = 1.0}, {kind = "ramp", duration = 1, load = 60.0}
+CYCLE = [
+    {"kind": "step", "load": 30.0},
+    {"kind": "hold", "duration": 1.0},
+    {"kind": "ramp", "duration": 1, "load": 60.0},
 ]
-[[protocol]]
-kind = "hold"
-duration = 10.0
-hold = "area"
-"""
+TABLES = {
+    "surface": {"shape": [16, 16]},
+    "contact": {"load": 60.0},
+    "aging": {"first": 0.1, "per_decade": 1},
+    "protocol": [
+        {"kind": "repeat", "count": 2, "legs": CYCLE},
+        {"kind": "hold", "duration": 10.0, "hold": "area"},
+    ],
+}
 
 
 @pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def out(tmp_path_factory):
     """The folder of a finished history."""
     folder = tmp_path_factory.mktemp("history") / "out"
     assert main(["run", *SMALL, *LEGS, "--quiet", "--out", str(folder)]) == 0
     return folder
 
 
-def test_the_history_is_that_of_the_verbs(out: Path) -> None:
-    names = ["aging.csv", "config.toml", "contacts.png", "history.png", "history.zarr"]
-    names += ["patches.csv", "patches.png", "summary.txt"]
-    assert sorted(path.name for path in out.iterdir()) == names
+def test_the_history_is_that_of_the_verbs(out):
+    names = "aging.csv config.toml contacts.png history.png history.zarr patches.csv patches.png summary.txt"
+    assert sorted(path.name for path in out.iterdir()) == names.split()
     data = results.load(out)
     contact = press(gaussian((32, 32), seed=0), spring_lattice(k0=1.0, k1=3.0), load=20.0)
     legs = [Hold(1.0), Step(load=8.0), Ramp(2.0, load=30.0), Hold(4.0, mobility=2.0)]
@@ -67,63 +60,54 @@ def test_the_history_is_that_of_the_verbs(out: Path) -> None:
     assert ((times > 1) & (times < 3)).sum() == 11
 
 
-def test_the_configuration_runs_again_to_the_same(out: Path, tmp_path: Path) -> None:
+def test_the_table_and_the_summary_name_legs_and_the_configuration_runs_again(out, tmp_path):
+    rows, data = rows_of(out / "aging.csv"), results.load(out)
+    for name in ("leg", "load"):
+        np.testing.assert_array_equal([float(row[name]) for row in rows], data[name])
+    lines = (out / "summary.txt").read_text().splitlines()
+    legs = [line.split()[2].rstrip(",") for line in lines if line.startswith("leg ")]
+    assert legs == ["hold", "step", "ramp", "hold"]
     assert main(["run", str(out / "config.toml"), "--quiet", "--out", str(tmp_path / "again")]) == 0
     assert (tmp_path / "again" / "aging.csv").read_bytes() == (out / "aging.csv").read_bytes()
 
 
-def test_the_table_and_the_summary_name_legs(out: Path) -> None:
-    rows = rows_of(out / "aging.csv")
-    data = results.load(out)
-    np.testing.assert_array_equal([int(row["leg"]) for row in rows], data["leg"])
-    np.testing.assert_array_equal([float(row["load"]) for row in rows], data["load"])
-    lines = (out / "summary.txt").read_text().splitlines()
-    legs = [line.split()[2].rstrip(",") for line in lines if line.startswith("leg ")]
-    assert legs == ["hold", "step", "ramp", "hold"]
-
-
-def test_the_summary_says_areas_in_a_unit_and_what_a_step_left(tmp_path: Path) -> None:
-    surface = ("--shape", "32x32", "--rms-height", "2e-7", "--spacing", "5e-8", "--unit", "m")
-    solid = ("--solid", "half_space", "--modulus", "3GPa", "--branch", "0.6 1 s", "--load", "80uN")
-    legs = ("--leg", "hold 3", "--leg", "step load=15uN", "--leg", "hold 5")
-    words = [*surface, *solid, *legs, "--figures", "", "--quiet", "--out", str(tmp_path / "out")]
-    assert main(["run", "--surface", "spectral", *words]) == 0
+def test_the_summary_says_areas_in_a_unit_and_what_a_step_left(tmp_path, asperity):
+    surface = "--surface spectral --shape 32x32 --rms-height 2e-7 --spacing 5e-8 --unit m --load 80uN"
+    solid = ("--solid", "half_space", "--modulus", "3GPa", "--branch", "0.6 1 s")
+    legs = ("--leg", "hold 3", "--leg", "step load=15uN", "--leg", "hold 5", "--figures", "")
+    assert asperity("run", *surface.split(), *solid, *legs, "-q", "--out", tmp_path / "out") == (0, "", "")
     data = results.load(tmp_path / "out")
-    area, leg = data["contact_area"].values * 1e12, data["leg"].values  # um^2
-    sites = data["area"].values
+    area, leg, sites = data["contact_area"].values * 1e12, data["leg"].values, data["area"].values  # um^2
     before, after = np.flatnonzero(leg == 0)[-1], np.flatnonzero(leg == 1)[-1]
     lines = (tmp_path / "out" / "summary.txt").read_text().splitlines()
     first, step, last = (next(line for line in lines if line.startswith(f"leg {n} ")) for n in range(3))
-    assert f"contact {area[0]:.4g} to {area[before]:.4g} um^2 ({sites[0]} to {sites[before]} sites)" in first
-    assert first.endswith("sites)")
-    assert (
-        f"({sites[before]} to {sites[after]} sites) at once, {area[after] / area[before]:.4g} of before"
-        in step
-    )
+    grown = f"contact {area[0]:.4g} to {area[before]:.4g} um^2 ({sites[0]} to {sites[before]} sites)"
+    assert first.endswith(grown)
+    left = f"({sites[before]} to {sites[after]} sites) at once, {area[after] / area[before]:.4g} of before"
+    assert left in step
     assert f", {area[-1] / area[before]:.4g} of before the step" in last
 
 
-def test_a_file_with_repetitions(tmp_path: Path, asperity: Asperity) -> None:
-    (tmp_path / "study.toml").write_text(FILE)
-    config = read_config(tmp_path / "study.toml", {})
+def test_a_file_with_repetitions(tmp_path, asperity):
+    Path("study.toml").write_text(tables_to_toml(TABLES))
+    config = read_config(Path("study.toml"), {})
     cycle = Repeat([Step(load=30.0), Hold(1.0), Ramp(1.0, load=60.0)], 2)
     assert config.legs == (cycle, Hold(10.0, "area"))
     assert config.end == 14.0
-    status, _, error = asperity("run", tmp_path / "study.toml", "--out", tmp_path / "out", "--figures", "")
+    status, _, error = asperity("run", "study.toml", "--out", tmp_path / "out", "--figures", "")
     assert status == 0, error
     data = results.load(tmp_path / "out")
     assert data["leg"].values.max() == 6
-    held = data["area"].values[data["leg"].values == 6]
-    assert np.ptp(held) <= 2
+    assert np.ptp(data["area"].values[data["leg"].values == 6]) <= 2
 
 
-def test_units_of_legs_may_stand_apart() -> None:
+def test_units_of_legs_may_stand_apart():
     for leg in legs_from_words(["ramp 5 s pressure=2 MPa mobility=3", "ramp 5s pressure = 2MPa mobility=3"]):
         assert leg["mobility"] == 3
         assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
 
 
-def test_sliding_and_friction_from_flags(tmp_path: Path, asperity: Asperity) -> None:
+def test_sliding_and_friction_from_flags(tmp_path, asperity):
     legs = ("hold 1", "slide distance=3 velocity=2", "slide distance=2 velocity=inf")
     flags = [word for leg in legs for word in ("--leg", leg)]
     status, _, error = asperity("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")

@@ -1,13 +1,11 @@
 """Disks that fill up, users who stop a run, readers who go away: nothing half-written is left."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
 import subprocess
 import sys
-from pathlib import Path
+from contextlib import suppress
 
 import pytest
 
@@ -17,49 +15,45 @@ from tests.cli.conftest import SMALL, process
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
 
-def limited(size: int) -> str:
+def limited(size):
     """Let no file grow beyond a size; Python's own bytecode files must not be cut off by it."""
     limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
     return f"sys.dont_write_bytecode = True\n{limit}"
 
 
-def test_a_disk_that_fills_up(tmp_path: Path) -> None:
-    # No file may grow beyond the limit, which the history fits into and the first figure does not.
-    full = limited(20_000)
-    running = process("run", *SMALL, "--quiet", "--out", tmp_path / "out", before=full)
-    out, error = running.communicate(timeout=60)
-    assert (running.returncode, out) == (1, "")
-    assert error == f"asperity: could not write {tmp_path / 'out'}: File too large; nothing was left there\n"
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.slow
-def test_a_disk_that_fills_up_keeps_the_earlier_run(tmp_path: Path) -> None:
+@pytest.mark.parametrize("earlier", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_disk_that_fills_up_keeps_an_earlier_run_and_leaves_no_other(tmp_path, earlier):
     out = tmp_path / "out"
-    out.mkdir()
-    for name in ("history.zarr", "config.toml", "summary.txt"):
-        (out / name).write_text("earlier")
-    # This one stops the history.
-    full = limited(200)
+    if earlier:
+        out.mkdir()
+        for name in ("history.zarr", "config.toml", "summary.txt"):
+            (out / name).write_text("earlier")
+    # The history fits into this limit of any file, and the first figure does not; into the other, neither.
+    full = limited(200 if earlier else 20_000)
     running = process("run", *SMALL, "--quiet", "--overwrite", "--out", out, before=full)
-    _, error = running.communicate(timeout=60)
-    assert running.returncode == 1
-    assert "File too large" in error
-    assert (out / "summary.txt").read_text() == "earlier"
-    assert list(tmp_path.iterdir()) == [out]
+    text, error = running.communicate(timeout=60)
+    assert (running.returncode, text) == (1, "")
+    assert error == f"asperity: could not write {out}: File too large; nothing was left there\n"
+    assert list(tmp_path.iterdir()) == [out] * earlier
+    assert not earlier or (out / "summary.txt").read_text() == "earlier"
+
+
+LISTEN = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+"""Python ignores the signal if it was started with it ignored, as in a shell's background."""
+
+
+def stopped(running, stop, at):
+    """Send a signal to a process when it says this; give what it then says."""
+    assert running.stderr is not None
+    next(line for line in running.stderr if line.startswith(at))
+    running.send_signal(stop)
+    return running.communicate(timeout=60)
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
-def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
-    # Python ignores the signal if it was started with it ignored, as in a shell's background.
-    listen = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
-    running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=listen)
-    assert running.stderr is not None
-    for line in running.stderr:
-        if line.startswith("  t = 0.001"):
-            break
-    running.send_signal(stop)
-    out, error = running.communicate(timeout=60)
+def test_a_run_that_is_stopped(tmp_path, stop):
+    running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=LISTEN)
+    out, error = stopped(running, stop, "  t = 0.001")
     assert (running.returncode, out) == (130, "")
     assert error.splitlines()[-1] == "asperity: interrupted; nothing was written"
     assert "Traceback" not in error
@@ -67,18 +61,12 @@ def test_a_run_that_is_stopped(tmp_path: Path, stop: signal.Signals) -> None:
 
 
 @pytest.mark.slow
-def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) -> None:
+def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
     often = "import asperity.app.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
     flags = ("--shape", "256,256", "--last", "1e6")  # long enough to be stopped on the way
-    for stop in (signal.SIGKILL, signal.SIGINT):
-        listen = f"{often}\nimport signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)"
-        running = process("run", *flags, "--out", tmp_path / "out", before=listen)
-        assert running.stderr is not None
-        for line in running.stderr:
-            if line.startswith("  t = 1 " if stop == signal.SIGKILL else "  t = 100"):
-                break
-        running.send_signal(stop)
-        _, error = running.communicate(timeout=60)
+    for stop, at in ((signal.SIGKILL, "  t = 1 "), (signal.SIGINT, "  t = 100")):
+        running = process("run", *flags, "--out", tmp_path / "out", before=LISTEN + often)
+        _, error = stopped(running, stop, at)
         (place,) = (path for path in tmp_path.iterdir() if not path.name.startswith("."))
         assert place.name.startswith("out.")
         assert place.suffix == ".checkpoint"
@@ -96,7 +84,7 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path: Path) ->
 
 
 @pytest.mark.slow
-def test_a_reader_who_goes_away(tmp_path: Path) -> None:
+def test_a_reader_who_goes_away(tmp_path):
     running = process("run", *SMALL, "--out", tmp_path / "out")
     assert running.stdout is not None
     running.stdout.close()
@@ -110,10 +98,9 @@ def test_a_reader_who_goes_away(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("stop", ["SIGINT", "SIGTERM"])
-def test_an_interruption_while_the_program_starts(stop: str) -> None:
+def test_an_interruption_while_the_program_starts(stop):
     # Raised where a library of the command line begins to be imported.
-    early = f"""import os, signal
-signal.signal(signal.SIGINT, signal.default_int_handler)
+    early = f"""{LISTEN}import os
 class Finder:
     def find_spec(self, name, *_):
         if name == "cyclopts":
@@ -126,16 +113,11 @@ sys.meta_path.insert(0, Finder())"""
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stream", [1, 2])
-def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
+def test_a_stream_that_is_closed(tmp_path, stream):
     words = [sys.executable, "-m", "asperity", "run", "--shape", "8,8", "--times", "1", "--figures", ""]
     shell = f'exec "$@" {stream}>&-'
-    done = subprocess.run(
-        ["sh", "-c", shell, "sh", *words, "--out", str(tmp_path / "out")],
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    command = ["sh", "-c", shell, "sh", *words, "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0
     assert "Traceback" not in done.stdout + done.stderr
     assert "asperity:" not in done.stdout + done.stderr
@@ -143,7 +125,7 @@ def test_a_stream_that_is_closed(tmp_path: Path, stream: int) -> None:
 
 
 @pytest.mark.slow
-def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
+def test_a_stream_without_the_letters(finished, tmp_path):
     table, figure = str(finished / "aging.csv"), str(tmp_path / "a.png")
     words = [sys.executable, "-m", "asperity", "fit", table, "--out", figure]
     ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
@@ -153,7 +135,7 @@ def test_a_stream_without_the_letters(finished: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
+def test_on_a_terminal_there_is_a_bar(tmp_path):
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()
     code = "import sys; from asperity.app.cli import main; sys.exit(main(sys.argv[1:]))"
@@ -161,14 +143,9 @@ def test_on_a_terminal_there_is_a_bar(tmp_path: Path) -> None:
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=theirs) as running:
         os.close(theirs)
         shown = b""
-        while True:
-            try:
-                piece = os.read(ours, 4096)
-            except OSError:  # the terminal is gone
-                break
-            if not piece:
-                break
-            shown += piece
+        with suppress(OSError):  # the terminal is gone
+            while piece := os.read(ours, 4096):
+                shown += piece
     os.close(ours)
     assert running.returncode == 0
     assert b"\x1b[" in shown

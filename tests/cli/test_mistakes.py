@@ -1,9 +1,10 @@
 """Mistakes: a line for each, beginning with the program's name; an exit status; never a traceback."""
 
-from __future__ import annotations
-
 import itertools
+import os
+import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -11,126 +12,103 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity import __version__
+from asperity import __version__, friction
 from asperity.surfaces import gaussian, spectral
-from tests.cli.conftest import Asperity, Refused
 
-OF_ARGUMENTS = """
-    rnu
-    plot
-    --vesion
-    run --lod 3
-    run --r-viscous 3
-    run --E 3
-    run --half-space
-    run --colour 3
-    predict --leg 'slide distance=8 velocity=5'
-    predict run.toml --creep none --solid-kind
-    sweep a --out b --workers 1,5
-    fit a.csv --window 0,5 3
-    fit a.csv --law log
-    run --load
-    run --load --out a
-    run a.toml b.toml
-    run --load 1 --load 2
-    surface
-"""
-
-OF_RUNS = """
-    none.toml
-    --load nan
-    --load abc
-    --load 0,5
-    --times 0,5
-    --seed 1.5
-    --per-decade 2.7
-    --surface gausian
-    --surface file
-    --unit µn --file a.npy
-    --k1 -1
-    --size 64
-    --shape 8,8 --separation 99
-    --file none.npy
-    --rate-coefficient 0.1
-    --branch 0.3 10
-    --shape 32x32 --blur 99
-    --pixel 2 --maps-at ''
-    --pixel 2um
-    --threshold 2
-    --threshold 0.5
-    --file scan.txt --solid half_space --modulus '3.8 GPa'
-    --file scan.txt --load '1 mN'
-    --file scan.txt --solid half_space --modulus 3.8GPa --file-unit um
-    --file scan.txt {scan} --load 1mN --pressure 1MPa
-    --file scan.txt {scan} --separation '1 um'
-    --file scan.txt {scan} --branch '0.6 1' --branch '0.6 2'
-    --file scan.txt {scan} --k0 1
-    --file scan.txt {scan} --first '1 m'
-    --solid half_space
-    --solid half_space --modulus=-1
-    --solid layer --modulus 1 --poisson 0.3
-    --leg hold
-    --leg 'hold -3'
-    --leg 'hold 0,5'
-    --leg 'stp load=3'
-    --leg 'hold 1' --leg step
-    --leg 'hold 1' --leg 'step load=0'
-    --leg 'ramp 3 lod=3'
-    --leg 'repeat 3'
-    --leg ''
-    --leg 'slide 8'
-    --leg 'hold 3 hold=height'
-    --leg 'slide distance=2 velocity=inf' --shear-strength 4 --rate-coefficient 0.1 --reference-velocity 1
-    --surface sphere --radius 1mm
-    --surface sphere --radius 1mm --pixel-size 1um
-    --surface sphere --radius 1 --pixel-size 1
-    --surface sphere --radius 1mm 2mm --pixel-size 1um {ball}
-    --surface sphere --radius 1nm --pixel-size 1um {ball}
-    --surface sphere --radius 1mm --pixel-size 1um --shape 64 {ball}
-    --surface array --place '20um 3mm' --radii 1mm --pixel-size 1um {ball}
-    --surface array --place 20um --radii 1mm --pixel-size 1um {ball}
-    --surface punch --radius 1mm --pixel-size '1 s' {ball}
-"""
-BALL = "--solid half_space --modulus 3GPa"
-SCAN = "--solid half_space --modulus '3.8 GPa' --file-unit um --pixel-size 0.4 0.8 --length-unit um"
-
-FILES = {
-    "a list": "protocol = 3",
-    "a table": '[protocol]\nkind = "hold"',
-    "no duration": '[[protocol]]\nkind = "hold"',
-    "no kind": "[[protocol]]\nduration = 3.0",
-    "a word": '[[protocol]]\nkind = "hold"\nduration = 3.0\nduraton = 3.0',
-    "last": '[aging]\nlast = 4.0\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-    "hold": '[aging]\nhold = "load"\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-    "times": '[aging]\ntimes = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-    "maps": '[output]\nmaps_at = [5.0]\n[[protocol]]\nkind = "hold"\nduration = 3.0',
-    "a terminal": '["\\u001b[31mred"]',
-}
+HOLD = ("[[protocol]]", 'kind = "hold"', "duration = 3.0")
+TABLE = Path(__file__).with_name("mistakes.txt")
 
 
-def calls(table: str) -> list[list[str]]:
-    return [shlex.split(line.format(scan=SCAN, ball=BALL)) for line in table.splitlines() if line.strip()]
-
-
-def test_words_that_are_none(refused: Refused) -> None:
-    for words in calls(OF_ARGUMENTS):
-        refused(*words)
-
-
-def test_runs_that_cannot_be(refused: Refused) -> None:
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory, finished):
+    """A folder of files that can be used, and of others that have a mistake."""
+    folder = tmp_path_factory.mktemp("desk")
     heights = spectral((64, 64), rms_height=0.2, spacing=(0.4, 0.8), cutoff=6.0, seed=1)
-    np.savetxt("scan.txt", heights, fmt="%.6e")
-    for words in calls(OF_RUNS):
-        refused("run", *words)
+    np.savetxt(folder / "scan.txt", heights, fmt="%.6e")
+    np.save(folder / "good.npy", np.ones((8, 8)))
+    content = (folder / "good.npy").read_bytes()
+    time, held = np.geomspace(0.01, 100.0, 17), np.geomspace(1, 1e4, 25)
+    modulus = 1000 + 600 * np.exp(-time / 0.3) + 900 * np.exp(-time / 20)
+    moduli = [f"{t:.6g},{E:.8g}" for t, E in zip(time, modulus, strict=True)]
+    relaxing = ["time_s,E_MPa", *moduli]
+    record = friction.synthetic_record(
+        friction.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1e-6, distance=50e-6),
+        friction.RateAndState(a=0.010, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6),
+    )
+    columns = np.stack([record.time, 1e6 * record.displacement, record.friction], axis=-1)
+    holds = [",".join(map(str, line)) for line in columns.tolist()]
+    areas = [f"{t},{1 - 0.3 * np.exp(-t / 50)},0.01,0.01" for t in held]
+    falls = [f"{t} {2 - n / 25}" for n, t in enumerate(held)]
+    for name, lines in {
+        **{"empty.npy": [], "words.txt": ["1 2", "three 4"], "noheights.txt": ["no heights"]},
+        **{"list.toml": ["protocol = 3"], "table.toml": ["[protocol]", 'kind = "hold"']},
+        **{"endless.toml": [*HOLD[:2]], "kindless.toml": [HOLD[0], HOLD[2]]},
+        **{"duraton.toml": [*HOLD, "duraton = 3.0"], "last.toml": ["[aging]", "last = 4.0", *HOLD]},
+        **{
+            "hold.toml": ["[aging]", 'hold = "load"', *HOLD],
+            "times.toml": ["[aging]", "times = [5.0]", *HOLD],
+        },
+        **{"maps.toml": ["[output]", "maps_at = [5.0]", *HOLD], "red.toml": ['["\\u001b[31mred"]']},
+        **{"bad.toml": ["[surface]", 'path = "noheights.txt"', "[sweep]", "contact.load = [1.0, 2.0]"]},
+        **{"run.toml": [], "mine.png": ["mine"], "mine.npy": ["no array: what it is is told later"]},
+        "relaxation.csv": relaxing,
+        "unitless.csv": ["t,E", *moduli],
+        "unsorted.csv": [relaxing[0], relaxing[2], relaxing[1], *relaxing[3:]],
+        "rising.csv": [*relaxing[:10], "1.2,9000", *relaxing[10:]],
+        "noisy.csv": [*relaxing[:10], "1.2,2500", *relaxing[10:]],
+        "short.csv": relaxing[:4],
+        "headless.csv": moduli,
+        "unnamed.csv": ["a,b", *moduli],  # a modulus in MPa would be taken for one in Pa
+        "mu.csv": ["hold time;mu;error", *(f"{t:g};{0.6 + 0.01 * np.log(t):g};0.002" for t in held)],
+        "flat.txt": [f"{t} .6" for t in range(1, 7)],
+        "few.txt": ["1 .6", "2 .7"],
+        "down.csv": ["hold,friction", "1,.9", "2,.8", "3,.7"],
+        "holds.csv": ["time_s,displacement_um,friction", *holds],
+        "bare.csv": ["time,displacement,friction", *holds],
+        "bad.csv": ["time_s,displacement_um,friction", "0,0,0.6", "1,2,0.6", "2,1,0.6"],
+        "area.csv": ["time [min],area,stderr,load", *areas],
+        "falls.csv": falls,
+        "two_errors.csv": ["time_s,area,area_err,load_err", *areas],
+        "percent.csv": ["time_s,area,err_percent,load", *areas],
+        "furlongs.csv": ["time (furlong),area,a,b", *areas],
+        "logarithms.csv": ["log10 time,area,a,b", *areas],
+    }.items():
+        (folder / name).write_text("\n".join(lines))
+    (folder / "cut.npy").write_bytes(content[:-9])
+    (folder / "header.npy").write_bytes(content[:20])
+    for name in ("empty", "folder", "two results", "my paper/studies/load", "study/one"):
+        (folder / name).mkdir(parents=True)
+    (folder / "study/one/seed").touch()
+    (folder / "a run").symlink_to(finished)
+    for name in ("one", "two"):
+        shutil.copytree(finished, folder / "two results" / name)
+    return folder
 
 
-def test_files_that_cannot_be(refused: Refused) -> None:
-    for text in FILES.values():
-        Path("run.toml").write_text(text)
-        refused("run", "run.toml")
+def mistakes():
+    """Below the beginning of a command in brackets: its mistaken endings, each with what is said of it."""
+    _, *parts = re.split(r"^\[asperity ?(.*)\]\n", TABLE.read_text("utf-8"), flags=re.MULTILINE)
+    pairs = zip(parts[::2], parts[1::2], strict=True)
+    return {command: lines.splitlines() for command, lines in pairs}
 
 
-def test_several_mistakes_have_a_line_each(asperity: Asperity) -> None:
+@pytest.mark.parametrize("command", mistakes())
+def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
+    # To add one, write "ending => " into the table; ASPERITY_MESSAGES=write writes what is said.
+    monkeypatch.chdir(desk)
+    for late in ("asperity.simulate.follow", "asperity.app.campaign.sweeping.compile_loops"):
+        monkeypatch.setattr(late, lambda *_, **__: pytest.fail("told after something was computed"))
+    known = mistakes()[command]
+    endings = [line.split(" => ")[0] for line in known]
+    said = [f"{ending} => {mistaken(*shlex.split(f'{command} {ending}'))}" for ending in endings]
+    if os.environ.get("ASPERITY_MESSAGES") == "write":
+        old, new = ("\n".join([f"{command}]", *lines]) for lines in (known, said))
+        TABLE.write_text(TABLE.read_text("utf-8").replace(old, new), "utf-8")
+    else:
+        assert said == known
+
+
+def test_several_mistakes_have_a_line_each(asperity):
     Path("run.toml").write_text("[surface]\nshap = 3\n[solid]\nk0 = -1\n[contcat]\n")
     status, out, error = asperity("run", "run.toml", "--rms", "-1")
     lines = error.splitlines()
@@ -139,33 +117,14 @@ def test_several_mistakes_have_a_line_each(asperity: Asperity) -> None:
     assert any(line.startswith("asperity: --rms: ") for line in lines)
 
 
-@pytest.mark.parametrize("command", [("surface",), ("run", "--file")])
-def test_surface_files_that_cannot_be_read(refused: Refused, command: tuple[str, ...]) -> None:
-    np.save("good.npy", np.ones((8, 8)))
-    content = Path("good.npy").read_bytes()
-    Path("empty.npy").write_bytes(b"")
-    Path("cut.npy").write_bytes(content[:-9])
-    Path("header.npy").write_bytes(content[:20])
-    Path("words.txt").write_text("1 2\nthree 4\n")
-    for name in ("none.npy", "empty.npy", "cut.npy", "header.npy", "words.txt", "."):
-        refused(*command, name)
-
-
-def test_more_than_memory_holds(refused: Refused, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_than_memory_or_numbers_hold(refused, monkeypatch):
     monkeypatch.setattr("asperity.base.machine.available", lambda: 20_000_000_000)
-    for words in (
-        ("--shape", "10000000,100000000"),
-        ("--surface", "self_affine", "--size", "1048576"),
-        ("--shape", "2000000000"),
-    ):
-        refused("run", *words, status=1)
+    for words in ("--shape 10000000,100000000", "--surface self_affine --size 1048576", "--shape 2000000000"):
+        refused("run", *words.split(), status=1)
+    refused("run", "--shape", "8,8", "--load", "1e-30", status=1)  # below the resolution of the numbers
 
 
-def test_a_load_below_the_resolution_of_the_numbers_is_a_failure(refused: Refused) -> None:
-    refused("run", "--shape", "8,8", "--load", "1e-30", status=1)
-
-
-def test_what_a_terminal_would_obey_is_written_as_it_is_spelled(asperity: Asperity) -> None:
+def test_what_a_terminal_would_obey_is_written_as_it_is_spelled(asperity):
     np.save("\x1b[2Jrough.npy", gaussian((8, 8)))
     words = ("--maps-at", "", "--figures", "", "--times", "1")
     status, out, error = asperity("run", "--file", "\x1b[2Jrough.npy", *words)
@@ -174,67 +133,43 @@ def test_what_a_terminal_would_obey_is_written_as_it_is_spelled(asperity: Asperi
     assert "\x1b" not in out + error
 
 
-def test_folders_that_are_no_campaign_say_what_they_are(refused: Refused, finished: Path) -> None:
-    Path("my paper/studies/load").mkdir(parents=True)
-    Path("study/one").mkdir(parents=True)
-    Path("study/one/seed").touch()
-    Path("run").symlink_to(finished)
-    for command in ("status", "gather"):
-        for folder in ("my paper", "study", "run"):
-            refused(command, folder)
-
-
-def test_folders_that_are_kept(refused: Refused, finished: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_folders_that_are_kept(refused, finished, monkeypatch):
     Path("thesis").mkdir()
     Path("thesis/text").write_text("years of work")
-    Path("run").mkdir()
-    for name in (*(path.name for path in finished.iterdir()), "notes.txt"):
-        Path("run", name).touch()
-    for words in (
-        ("thesis/text", "--overwrite"),
-        (".", "--overwrite"),
-        ("..", "--overwrite"),
-        ("thesis", "--overwrite"),
-        ("run",),
-        ("run", "--overwrite"),
-    ):
-        refused("run", "--out", *words)
+    shutil.copytree(finished, "run")
+    Path("run/notes.txt").touch()
+    for folder in ("thesis/text", ".", "..", "thesis", "run"):
+        refused("run", "--out", folder, "--overwrite")
+    refused("run", "--out", "run")
     # Found before anything is computed.
     monkeypatch.setattr("asperity.app.runs.pipeline.press", lambda *_, **__: pytest.fail("pressed"))
     refused("run", "--out", "thesis/text/out", status=1)
 
 
-def test_help_and_version(asperity: Asperity) -> None:
+def test_version_and_help_that_fills_its_lines(asperity):
     status, alone, _ = asperity()
     assert status == 0
     assert asperity("--help") == (0, alone, "")
     assert asperity("--version") == asperity("-V") == (0, f"{__version__}\n", "")
     text = " ".join(asperity("run", "--help")[1].replace("│", " ").split())
     for shown in (
-        "200 200]",
-        "--rms FLOAT Rms height. For gaussian, exponential. [default: 1]",
+        *("200 200]", "--rms FLOAT Rms height. For gaussian, exponential. [default: 1]", "--pressure FLOAT"),
         "ten times the longest relaxation time, else 1e+06.",
-        "--pressure FLOAT",
     ):
         assert shown in text
     assert "--pressure QUANTITY" in asperity("predict", "--help")[1]
+    for command in ("run", "surface", "fit", "sweep", "status", "gather"):
+        lines = [line.strip("│ ") for line in asperity(command, "--help")[1].splitlines()]
+        for line, after in itertools.pairwise(lines):
+            if line and after and line[-1].isalpha() and after[0].islower() and "--" not in after[:3]:
+                assert len(line) + 1 + len(after.split()[0]) > 45, f"{line!r} ends early"
 
 
-@pytest.mark.parametrize("command", ["run", "surface", "fit", "sweep", "status", "gather"])
-def test_help_fills_its_lines(asperity: Asperity, command: str) -> None:
-    _, text, _ = asperity(command, "--help")
-    lines = [line.strip("│ ") for line in text.splitlines()]
-    for line, after in itertools.pairwise(lines):
-        if line and after and line[-1].isalpha() and after[0].islower() and "--" not in after[:3]:
-            assert len(line) + 1 + len(after.split()[0]) > 45, f"{line!r} ends early"
+def python(*words):
+    return subprocess.run([sys.executable, *words], check=False, capture_output=True, text=True, timeout=120)
 
 
-def python(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, *words]
-    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
-
-
-def test_help_does_not_wait_for_the_engine() -> None:
+def test_help_does_not_wait_for_the_engine_and_the_command_is_a_module():
     code = (
         "import sys\nfrom asperity.app.cli import main\nmain(['run', '--help'])\n"
         "sys.exit(any(m in sys.modules for m in ('scipy', 'xarray', 'matplotlib')))"
@@ -242,30 +177,12 @@ def test_help_does_not_wait_for_the_engine() -> None:
     assert python("-c", code).returncode == 0
     bare = code.replace("'run', ", "").replace("'scipy'", "'numpy', 'pydantic'")
     assert python("-c", bare).returncode == 0
-
-
-def test_as_a_module() -> None:
     done = python("-m", "asperity", "rnu")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("asperity: unknown command rnu")
 
 
-@pytest.mark.parametrize("command", ["run", "fit", "friction", "sweep"])
-def test_bad_input_is_refused_before_loops_are_compiled(
-    command: str, refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def compiled(*_: object, **__: object) -> None:
-        pytest.fail("compiled")
-
-    for place in ("asperity.app.campaign.sweeping.compile_loops", "asperity.app.runs.pipeline.press"):
-        monkeypatch.setattr(place, compiled)
-    Path("bad.txt").write_text("no numbers")
-    Path("bad.toml").write_text('[surface]\npath = "bad.txt"\n[sweep]\ncontact.load = [1.0, 2.0]\n')
-    words = {"run": ("--file", "bad.txt"), "sweep": ("bad.toml", "--out", "out", "--dry-run")}
-    refused(command, *words.get(command, ("bad.txt",)))
-
-
-def test_a_scheduler_that_is_none_is_a_failure(asperity: Asperity, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scheduler_that_is_none_is_a_failure(asperity, monkeypatch):
     # Nobody there is no mistake in what was typed.
     pytest.importorskip("distributed", reason="needs asperity[campaign]")
     monkeypatch.setattr("asperity.app.campaign.cluster._ANSWER", 0.5)
@@ -276,7 +193,7 @@ def test_a_scheduler_that_is_none_is_a_failure(asperity: Asperity, monkeypatch: 
     assert error.splitlines()[-1].startswith("asperity: scheduler: expected ")
 
 
-def test_all_that_is_known_to_be_said_belongs_to_a_test() -> None:
+def test_all_that_is_known_to_be_said_belongs_to_a_test():
     for line in (Path(__file__).parent / "said.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith(" "):
             file, name = line.split("::")

@@ -1,31 +1,26 @@
-"""``--open`` and ``--install-completion``."""
+"""``--open``, ``asperity explore --export``, and ``--install-completion``."""
 
-from __future__ import annotations
-
+import socket
 import subprocess
+import sys
 import webbrowser
 from pathlib import Path
 
 import pytest
 
 from asperity.app.cli.computing import open_results
-from tests.cli.conftest import SMALL, Asperity, Refused
+from tests.cli.conftest import SMALL, told
 
 
 @pytest.fixture
-def opened(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def opened(monkeypatch):
     """What the browser was given."""
     given: list[str] = []
-
-    def give(address: str) -> bool:
-        given.append(address)
-        return True
-
-    monkeypatch.setattr(webbrowser, "open", give)
+    monkeypatch.setattr(webbrowser, "open", lambda address: given.append(address) or True)  # type: ignore[func-returns-value]
     return given
 
 
-def test_a_run_opens_its_picture(asperity: Asperity, opened: list[str], tmp_path: Path) -> None:
+def test_a_run_opens_its_picture(asperity, opened, tmp_path):
     out = tmp_path / "a run"
     assert asperity("run", *SMALL, "--out", out, "--quiet", "--open") == (0, "", "")
     assert opened == [(out / "aging.png").as_uri()]
@@ -33,43 +28,37 @@ def test_a_run_opens_its_picture(asperity: Asperity, opened: list[str], tmp_path
     assert len(opened) == 1
 
 
-def test_the_page_or_the_picture_is_opened_or_else_the_folder(opened: list[str], tmp_path: Path) -> None:
-    for number, (files, shown) in enumerate(
-        (
-            (("prediction.html", "growth.png", "contacts.png", "history.csv"), "prediction.html"),
-            (("history.svg", "contacts.svg", "aging.csv"), "history.svg"),
-            (("contacts.pdf", "aging.csv"), "contacts.pdf"),
-            (("aging.csv", "summary.txt"), ""),
-        )
+def test_the_page_or_the_picture_is_opened_or_else_the_folder(opened, tmp_path):
+    for files, shown in (
+        ("prediction.html growth.png contacts.png history.csv", "prediction.html"),
+        ("history.svg contacts.svg aging.csv", "history.svg"),
+        ("contacts.pdf aging.csv", "contacts.pdf"),
+        ("aging.csv summary.txt", ""),
     ):
-        out = tmp_path / str(number)
+        out = tmp_path / files
         (out / "history.zarr").mkdir(parents=True)
-        for name in files:
+        for name in files.split():
             (out / name).touch()
         open_results(out)
         assert opened[-1] == (out / shown).as_uri()
 
 
-def test_where_nothing_opens_it_the_place_is_told(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_where_nothing_opens_it_the_place_is_told(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(webbrowser, "open", lambda _: False)
     open_results(tmp_path)
     assert capsys.readouterr().err == f"remark: nothing here opens {tmp_path}\n"
 
 
-def test_bash_completes_commands_and_flags(
-    asperity: Asperity, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_bash_completes_commands_and_flags(asperity, monkeypatch, tmp_path):
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
-    monkeypatch.delenv("BASH_COMPLETION_USER_DIR", raising=False)
+    for name in ("XDG_DATA_HOME", "BASH_COMPLETION_USER_DIR"):
+        monkeypatch.delenv(name, raising=False)
     status, said, error = asperity("--install-completion", "--shell", "bash")
     assert (status, error) == (0, "")
     script = Path(said.removeprefix("written ").split(";")[0])
     assert script.is_relative_to(tmp_path)
 
-    def completed(*words: str) -> set[str]:
+    def completed(*words):
         line = " ".join(words)
         ask = f'source "{script}"; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _asperity; '
         ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
@@ -82,13 +71,43 @@ def test_bash_completes_commands_and_flags(
     assert completed("asperity", "predict", "--modulus", "sh") == {"shear"}
 
 
-def test_a_shell_that_is_not_recognized_is_asked_for(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_shell_that_is_not_recognized_is_asked_for(refused, monkeypatch):
     from cyclopts.completion import detect
 
-    def detection() -> str:
+    def detection():
         raise detect.ShellDetectionError
 
     monkeypatch.setattr(detect, "detect_shell", detection)
     refused("--install-completion")
+
+
+def test_a_run_becomes_a_file(asperity, finished, tmp_path):
+    page = tmp_path / "page.html"
+    status, out, err = asperity("explore", "--export", page, finished)
+    assert (status, out, err) == (0, f"{page}\n", "")
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    assert f"<title>{finished.name} · Asperity</title>" in text
+    assert asperity("explore", "--export", page, finished)[0] == 2
+    assert asperity("explore", "--export", page, finished, "--overwrite")[0] == 0
+
+
+def test_a_taken_port_is_one_line(asperity):
+    pytest.importorskip("uvicorn", reason="needs the extra explore")
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        status, out, err = asperity("explore", "--no-browser", "--port", str(port))
+    assert (status, out) == (2, "")
+    assert err.startswith(f"asperity: --port: expected a free port, got {port}: ")
+    assert err.count("\n") == 1
+
+
+def test_without_its_libraries_it_says_what_to_install(asperity, finished, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    monkeypatch.delitem(sys.modules, "asperity.app.explore.server", raising=False)
+    status, out, err = asperity("explore", "--no-browser")
+    assert (status, out) == (1, "")
+    told(err.removeprefix("asperity: ").rstrip())
+    assert asperity("explore", "--export", tmp_path / "page.html", finished)[0] == 0

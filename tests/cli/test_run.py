@@ -1,30 +1,31 @@
-"""``asperity run``: what it writes, and that it can be run again."""
-
-from __future__ import annotations
+"""``asperity run``: what it writes, on springs and in SI, and that it can be run again."""
 
 import json
 import re
+import shlex
 from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from asperity import age, observe, press, relax, results
-from asperity.solids import spring_lattice
-from asperity.surfaces import exponential, gaussian, read, self_affine, spectral
-from tests.cli.conftest import SMALL, Asperity, rows_of, told
+from asperity.analysis import contact_maps
+from asperity.analysis.scan import written
+from asperity.app.cli import main
+from asperity.solids import half_space, spring_lattice
+from asperity.surfaces import array, exponential, gaussian, read, self_affine, spectral
+from tests.cli.conftest import SMALL, rows_of, told
 
 BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
 """One time, no map, no word."""
 
 
-def test_all_files_are_there(finished: Path) -> None:
+def test_all_files_are_there_and_the_history_is_that_of_the_verbs(finished):
     names = "aging.csv aging.png config.toml contacts.png history.zarr patches.csv patches.png summary.txt"
     assert sorted(p.name for p in finished.iterdir()) == names.split()
     assert list(finished.parent.iterdir()) == [finished]
-
-
-def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
     dataset = results.load(finished / "history.zarr")
     assert dataset.identical(results.load(finished))
     contact = press(gaussian((32, 32), seed=7), spring_lattice(k0=1.0, k1=3.0), load=20.5)
@@ -41,32 +42,29 @@ def test_the_history_is_that_of_the_verbs(finished: Path) -> None:
     assert dataset["field_time"].size == 6
 
 
-def test_the_table_of_patches_has_a_row_a_map(finished: Path) -> None:
-    dataset = results.load(finished / "history.zarr")
-    rows = rows_of(finished / "patches.csv")
-    assert [float(row["time"]) for row in rows] == dataset["field_time"].values.tolist()
+def test_the_tables_hold_the_history_and_a_row_a_map(finished):
+    dataset = results.load(finished)
+
+    def column(rows, name):
+        return [float(row[name]) for row in rows]
+
+    rows = rows_of(finished / "aging.csv")
+    names = "time area area_ratio load separation energy approach contact_fraction residual rms_gap"
+    assert list(rows[0]) == names.split()
+    for name in set(names.split()) - {"area_ratio"}:
+        np.testing.assert_array_equal(column(rows, name), dataset[name])
+    np.testing.assert_array_equal(column(rows, "area_ratio"), dataset["area"] / dataset["area"][0])
+    maps = rows_of(finished / "patches.csv")
+    np.testing.assert_array_equal(column(maps, "time"), dataset["field_time"])
     for name in ("patches", "perimeter", "births", "gained_by_expansion", "mean_contact_age"):
-        np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
-    for share in (0.05, 0.5, 1.0):
-        for name in ("contact_age", "contact_pressure"):
-            there = [float(row[f"{name}_{100 * share:g}_percent"]) for row in rows]
+        np.testing.assert_array_equal(column(maps, name), dataset[name])
+    for name in ("contact_age", "contact_pressure"):
+        for share in (0.05, 0.5, 1.0):
+            there = column(maps, f"{name}_{100 * share:g}_percent")
             np.testing.assert_array_equal(there, dataset[name].sel(quantile=share))
 
 
-def test_the_table_holds_the_history(finished: Path) -> None:
-    dataset = results.load(finished / "history.zarr")
-    rows = rows_of(finished / "aging.csv")
-    assert list(rows[0])[:6] == ["time", "area", "area_ratio", "load", "separation", "energy"]
-    assert list(rows[0])[6:] == ["approach", "contact_fraction", "residual", "rms_gap"]
-    for name in set(rows[0]) - {"area_ratio"}:
-        np.testing.assert_array_equal([float(row[name]) for row in rows], dataset[name])
-    ratio = dataset["area"] / dataset["area"][0]
-    np.testing.assert_array_equal([float(row["area_ratio"]) for row in rows], ratio)
-
-
-def test_a_run_repeated_from_its_own_configuration_is_identical(
-    finished: Path, tmp_path: Path, asperity: Asperity
-) -> None:
+def test_a_run_repeated_from_its_own_configuration_is_identical(finished, tmp_path, asperity):
     out = tmp_path / "again"
     assert asperity("run", finished / "config.toml", "--quiet", "--out", out) == (0, "", "")
     first, again = (results.load(folder / "history.zarr") for folder in (finished, out))
@@ -75,19 +73,19 @@ def test_a_run_repeated_from_its_own_configuration_is_identical(
     assert (out / "aging.csv").read_bytes() == (finished / "aging.csv").read_bytes()
 
 
-def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> None:
+def test_the_summary_says_what_was_found(tmp_path, asperity):
     out = tmp_path / "new" / "out"
     status, text, progress = asperity("run", *SMALL, "--out", out)
     dataset = results.load(out / "history.zarr")
     initial, last = int(dataset["area"][0]), int(dataset["area"][-1])
     assert status == 0
-    assert f"{initial} of 1024 sites = {100 * initial / 1024:.4g} %" in text
-    assert f"{last} of 1024 sites" in text
-    assert f"{dataset.attrs['relaxed_area']} of 1024 sites" in text
-    limit = dataset.attrs["relaxed_area"] / initial
-    assert re.search(rf"^  a +{limit:.5g}, A\(relaxed\)/A\(0\), exact$", text, re.MULTILINE)
-    assert f"{int(dataset['steps'].sum())} time steps" in text
-    assert str(out) in text
+    relaxed = dataset.attrs["relaxed_area"]
+    for said in (
+        *(f"{initial} of 1024 sites = {100 * initial / 1024:.4g} %", f"{last} of 1024 sites", str(out)),
+        *(f"{relaxed} of 1024 sites", f"{int(dataset['steps'].sum())} time steps"),
+    ):
+        assert said in text
+    assert re.search(rf"^  a +{relaxed / initial:.5g}, A\(relaxed\)/A\(0\), exact$", text, re.MULTILINE)
     assert text.startswith((out / "summary.txt").read_text())
     # Not a terminal: plain lines, one a decade, and the start.
     reached = [line.split()[2] for line in progress.splitlines() if line.startswith("  t = ")]
@@ -95,26 +93,24 @@ def test_the_summary_says_what_was_found(tmp_path: Path, asperity: Asperity) -> 
     assert "\x1b" not in progress + text
 
 
-def test_every_kind_of_surface(asperity: Asperity) -> None:
+def test_every_kind_of_surface(asperity):
+    waves = spectral((16, 8), spacing=0.5, rms_slope=2.0)
     for words, heights in (
         ("--shape 16 8", gaussian((16, 8))),
         ("--shape 64 --rms 2", gaussian(64, rms=2.0)),
         ("--surface exponential --shape 16,16 --seed 3", exponential((16, 16), seed=3)),
         ("--surface self_affine --size 16 --hurst 0.8", self_affine(16, hurst=0.8)),
-        (
-            "--surface spectral --shape 16x8 --spacing .5 --unit um --rms-slope 2",
-            spectral((16, 8), spacing=0.5, rms_slope=2.0),
-        ),
+        ("--surface spectral --shape 16x8 --spacing .5 --unit um --rms-slope 2", waves),
     ):
         call = ("run", *words.split(), *BRIEF, "--figures", "", "--out", "out", "--overwrite")
         assert asperity(*call) == (0, "", "")
         np.testing.assert_array_equal(results.load("out")["heights"], heights)
 
 
-def test_held_separation_and_chosen_maps_and_formats(tmp_path: Path, asperity: Asperity) -> None:
+def test_held_separation_and_chosen_maps_and_formats(tmp_path, asperity):
     out = tmp_path / "out"
-    words = ("--separation", "1.5", "--maps-at", "0", "0.5", "--figures", "svg", "--times", "0.1", "1")
-    status, text, _ = asperity("run", "--shape", "16,16", *words, "--out", out)
+    words = "--shape 16,16 --separation 1.5 --maps-at 0 0.5 --figures svg --times 0.1 1"
+    status, text, _ = asperity("run", *words.split(), "--out", out)
     assert status == 0
     assert "separation 1.5" in text
     assert "no fit: " in text
@@ -127,17 +123,12 @@ def test_held_separation_and_chosen_maps_and_formats(tmp_path: Path, asperity: A
     assert f"steepest change of load  {slopes[0]:+.3g} load(0) per decade of time, near t = 0.32\n" in text
     assert dataset["field_time"].values.tolist() == [0.0, 0.5]
     assert dataset["time"].values.tolist() == [0.0, 0.1, 1.0]
-    assert (out / "aging.svg").exists()
-    assert not (out / "aging.png").exists()
+    assert [path.name for path in out.glob("aging.*g")] == ["aging.svg"]
 
 
-def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(
-    tmp_path: Path, asperity: Asperity, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object) -> None:
-        raise ValueError("no axis fits")
-
-    monkeypatch.setattr("asperity.app.cli.output.aging_curve", fail)
+def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(tmp_path, asperity, monkeypatch):
+    wrong = Mock(side_effect=ValueError("no axis fits"))
+    monkeypatch.setattr("asperity.app.cli.output.aging_curve", wrong)
     status, text, _ = asperity("run", *SMALL, "--out", tmp_path / "out")
     assert status == 0
     assert "the figure 'aging' could not be drawn: no axis fits" in text
@@ -145,22 +136,21 @@ def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(
     assert not (tmp_path / "out" / "aging.png").exists()
 
 
-def test_an_instrument_looks_at_the_maps(finished: Path, tmp_path: Path, asperity: Asperity) -> None:
-    out = tmp_path / "out"
-    instrument = ("--pixel", "4", "--blur", "2.5", "--threshold", "0.05")
-    status, text, _ = asperity("run", *SMALL, "--seed", "7", *instrument, "--out", out)
+def test_an_instrument_looks_at_the_maps(finished, tmp_path, asperity):
+    instrument = "--seed 7 --pixel 4 --blur 2.5 --threshold 0.05"
+    status, text, _ = asperity("run", *SMALL, *instrument.split(), "--out", tmp_path / "out")
     assert status == 0
-    dataset, usual = results.load(out), results.load(finished)
-    maps = [usual.isel(field_time=number) for number in range(6)]
+    dataset, usual = results.load(tmp_path / "out"), results.load(finished)
+    maps = (usual.isel(field_time=number) for number in range(6))
     seen = [observe(one, pixel=4.0, blur=2.5, threshold=0.05).area for one in maps]
     assert dataset["area_observed"].values.tolist() == seen
     assert dataset["area_observed"].attrs["units"] == "sites"
     assert max(seen) > 0
     assert re.search(rf"seen at t = 10 +{seen[-1]:g}\n", text)
-    assert results.load(out).drop_vars("area_observed")["u"].identical(usual["u"])
+    assert dataset["u"].identical(usual["u"])
 
 
-def test_a_measured_surface(tmp_path: Path, asperity: Asperity) -> None:
+def test_a_measured_surface(tmp_path, asperity):
     np.save("rough.npy", gaussian((24, 20), seed=4))
     Path("run.toml").write_text("[surface]\npath = 'rough.npy'\nperiodic = 'wrap'\ntilt = 'none'")
     assert asperity("run", "run.toml", *BRIEF, "--out", "out")[0] == 0
@@ -172,49 +162,182 @@ def test_a_measured_surface(tmp_path: Path, asperity: Asperity) -> None:
     assert f'path = "{tmp_path / "rough.npy"}"' in Path("out/config.toml").read_text()
     words = ("--crop", "0", "6", "1", "9", "--crop-unit", "um", "--pixel-size", "0.5", "--length-unit", "um")
     assert asperity("run", "--file", "rough.npy", *words, *BRIEF, "--out", "part")[0] == 0
-    assert "24 x 32 sites (undefined = fill, tilt = plane, periodic = mirror, crop = 0 6 1 9" in (
-        Path("part/summary.txt").read_text()
-    )
+    prepared = "24 x 32 sites (undefined = fill, tilt = plane, periodic = mirror, crop = 0 6 1 9"
+    assert prepared in Path("part/summary.txt").read_text()
     assert json.loads(results.load("part").attrs["surface"])["crop"] == [0, 12, 2, 18]
 
 
-def test_results_are_replaced_only_where_overwriting_is_asked_for(asperity: Asperity) -> None:
-    words = ("run", "--shape", "8,8", *BRIEF, "--out", "out")
+def test_results_are_replaced_only_where_overwriting_is_asked_for(asperity):
+    words = ("run", "--shape", "8,8", *BRIEF, "--figures", "", "--out", "out")
     Path("out").mkdir()
-    assert asperity(*words, "--figures", "") == (0, "", "")  # an empty folder is as good as none
+    assert asperity(*words) == (0, "", "")  # an empty folder is as good as none
     names = "aging.csv config.toml history.zarr summary.txt"
     assert sorted(path.name for path in Path("out").iterdir()) == names.split()
-    before = Path("out/config.toml").read_text()
-    assert asperity(*words, "--k1", "4")[0] == 2
-    assert Path("out/config.toml").read_text() == before
-    assert asperity(*words, "--k1", "4", "--overwrite") == (0, "", "")
-    assert "k1 = 4.0" in Path("out/config.toml").read_text()
+    for more, status, k1 in (((), 2, 3.0), (("--overwrite",), 0, 4.0)):
+        assert asperity(*words, "--k1", "4", *more)[0] == status
+        assert f"k1 = {k1}" in Path("out/config.toml").read_text()
     assert list(Path().iterdir()) == [Path("out")]
 
 
+MANY = " ".join(f"{n / 100:g}" for n in range(100))
+RAMP = "--shape 8,8 --leg 'ramp 2 load=30' --leg 'hold 4'"
 REMARKS = {
-    ("--shape", "32"): 1,
-    ("--shape", "8", "8"): 0,
-    ("--shape", "16,16", "--k0", "0", "--separation", "1"): 1,
-    ("--file", "ramp.npy", "--periodic", "wrap", "--tilt", "none"): 1,
-    ("--file", "ramp.npy"): 1,
-    ("--shape", "8,8", "--maps-at", *(f"{0.01 * n:g}" for n in range(100)), "--figures", "png"): 1,
-    ("--shape", "8,8", "--load", "0", "--leg", "ramp 2 load=30", "--leg", "hold 4", "--times", "1", "5"): 1,
-    ("--shape", "8,8", "--load", "1", "--leg", "ramp 2 load=30", "--leg", "hold 4", "--times", "1", "5"): 0,
-    ("--shape", "8,8", "--load", "0", "--leg", "ramp 2 load=30", "--leg", "hold 4"): 0,
+    "--load 3 --times 1 --shape 32": 1,
+    "--load 3 --times 1 --shape 8 8": 0,
+    "--separation 1 --times 1 --shape 16,16 --k0 0": 1,
+    "--load 3 --times 1 --file ramp.npy --periodic wrap --tilt none": 1,
+    "--load 3 --times 1 --file ramp.npy": 1,
+    f"{RAMP} --load 0 --times 1 5": 1,
+    f"{RAMP} --load 1 --times 1 5": 0,
+    f"{RAMP} --load 0": 0,
+    f"--load 3 --times 1 --shape 8,8 --maps-at {MANY} --figures png": 1,
 }
 
 
-def test_what_the_user_should_know_is_remarked(asperity: Asperity) -> None:
+def test_what_the_user_should_know_is_remarked(asperity):
     np.save("ramp.npy", np.arange(16.0) ** 2 / 100)
     for words, expected in REMARKS.items():
-        usual = ("--times", "1") if "--leg" not in words else ()
-        quiet = ("--maps-at", "", "--figures", "") if "--maps-at" not in words else ()
-        load = () if {"--load", "--separation"} & set(words) else ("--load", "3")
-        status, text, _ = asperity("run", *usual, *quiet, *load, *words, "--out", "out", "--overwrite")
+        quiet = () if "--maps-at" in words else ("--maps-at", "", "--figures", "")
+        status, text, _ = asperity("run", *shlex.split(words), *quiet, "--out", "out", "--overwrite")
         assert status == 0
         lines = text.splitlines()
         remarks = [line.removeprefix("remark").strip() for line in lines if line.startswith("remark")]
         assert len(remarks) == expected, words
+        for remark in remarks:
+            told(remark)
+
+
+BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
+SOLID = ("--solid", "half_space", "--modulus", "3.8 GPa")
+CREEPING = (*SOLID, "--branch", "0.3 10 ms", "--branch", "0.3 1", "--branch", "0.2 100 s")
+UNITS = ("--file-unit", "um", "--pixel-size", "0.4", "0.8", "--length-unit", "um")
+DECADES = ("--per-decade", "1", "--maps-at", "0", "1")
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """A text file of heights in micrometers, of oblong pixels."""
+    path = tmp_path_factory.mktemp("scan") / "scan.txt"
+    heights = spectral((64, 64), rms_height=0.2, spacing=(0.4, 0.8), cutoff=6.0, seed=1)
+    np.savetxt(path, heights, fmt="%.6e")
+    return path
+
+
+@pytest.fixture(scope="module")
+def done(scan):
+    """A finished run, not to be changed."""
+    out = scan.parent / "out"
+    words = ["run", "--file", str(scan), *UNITS, *CREEPING, "--periodic", "reflect", *DECADES]
+    assert main([*words, "--pressure", "2 MPa", "--quiet", "--out", str(out)]) == 0
+    return out
+
+
+def test_a_run_is_what_python_gives_in_si(scan, done):
+    data = results.load(done / "history.zarr")
+    lengths: dict[str, Any] = {"file_unit": "um", "pixel_size": (0.4, 0.8), "length_unit": "um"}
+    rough = read(scan, periodic="reflect", **lengths)
+    contact = press(rough, half_space(modulus=3.8e9, branches=BRANCHES), pressure=2e6)
+    assert data["time"].values[[0, 1, -1]] == pytest.approx([0, 1e-3, 1e3])
+    alone = age(contact, data["time"].values[1:], fields_at=[0.0, 1.0]).dataset
+    for name in alone.variables:
+        np.testing.assert_array_equal(data[name], alone[name], err_msg=str(name))
+        assert data[name].attrs == alone[name].attrs
+    assert data.attrs["held_load"] == pytest.approx(2e6 * 64 * 64 * 0.4e-6 * 0.8e-6)
+    assert float(data["contact_area"][0]) == contact.contact_area
+    assert contact.contact_area == pytest.approx(contact.area * 0.4e-6 * 0.8e-6)
+    assert float(data["contact_area_corrected"][0]) == contact.contact_area_corrected < contact.contact_area
+    assert float(data["largest_pressure"][0]) == contact.largest_pressure
+
+
+def test_a_run_of_balls_is_what_python_gives(tmp_path):
+    out = tmp_path / "balls"
+    words = shlex.split(
+        "run --surface array --shape 32x40 --place '10um 12um' --place '2e-5 3e-5' --radii 1mm 2mm "
+        "--heights=0 --heights=-10nm --pixel-size 1um --load 2mN --times 1 --quiet"
+    )
+    assert main([*words, *SOLID, "--branch", "0.3 1", "--out", str(out)]) == 0
+    data = results.load(out / "history.zarr")
+    places: dict[str, Any] = {"places": [("10 um", "12 um"), ("20 um", "30 um")], "heights": [0, "-10 nm"]}
+    balls = array((32, 40), radii=["1 mm", "2 mm"], pixel_size="1 um", **places)
+    contact = press(balls, half_space(modulus="3.8 GPa", branches=[(0.3, 1.0)]), load="2 mN")
+    assert (data.attrs["edges"], data.attrs["surface_kind"]) == ("free", "array")
+    assert data["separation"].values[0] == pytest.approx(contact.separation, rel=1e-9)
+    assert data.attrs["surface_x"] == pytest.approx([12e-6, 30e-6])
+    told("\n".join((out / "summary.txt").read_text().splitlines()[:1]))
+
+
+def test_every_variable_names_its_unit(done):
+    data = results.load(done / "history.zarr")
+    expected = {
+        "N": "load residual_scale",
+        "m^2": "contact_area contact_area_corrected",
+        "Pa": "mean_contact_pressure largest_pressure pressure contact_pressure",
+        "m": "separation approach mean_gap rms_gap u u0 heights u_relaxed x y perimeter",
+        "s": "time field_time contact_age mean_contact_age",
+        "J": "energy",
+        "sites": "area mean_patch_size median_patch_size largest_patch_size gained_by_births "
+        "gained_by_coalescence gained_by_expansion lost_by_deaths lost_by_shrinkage",
+    }
+    found = {str(name): data[name].attrs["units"] for name in data.variables}
+    units = {name: unit for unit, names in expected.items() for name in names.split()}
+    assert {name: unit for name, unit in found.items() if unit != "1"} == units
+    np.testing.assert_allclose(data["y"], 0.4e-6 * np.arange(64), rtol=1e-12)
+    np.testing.assert_allclose(data["x"], 0.8e-6 * np.arange(64), rtol=1e-12)
+    assert data["u0"].dims == ("field_time", "branch", "y", "x")
+    np.testing.assert_allclose(data["pressure"].mean(("y", "x")), 2e6, rtol=1e-8)
+    assert (data.attrs["solid"], data.attrs["si"], data.attrs["edges"]) == ("half_space", 1, "reflecting")
+    assert json.loads(data.attrs["branches"]) == [list(branch) for branch in BRANCHES]
+    np.testing.assert_allclose(json.loads(data.attrs["spacing"]), [0.4e-6, 0.8e-6])
+
+
+def test_table_summary_and_maps_are_in_si(done):
+    first, *_ = rows_of(done / "aging.csv")
+    data = results.load(done / "history.zarr")
+    area = float(data["contact_area"][0])
+    assert list(first)[:6] == ["time_s", "area_sites", "area_ratio", "load_N", "separation_m", "energy_J"]
+    assert float(first["contact_area_m2"]) == area
+    summary = (done / "summary.txt").read_text()
+    assert f"{written(area, 'm^2')}: {int(data['area'][0])} of 4096 sites" in summary
+    assert "modulus = 3.8 GPa, relaxing: 0.3 in 10 ms, 0.3 in 1 s, 0.2 in 100 s" in summary
+    maps = contact_maps(data)
+    assert (maps.unit, maps.aspect, maps.time_unit) == ("nm", 0.5, "s")
+    np.testing.assert_allclose(maps.heights, 1e9 * data["heights"])
+    bar = maps.scale_bar(64)
+    assert bar is not None
+    assert bar[:2] == pytest.approx((25.0, 20.0))
+    assert bar[2] == "um"
+
+
+def test_the_summary_says_what_yielded(scan, tmp_path):
+    words = ["--hardness", "0.2 GPa", "--pressure", "4 MPa", "--first", "1", "--last", "10", *DECADES]
+    out = tmp_path / "out"
+    assert main(["run", "--file", str(scan), *UNITS, *SOLID, *words, "--quiet", "--out", str(out)]) == 0
+    data = results.load(out)
+    lower, yielding = data["permanent_indentation"].values[-1], data["yielding_area"].values
+    assert yielding[0] > 1
+    sites = f"{yielding[0]} sites at t = 0, {yielding[-1]} at the end"
+    said = f"{sites}; lowered for good: {(lower > 0).sum()} sites"
+    assert f"{said}, by up to {written(lower.max(), 'm')}" in (out / "summary.txt").read_text()
+
+
+NO_UNIT = {
+    "--thickness 3 --pressure 1MPa": 1,
+    "--thickness 3um --pressure 1": 1,
+    "--thickness 3um --load 1": 1,
+    "--thickness 3um --pressure 1MPa --hardness 1e11": 1,
+    "--thickness 3um --pressure 1MPa --shear-strength 60": 1,
+    "--thickness 3um --pressure 1MPa --shear-strength 60MPa": 0,
+    "--thickness 3um --pressure 1e6": 0,
+}
+
+
+def test_a_number_without_a_unit_that_is_odd_in_si_gets_a_remark(asperity):
+    layer = "--solid layer --modulus 3GPa --poisson 0.3 --branch '0.3 1' --times 1 --figures ''"
+    rough = "--surface spectral --shape 16 16 --spacing 0.5 --unit um --rms-height 0.1 --out out --overwrite"
+    for line, expected in NO_UNIT.items():
+        status, _, error = asperity("run", *shlex.split(f"{rough} {layer} {line}"))
+        assert status == 0
+        remarks = [said for said in error.splitlines() if "has no unit" in said]
+        assert len(remarks) == expected
         for remark in remarks:
             told(remark)

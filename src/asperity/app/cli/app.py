@@ -87,9 +87,8 @@ def _run(arguments: list[str]) -> int:
         silence_output()
         return 1
     except OSError as error:
-        return complain(
-            1, f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error)
-        )
+        where = f"{error.filename}: " if error.filename else ""
+        return complain(1, f"{where}{error.strerror or error}")
     except MemoryError as error:
         return complain(1, f"not enough memory: {str(error) or 'try a smaller surface'}")
     except KeyboardInterrupt as interrupt:

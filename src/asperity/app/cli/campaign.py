@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import shlex
 import sys
 import time as clock
@@ -30,23 +31,16 @@ _SHOWN_FAILURES = 10
 def dry_run(plan: Plan, out: Path, _: Work) -> None:
     """Say what a campaign would do."""
     left = campaign.estimate(plan, out)
-    rows = [
-        ("runs", f"{len(plan.distinct)}, of which {left.runs} are to do"),
-        ("dimensions", _dimensions(plan)),
-    ]
+    to_do = f"{len(plan.distinct)}, of which {left.runs} are to do"
+    rows = [("runs", to_do), ("dimensions", _dimensions(plan))]
     if left.runs:
-        rows += [
-            ("memory", f"about {data_size(left.memory)} for the largest run, one on each worker"),
-            ("disk", f"about {data_size(left.bytes)}"),
-        ]
+        memory = f"about {data_size(left.memory)} for the largest run, one on each worker"
+        rows += [("memory", memory), ("disk", f"about {data_size(left.bytes)}")]
     sys.stdout.write(f"{aligned(rows)}\n")
 
 
 def sweep(plan: Plan, out: Path, work: Work) -> None:
-    """Do what is missing, and say how it ended.
-
-    `AsperityError` if the disk or the scheduler refused; or some runs failed, after all others were done.
-    """
+    """Do what is missing, and say how it ended; runs that failed are an `AsperityError` after all others."""
     _check_out(out)
     before = campaign.tally(plan, out)
     idle = before.done + (0 if work.retry_failed else before.failed) == before.total
@@ -61,10 +55,8 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
                 progress=show,
             )
     except KeyboardInterrupt:
-        done = campaign.tally(plan, out).done
-        raise KeyboardInterrupt(
-            f"interrupted; {done} runs are done and kept, and the same command does the rest"
-        ) from None
+        kept = f"{campaign.tally(plan, out).done} runs are done and kept"
+        raise KeyboardInterrupt(f"interrupted; {kept}, and the same command does the rest") from None
     except InputError as error:
         # That nobody is at an address is no mistake in what was typed.
         if error.name != "scheduler" or isinstance(error.__cause__, ValueError):
@@ -75,10 +67,8 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
         told = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
         sys.stdout.write(f"{told}\n")
     if end.failed:
-        why = shlex.join(("asperity", "status", str(out)))
-        raise AsperityError(
-            f"{end.failed} of {end.total} runs failed: {why} says why; try again with --retry-failed"
-        )
+        why = f"{shlex.join(('asperity', 'status', str(out)))} says why; try again with --retry-failed"
+        raise AsperityError(f"{end.failed} of {end.total} runs failed: {why}")
 
 
 def _check_out(out: Path) -> None:
@@ -87,16 +77,11 @@ def _check_out(out: Path) -> None:
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     # Listed once: another campaign may be filling the folder at this very moment.
     found = [path.name.lstrip(".") for path in out.iterdir()] if out.exists() else []
-    ours = any(name.startswith(("plan.json", "runs.zarr")) for name in found) or (
-        (out / "state" / "locks").is_dir()
-    )
-    if found and not ours:
-        raise InputError(
-            "--out",
-            expected="a new folder, or that of a campaign",
-            got=f"{out}, which holds something else and is kept",
-            advice="another name",
-        )
+    ours = any(name.startswith(("plan.json", "runs.zarr")) for name in found)
+    if found and not ours and not (out / "state" / "locks").is_dir():
+        expected = "a new folder, or that of a campaign"
+        got = f"{out}, which holds something else and is kept"
+        raise InputError("--out", expected=expected, got=got, advice="another name")
 
 
 def tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
@@ -126,9 +111,8 @@ def tally_shown(*, quiet: bool) -> Iterator[Callable[[Tally], None]]:
         times = (TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
         with Bar(*counts, *times, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("runs", total=None)
-            yield lambda now: bar.update(
-                task, total=now.total, completed=now.done + now.failed, description=_words(now)
-            )
+            count = functools.partial(bar.update, task)
+            yield lambda now: count(total=now.total, completed=now.done + now.failed, description=_words(now))
     else:
         yield _Lines().say
 
@@ -140,9 +124,8 @@ class _Lines:
     """
 
     def __init__(self) -> None:
-        self.last = clock.monotonic()
-        self.begin, self.over_at_start, self.over_at_begin = 0.0, 0, 0
-        self.calls = 0
+        self.last = self.begin = clock.monotonic()
+        self.calls = self.over_at_start = self.over_at_begin = 0
 
     def say(self, now: Tally) -> None:
         over, moment = now.done + now.failed, clock.monotonic()

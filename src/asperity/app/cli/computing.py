@@ -32,11 +32,9 @@ def compute_into(
     every: float,
     results: Results,
 ) -> None:
-    """Compute what is asked, and write its dataset, its summary and all else to a folder.
+    """Compute what is asked, and write its dataset, its summary and all else to a folder, or nothing.
 
-    A long computation keeps its place, every so many seconds, in a file beside the folder. An earlier result
-    is replaced only if it may be, an empty folder always. `AsperityError` as the engine; or the folder cannot
-    be written, and nothing is left.
+    A long computation keeps its place, every so many seconds, in a file beside the folder.
     """
     check_free(out, overwrite=results.overwrite)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
@@ -63,11 +61,7 @@ def folder_of_results(out: Path, rows: Sequence[Row], results: Results) -> Itera
 
 @contextmanager
 def place_beside(out: Path, asked: str) -> Iterator[Path]:
-    """The file beside the folder of results in which a computation keeps its place; removed after it.
-
-    It is named after what is asked, so that a command with other parameters never meets it. An interruption
-    is told with how to go on.
-    """
+    """The file beside the folder of results in which this computation, and no other, keeps its place."""
     mark = hashlib.sha256(asked.encode()).hexdigest()[:8]
     place = out.with_name(f"{out.name}.{mark}.checkpoint")
     try:

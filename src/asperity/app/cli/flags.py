@@ -63,11 +63,7 @@ class Flags:
 
 @functools.cache
 def flags_for(*sections: str) -> type[Flags]:
-    """Make the flags of sections.
-
-    ``"preparation"`` stands for the keys that prepare a measured surface, ``"prediction"`` for those of a
-    prediction.
-    """
+    """Make the flags of sections; those of ``"preparation"`` prepare a measured surface."""
     keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
     quantity = "QUANTITY" if "prediction" in sections else "FLOAT"  # which may be without a unit in a run
     fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
@@ -77,10 +73,7 @@ def flags_for(*sections: str) -> type[Flags]:
 
 
 def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
-    """Gather the flags that were given, by section and key.
-
-    With `units`, quantities need theirs: `InputError` for a number alone.
-    """
+    """Gather the flags that were given, by section and key; with `units`, quantities need theirs."""
     from asperity.app.config.mistakes import flag_of
 
     sections: dict[str, dict[str, object]] = {}
@@ -130,9 +123,8 @@ def _read(written: bool | str | list[str], what: What) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
         if what in ("pair", "pairs"):
-            pairs = [
-                [number(part) for part in re.split(r"[\s,]+", word.strip(), maxsplit=1)] for word in written
-            ]
+            split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in written)
+            pairs = [[number(part) for part in parts] for parts in split]
             return pairs if what == "pairs" else pairs[-1]
         if what == "choices":
             return [word for item in written for word in item.split()]
@@ -210,10 +202,8 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     ):
         for name, key in keys_of(model).items():
             if name in names:
-                yield (
-                    section,
-                    dataclasses.replace(key, description=words.get(flag_of(section, name), key.description)),
-                )
+                said = words.get(flag_of(section, name), key.description)
+                yield section, dataclasses.replace(key, description=said)
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:

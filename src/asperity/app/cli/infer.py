@@ -148,13 +148,11 @@ def _data(
     given = {name.removeprefix("column-"): column for name, column in columns.items()}
     table = read_measurements(file, **given)
     seconds, square = _factors(units, table.time_name, model)
-    if error is None:
-        errors = None if table.stderr is None else square * table.stderr
-    elif table.stderr is not None:
+    if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
-    else:
-        errors = _error(error, square * table.value, square)
-    return seconds * table.time, square * table.value, errors, table.remarks
+    value = square * table.value
+    errors = _error(error, value, square) if table.stderr is None else square * table.stderr
+    return seconds * table.time, value, errors, table.remarks
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:
@@ -162,12 +160,9 @@ def _errors_beside(names: Sequence[str]) -> str | None:
     error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
     found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
     if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
-        raise InputError(
-            "--column-stderr",
-            expected="one column of standard errors, in the unit of the values",
-            got=", ".join(map(repr, found)),
-            advice="its name, or --error 1%",
-        )
+        expected = "one column of standard errors, in the unit of the values"
+        got = ", ".join(map(repr, found))
+        raise InputError("--column-stderr", expected=expected, got=got, advice="its name, or --error 1%")
     return found[0] if found else None
 
 

@@ -10,11 +10,7 @@ FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
 
 def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
-    """Make sure, before anything is computed, that a flag names a file that can be written.
-
-    `InputError` if it has another suffix, its folder does not exist, or it exists and is not to be
-    replaced; `OutputError` if nothing can be written there.
-    """
+    """Make sure, before anything is computed, that a flag names a file that can be written."""
     if target.suffix.lower() not in suffixes:
         expected, advice = f"a name that ends in {', '.join(suffixes)}", f"{flag} {target}{suffixes[0]}"
         raise InputError(flag, expected=expected, got=target, advice=advice)

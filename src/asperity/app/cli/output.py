@@ -52,11 +52,7 @@ _MOST_MAPS = 24
 
 
 def check_free(out: Path, *, overwrite: bool) -> None:
-    """Make sure, before anything is computed, that the results can be written.
-
-    `InputError` if the folder exists and is not to be replaced, or is no earlier run's; `OutputError` if
-    nothing can be written there.
-    """
+    """Make sure, before anything is computed, that the results can be written, and replace no others."""
     folder = out.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
@@ -156,9 +152,8 @@ def _write_patches(dataset: xr.Dataset, path: Path) -> None:
     for name in select("map", table=RUN):
         if name in dataset and "quantile" in dataset[name].dims:
             shares = dataset["quantile"].values.tolist()
-            columns += [
-                (f"{name}_{100 * share:g}_percent", dataset[name].sel(quantile=share)) for share in shares
-            ]
+            parts = {f"{name}_{100 * share:g}_percent": dataset[name].sel(quantile=share) for share in shares}
+            columns += parts.items()
         elif name in dataset:
             columns.append((name, dataset[name]))
     _write_columns(dataset, columns, path)

@@ -28,10 +28,7 @@ _OF_TABLES = ("kind", "columns", "noise", "modulus", "branches")
 def prediction_asked(
     material: Path | None, flags: Sections, wanted: dict[str, Any], ramp: str | None
 ) -> tuple[str, Callable[..., Prediction]]:
-    """What is asked, in a text that is the same for the same numbers, and what computes it.
-
-    `AsperityError` if it cannot be, now or when it is computed; of flags, not of arguments in Python.
-    """
+    """What is asked, in a text that is the same for the same numbers, and what computes it."""
     loading = None if ramp is None else _with_unit("--ramp", ramp, "s")
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":

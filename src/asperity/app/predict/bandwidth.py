@@ -40,14 +40,7 @@ def bands_of(
         start = press(part, solid, **pressed)
         first = age(start, [span[0]], rtol=rtol).final
         last = age(start, [span[1]], rtol=rtol).final
-        areas = first.contact_area_corrected, last.contact_area_corrected
-        found.append(
-            Band(
-                shortest=shortest * meter,
-                area=areas[1],
-                pressure=last.load / areas[1],
-                growth=areas[1] / areas[0],
-                stiffness=last.normal_stiffness,
-            )
-        )
+        area = last.contact_area_corrected
+        growth, pressure = area / first.contact_area_corrected, last.load / area
+        found.append(Band(shortest * meter, area, pressure, growth, last.normal_stiffness))
     return tuple(found)

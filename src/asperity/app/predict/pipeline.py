@@ -285,18 +285,15 @@ def predict_config(
     times = times[times > 0]
     listed = config.aging.times is not None
     if times.size < LEAST_TIMES:
-        name, advice = (
-            ("times", "more times") if listed else ("per_decade", "a later last or more per_decade")
-        )
+        name, advice = "per_decade", "a later last or more per_decade"
+        if listed:
+            name, advice = "times", "more times"
         expected = f"{LEAST_TIMES} times or more after 0"
         raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
     check_span(f"[aging] {'times' if listed else 'last'}", times[0], times[-1])
     check_ramp(loading, times[-1])
-    idle = (
-        ("[friction] rate_coefficient", config.friction.rate_coefficient),
-        ("[output] maps_at", maps_asked),
-    )
-    if unused := [name for name, value in idle if value is not None]:
+    idle = {"[friction] rate_coefficient": config.friction.rate_coefficient, "[output] maps_at": maps_asked}
+    if unused := [name for name, value in idle.items() if value is not None]:
         remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
     facts: dict[str, object] = {}
     if found is not None:
@@ -377,6 +374,7 @@ def _predicted(
     progress.stage("weighing the spread of the table and of the scan")
     if found is not None:
         series = (found.series, *(one.series for one in found.resampled))
+    looked_at = (dataset.isel(field_time=n) for n in range(len(maps) if instrument else 0))
     prediction = Prediction(
         dataset,
         found,
@@ -384,14 +382,11 @@ def _predicted(
         growth_of(dataset, series, ramp=ramp),
         resolved(dataset),
         shear_strength=strength,
-        observed=tuple(
-            observe(dataset.isel(field_time=n), **instrument) for n in range(len(maps) if instrument else 0)
-        ),
+        observed=tuple(observe(one, **instrument) for one in looked_at),
         bands=bands,
     )
-    return replace(
-        prediction, remarks=(*scan.remarks, *remarks_on_edges(scan), *remarks_on(prediction, scan))
-    )
+    remarks = *scan.remarks, *remarks_on_edges(scan), *remarks_on(prediction, scan)
+    return replace(prediction, remarks=remarks)
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:

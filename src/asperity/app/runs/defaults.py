@@ -39,12 +39,8 @@ def modest_pressure(*, modulus: float, slope: float) -> float:
 
 def _modest(name: str, value: float, of_what: str) -> float:
     if not value > 0:
-        raise InputError(
-            name,
-            expected=f"a {name}, as the {of_what} of the surface is 0 and suggests none",
-            got="none",
-            advice=f"a {name} of your own",
-        )
+        expected = f"a {name}, as the {of_what} of the surface is 0 and suggests none"
+        raise InputError(name, expected=expected, got="none", advice=f"a {name} of your own")
     return float(f"{value:.3g}")
 
 
@@ -65,7 +61,9 @@ def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, .
     are spread evenly by index.
     """
     later = [float(t) for t in times if t > 0]
-    round_ones = [t for t in later if _is_power_of_ten(t) or t == later[-1]]
+    exponents = np.log10(later)
+    powers = np.abs(exponents - exponents.round()) < 1e-9
+    round_ones = [t for t, power in zip(later, powers, strict=True) if power or t == later[-1]]
     wanted = min(count - 1, len(later))
     if wanted and len(round_ones) >= wanted:
         stride = max(1, round(len(round_ones) / wanted))
@@ -83,8 +81,3 @@ def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> 
         f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
         "there the load still rises, and the area with it",
     )
-
-
-def _is_power_of_ten(time: float) -> bool:
-    exponent = math.log10(time)
-    return abs(exponent - round(exponent)) < 1e-9

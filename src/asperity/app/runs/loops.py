@@ -40,10 +40,8 @@ def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], No
         branches.weighted_power(spectra, modes)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
     heights = np.random.default_rng(0).normal(size=(66, 66))
-    for solid in (
-        spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1),
-        half_space(modulus=1.0, branches=[(0.5, 1.0)]),
-    ):
+    viscous = spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
+    for solid in (viscous, half_space(modulus=1.0, branches=[(0.5, 1.0)])):
         contact = press(heights, solid, load=80.0)
         relax(press(age(contact, [1.0, 100.0], exact=False).final, load=40.0))
     age(press(heights[0], spring_lattice(k0=1.0, k1=3.0), load=1.2), [1.0])

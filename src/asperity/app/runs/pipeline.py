@@ -13,17 +13,11 @@ from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
-from asperity.app.config.models import Aging, Independent
 from asperity.app.config.models import Contact as ContactSection
+from asperity.app.config.models import Independent
 from asperity.app.config.solids import Continuum
-from asperity.app.runs.defaults import (
-    USUAL_MAPS,
-    hold_times,
-    map_times,
-    modest_load,
-    modest_pressure,
-    remark_on_loading,
-)
+from asperity.app.runs import defaults
+from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Carried, Contact
@@ -129,14 +123,10 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
 
 
 def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool, held: bool = False) -> int:
-    """Bytes of memory a site that a run needs, with so many maps; more where edges are free.
-
-    A load that is held asks less of a separable solid.
-    """
+    """Bytes of memory a site that a run needs; a load that is held asks less of a separable solid."""
     # Sites on which a contact is computed, for each site of the surface.
-    embedded = (
-        math.prod(Lattice(tuple(shape), edges="free").embedding.shape) / math.prod(shape) if free else 1
-    )
+    embedding = Lattice(tuple(shape), edges="free").embedding.shape if free else shape
+    embedded = math.prod(embedding) / math.prod(shape)
     springs, branches = solid.springs, len(solid.branches)
     if held and solid.separable:
         return round((_HELD + branches * _HELD_BRANCH) * embedded) + 8 * branches * maps
@@ -153,14 +143,10 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     if solid.in_lengths and rough.has_lengths:
         return
     if (text := next(written_with_units(config.model_dump()), None)) is not None:
+        expected, advice = f"plain numbers for a {solid.kind}, which is defined on sites", "solid half_space"
         if solid.in_lengths:
             expected = "plain numbers, as the surface has no unit of length"
             advice = "file_unit, pixel_size and length_unit in [surface], or unit of a spectral one"
-        else:
-            expected, advice = (
-                f"plain numbers for a {solid.kind}, which is defined on sites",
-                "solid half_space",
-            )
         raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
 
 
@@ -198,12 +184,9 @@ def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) 
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
     contact: Contact = press(rough, solid, **config.contact.model_dump())
     if contact.area == 0:
-        raise InputError(
-            "separation",
-            expected=f"one at which the solids touch, below {contact.heights.max():.6g}",
-            got=config.contact.separation,
-            advice="a smaller one, or a load",
-        )
+        expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
+        got = config.contact.separation
+        raise InputError("separation", expected=expected, got=got, advice="a smaller one, or a load")
     return contact
 
 
@@ -241,11 +224,15 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     maps_at = config.output.maps_at
     if maps_at is None:
         maps_at = _map_times(config)
+    aging = config.aging
+    if aging.times is None:
+        ends = dict(zip(("first", "last"), config.span, strict=True))
+        aging = aging.model_copy(update={"first": ends["first"]} if config.protocol else ends)
     completed = {
         "surface": chosen,
         "solid": config.solid.resolved(),
         "contact": contact,
-        "aging": _completed_times(config),
+        "aging": aging,
         "output": config.output.model_copy(update={"maps_at": maps_at}),
     }
     return config.model_copy(update=completed), remarks
@@ -267,27 +254,16 @@ def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, s
     """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
     chosen, solid = config.surface, config.solid
     if isinstance(solid, Continuum):
-        pressure = modest_pressure(modulus=solid.contact_modulus, slope=rough.describe().rms_slope)
+        pressure = defaults.modest_pressure(modulus=solid.contact_modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
         said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
         return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-    nominal = isinstance(chosen, Independent)
-    rms = chosen.rms if isinstance(chosen, Independent) else rough.describe().rms_height
-    load = modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
-    which = "" if nominal else ", measured"
+    nominal = chosen.rms if isinstance(chosen, Independent) else None
+    rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
+    load = defaults.modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
     said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
     return ContactSection(load=load), said
-
-
-def _completed_times(config: RunConfig) -> Aging:
-    """First and last time as numbers, where times are not listed one by one."""
-    if config.aging.times is not None:
-        return config.aging
-    first, last = config.span
-    return config.aging.model_copy(
-        update={"first": first} if config.protocol else {"first": first, "last": last}
-    )
 
 
 def recorded_times(config: RunConfig) -> Field:

@@ -9,14 +9,7 @@ from pathlib import Path
 
 from asperity.base.words import uncertain
 from asperity.figures.fit import UNDETERMINED, determined
-from asperity.fits import (
-    Comparison,
-    FitResult,
-    GrowthRate,
-    LogarithmFit,
-    MeasuredGrowth,
-    SaturationFit,
-)
+from asperity.fits import Comparison, FitResult, GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
 from asperity.fits.result import parameters_of
 from asperity.results.store import whole_file
@@ -71,11 +64,9 @@ def _line(rate: GrowthRate, initial_from: str, unit: str) -> list[tuple[str, ...
     rows += [(f"  A0: {origin}",), _goodness(rate)]
     if math.isfinite(rate.curvature):
         bend = uncertain(100 * rate.curvature, 100 * rate.curvature_stderr)
-        verdict = {
-            True: "straight",
-            False: "not straight, so that the rate depends on the window",
-            None: "the data do not tell whether it is straight",
-        }[rate.straight]
+        bent = "not straight, so that the rate depends on the window"
+        unknown = "the data do not tell whether it is straight"
+        verdict = unknown if rate.straight is None else "straight" if rate.straight else bent
         rows.append((f"  change of slope within the window: {bend} %; {verdict}",))
     return rows
 
@@ -121,19 +112,18 @@ def _comparison(found: Comparison) -> list[tuple[str, ...]]:
 
 def write_numbers(growth: MeasuredGrowth, path: Path, **origin: str) -> None:
     """Write all numbers, and where they come from, as JSON, which has no infinity."""
-    facts: dict[str, object] = {
+    found = {} if growth.comparison is None else vars(growth.comparison)
+    numbers = {name: _finite(value) for name, value in found.items() if name not in growth.fits}
+    facts = {
         **origin,
         "points": growth.points,
         "initial_points": growth.initial_points,
         "fits": {law: _numbers(fit) for law, fit in growth.fits.items()},
         "initial_from": growth.initial_from,
         "straight_line": None if growth.rate is None else _numbers(growth.rate),
-        "comparison": None,
+        "comparison": numbers or None,
         "notes": list(growth.notes),
     }
-    if growth.comparison is not None:
-        numbers = vars(growth.comparison).items()
-        facts["comparison"] = {name: _finite(value) for name, value in numbers if name not in growth.fits}
     text = json.dumps(facts, indent=2, allow_nan=False)
     with whole_file(path) as part:
         part.write_text(f"{text}\n", encoding="utf-8")
@@ -146,11 +136,8 @@ def _numbers(fit: FitResult) -> dict[str, object]:
     for field in dataclasses.fields(fit):
         if field.name in names:
             shown = "A0" if field.name == "initial_area" else field.name
-            facts = (
-                getattr(fit, field.name),
-                getattr(fit, f"{field.name}_stderr"),
-                *fit.interval(field.name),
-            )
+            known = (getattr(fit, name) for name in (field.name, f"{field.name}_stderr"))
+            facts = (*known, *fit.interval(field.name))
             scales = {"_per_efold": 1.0, "_per_decade": _PER_DECADE} if field.name in _SLOPES else {"": 1.0}
             for suffix, factor in scales.items():
                 value, stderr, *ends = (_finite(factor * fact) for fact in facts)

@@ -42,18 +42,16 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
         ends = dict.fromkeys((0, seen.size - 1))
         times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
         rows += [(f"seen at t = {times[n]:g}", written(areas[n], seen.attrs["units"], 5)) for n in ends]
-    rows += [
+    effort = "exact contact, " if attrs.get("exact_contact") == "at all times" else ""
+    effort += f"{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
+    effort += f"{seconds:.1f} s{' in this session' if resumed else ''}"
+    return [
+        *rows,
         *carried_words(dataset),
         ("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"),
-        (
-            "effort",
-            f"{'exact contact, ' if attrs.get('exact_contact') == 'at all times' else ''}"
-            f"{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
-            f"{seconds:.1f} s{' in this session' if resumed else ''}",
-        ),
+        ("effort", effort),
         *(("remark", remark) for remark in outcome.remarks),
     ]
-    return rows
 
 
 def _said(dataset: xr.Dataset, name: str, value: float, digits: int = 8) -> str:
@@ -98,7 +96,9 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     """How the area grew while one thing was held."""
     rows = [*_loads(summary, dataset), ("contact at t = 0", _contact(summary.initial_area, summary, dataset))]
     if "mean_contact_pressure" in dataset:
-        rows += _pressures(dataset)
+        ends = (("mean_contact_pressure", "mean over the contacts"), ("largest_pressure", "at most"))
+        said = (f"{_said(dataset, name, float(dataset[name][0]), 4)} {which}" for name, which in ends)
+        rows.append(("pressure at t = 0", ", ".join(said)))
     rows += _yielding(dataset)
     if summary.time.size:
         late = f"contact at t = {_at(dataset, summary.time[-1])}"
@@ -115,15 +115,6 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = {when}"
         rows.append(("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
     return rows
-
-
-def _pressures(dataset: xr.Dataset) -> list[Row]:
-    """Mean and largest contact pressure at the beginning."""
-    mean, largest = (
-        _said(dataset, name, float(dataset[name][0]), 4)
-        for name in ("mean_contact_pressure", "largest_pressure")
-    )
-    return [("pressure at t = 0", f"{mean} mean over the contacts, {largest} at most")]
 
 
 def _yielding(dataset: xr.Dataset) -> list[Row]:
