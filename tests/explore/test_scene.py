@@ -13,9 +13,6 @@ import pytest
 import asperity as asp
 from asperity.app.config import config_from
 from asperity.app.explore.scene import (
-    Cursor,
-    Recording,
-    map_of,
     mapped,
     most_maps,
     of_frame,
@@ -134,27 +131,3 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     row, seen = of_frame(frames[-1])
     assert (row["displacement"], row["yielding_area"]) == (2.0, yielding[-1])
     assert np.array_equal(seen.arrays["yielded"], recording.maps[-1].arrays["yielded"])
-
-
-def test_a_late_reader_gets_all_in_few_messages_and_an_early_one_the_same() -> None:
-    mask = np.ones((8, 8), dtype=bool)
-    late, early = Recording("one"), Recording("one")
-    for one in (late, early):
-        one.scene = {"columns": ["time"], "last_time": 99.0}
-        one.heights = np.zeros((8, 8), np.uint16)
-    cursor = Cursor()
-    assert early.next(cursor) is not None
-    seen: list[float] = []
-    for number in range(100):
-        early.rows.append([float(number)])
-        header, arrays = early.next(cursor) or ({}, {})
-        assert header["time_now"] == number
-        seen += arrays["rows"][:, 0].tolist()
-        assert early.next(cursor) is None
-    late.rows = [[float(number)] for number in range(100)]
-    late.maps = [map_of(float(number), 0, mask, mask.astype(float)) for number in range(100)]
-    late.end = {"kind": "done"}
-    messages = [unpack(one) for one in late.messages()]
-    assert [header["kind"] for header, _ in messages] == ["scene", "rows", "done"]
-    assert messages[1][1]["rows"][:, 0].tolist() == seen
-    assert len(messages[1][0]["maps"]) == 100
