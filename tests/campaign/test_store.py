@@ -112,8 +112,8 @@ def test_remains_of_a_run_are_named_and_done_again(two, capsys):
 
 def test_a_damaged_store_or_plan_is_named(two):
     plan, out, run = two
-    for damage in ('{"zarr_format": "3"}', "[3]", ""):
-        (run.parent / "zarr.json").write_text(damage)
+    for text in ('{"zarr_format": "3"}', "[3]", ""):
+        (run.parent / "zarr.json").write_text(text)
         with pytest.raises(InputError, match=r"zarr.json, which is damaged; try removing that file"):
             campaign.sweep(plan, out)
     whole = (out / "plan.json").read_text()

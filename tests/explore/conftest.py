@@ -131,12 +131,11 @@ def heights_of(message: Message) -> Any:
 
 def maps(messages: Sequence[Message]) -> dict[int, tuple[Header, Any, Any]]:
     """Facts, contact and pressures of all maps."""
-    found = {}
+    found, shape = {}, only(messages, "scene")[0]["shape"]
     for header, arrays in messages:
         for one in header["maps"] if header["kind"] == "rows" else ():
-            pressure = arrays[f"pressure.{one['index']}"]
-            bits = np.unpackbits(arrays[f"bits.{one['index']}"], count=pressure.size)
-            found[one["index"]] = one, bits.reshape(pressure.shape), pressure
+            bits, pressure = (arrays[f"{name}.{one['index']}"] for name in ("bits", "pressure"))
+            found[one["index"]] = one, np.unpackbits(bits).reshape(shape), pressure
     return found
 
 

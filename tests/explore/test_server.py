@@ -322,22 +322,26 @@ def test_it_listens_on_this_machine_alone(server: Server) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("killed", [False, True])
-def test_it_ends_quietly_with_all_its_processes(killed: bool) -> None:
+def test_it_ends_quietly_with_all_its_processes() -> None:
     own = Server()
     with own.page() as page:
-        if not killed:
-            page.send("run", config=LARGE)
-            page.until("stage")
+        page.send("run", config=LARGE)
+        page.until("stage")
         children = psutil.Process(own.process.pid).children(recursive=True)
         assert children
-        if killed:
-            own.process.kill()
-            own.process.communicate(timeout=30)
-        else:
-            assert own.end() == (0, "")
-    _, alive = psutil.wait_procs(children, timeout=20 if killed else 10)
-    assert not alive
+        assert own.end() == (0, "")
+    assert not psutil.wait_procs(children, timeout=10)[1]
+
+
+@pytest.mark.slow
+def test_its_processes_end_when_it_is_killed() -> None:
+    own = Server()
+    with own.page():
+        children = psutil.Process(own.process.pid).children(recursive=True)
+        assert children
+    own.process.kill()
+    own.process.communicate(timeout=30)
+    assert not psutil.wait_procs(children, timeout=20)[1]
 
 
 @pytest.mark.slow

@@ -31,6 +31,7 @@ from asperity.app.runs import Progress, execute
 from asperity.base.words import has_unit, numbers, written_with_units
 from asperity.errors import ConfigError, InputError
 from asperity.lattice import Lattice
+from asperity.solids import Solid
 from asperity.theory import ExponentialHeights, GaussianHeights
 from tests.refusals import refuses
 
@@ -314,12 +315,18 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path) -> None:
         assert pickle.loads(pickle.dumps(config)) == config  # as it goes to other processes
 
 
-def spectra(solid: asp.Solid) -> list[Any]:
+def spectra(solid: Solid) -> list[Any]:
     return list(vars(solid.on(Lattice((8, 8), (0.5, 0.25)))).values())
 
 
-COATED = {"modulus": 2.0, "poisson": 0.3, "thickness": 1.0, "base_modulus": 9.0, "base_poisson": 0.5}
-MADE: list[tuple[dict[str, Any], asp.Solid]] = [
+COATED: dict[str, Any] = {
+    "modulus": 2.0,
+    "poisson": 0.3,
+    "thickness": 1.0,
+    "base_modulus": 9.0,
+    "base_poisson": 0.5,
+}
+MADE: list[tuple[dict[str, Any], Solid]] = [
     ({"k1": 5.0}, asp.solids.spring_lattice(k0=1.0, k1=5.0)),
     (
         {"kind": "half_space", "modulus": "3.8 GPa", "branches": [[0.3, "10 ms"], [0.3, 1]]},

@@ -135,7 +135,7 @@ def test_the_text_gives_the_same_numbers(tables: dict[str, Any], capsys: pytest.
 def test_a_measured_surface_and_a_spectrum_are_read_again(tmp_path: Path) -> None:
     path = tmp_path / "it's a 'scan'.npy"
     np.save(path, np.random.default_rng(0).normal(size=(14, 12)))
-    surface = {"kind": "file", "path": str(path), "periodic": "taper", "file_unit": "nm"}
+    surface: dict[str, Any] = {"kind": "file", "path": str(path), "periodic": "taper", "file_unit": "nm"}
     surface |= {"crop": [0, 12, 0, 12], "pixel_size": [3e-8], "length_unit": "m"}
     repeated({"surface": surface, "solid": MAXWELL})
     for shape in ([16, 12], [64]):

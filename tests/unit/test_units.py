@@ -91,7 +91,7 @@ def test_other_texts_are_refused() -> None:
 
 
 def test_solids_take_units() -> None:
-    thin: dict[str, float] = {"modulus": 3e9, "poisson": 0.3, "thickness": 4e-6}
+    thin: dict[str, Any] = {"modulus": 3e9, "poisson": 0.3, "thickness": 4e-6}
     written: dict[str, Any] = {"modulus": "3 GPa", "poisson": 0.3, "thickness": "4 µm"}
     assert layer(**written) == layer(**thin)
     coated = coated_half_space(**written, base_modulus="10 GPa", base_poisson=0.2)
