@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 import zarr
 
-from asperity.app.campaign.plan import Plan
+from asperity.app.campaign.plan import Plan, plan_to_json
 from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import plan_to_json
 from asperity.app.campaign.worker import run_task
 from asperity.app.config import to_tables
 

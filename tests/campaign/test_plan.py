@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from asperity.app.campaign import load_plan, read_plan
-from asperity.app.campaign.plan import name_of, value_at
-from asperity.app.campaign.sweeping import plan_to_json
+from asperity.app.campaign.plan import name_of, plan_to_json, value_at
 from asperity.errors import ConfigError
 from tests.campaign.conftest import HALF_SPACES, HISTORY, written
 

@@ -12,9 +12,8 @@ import xarray as xr
 
 import asperity.app.campaign as campaign
 from asperity import age, observe, press
-from asperity.app.campaign.plan import _NOT_SWEPT
+from asperity.app.campaign.plan import _NOT_SWEPT, plan_to_json
 from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import plan_to_json
 from asperity.app.cli import main
 from asperity.app.config.mistakes import ORDER, models_of
 from asperity.errors import InputError

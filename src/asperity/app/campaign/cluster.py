@@ -45,7 +45,10 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         # after which every array of a run is fetched from the system anew: twice the time.
         "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
     }
-    with dask.config.set(settings), _quiet(), ExitStack() as stack:
+    with dask.config.set(settings), ExitStack() as stack:
+        # Silence what the library logs when workers or schedulers go: the tally says what matters.
+        stack.callback(logging.disable, logging.root.manager.disable)
+        logging.disable(logging.CRITICAL)
         if scheduler is not None:
             client = stack.enter_context(_connected(scheduler))
         else:
@@ -137,14 +140,3 @@ def _deaf_to_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Silence what the library logs when workers or schedulers go: the tally says what matters."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        logging.disable(before)

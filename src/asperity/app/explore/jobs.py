@@ -127,13 +127,8 @@ class _Teller(Progress):
             config = self._config
             output = self._asked.output
             written = _shown_as(config.model_copy(update={"output": output}), self._shown)
-            self._recording.begin(
-                started(frame, config),
-                written,
-                self._title,
-                last_time=config.end,
-                python=to_python(written, list(self._times)),
-            )
+            facts = {"last_time": config.end, "python": to_python(written, list(self._times))}
+            self._recording.begin(started(frame, config), written, self._title, **facts)
             scene: Header = self._recording.scene or {}
             moments = [*scene["switches"], *(output.maps_at or ())]
             self._mapped = mapped(self._times, moments, frame.contact.heights.size)
@@ -378,10 +373,8 @@ class Jobs:
 
 def _name_of(config: RunConfig) -> str:
     """One name for one configuration: of its keys, and of the state of its files."""
-    tables = to_tables(config)
-    files = [tables["surface"].get("path"), tables["solid"].get("relaxation")]
-    states = []
-    for name in filter(None, files):
+    tables, states = to_tables(config), []
+    for name in filter(None, (tables["surface"].get("path"), tables["solid"].get("relaxation"))):
         with contextlib.suppress(OSError):
             facts = Path(name).stat()
             states.append((facts.st_mtime_ns, facts.st_size))
