@@ -89,11 +89,10 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     }
     series = dict(zip(QUANTITIES, _at_places(plan, found), strict=True))
     names = sorted({name for run in finished.values() for name in run.scalars})
-    found = {
-        identity: np.array([run.scalars.get(name, np.nan) for name in names])
-        for identity, run in finished.items()
+    numbers = {
+        key: np.array([run.scalars.get(name, np.nan) for name in names]) for key, run in finished.items()
     }
-    scalars = _at_places(plan, found)
+    scalars = _at_places(plan, numbers)
     zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
     coordinates = zipped | {name: list(values) for name, values in plan.dimensions.items()}
     along, times = _times(plan, finished, series)

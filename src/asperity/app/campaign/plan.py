@@ -233,9 +233,7 @@ def _lists(
     swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
-    homes = {
-        name: section for section in ORDER for model in models_of(section) for name in model.model_fields
-    }
+    homes = {name: one for one in ORDER for model in models_of(one) for name in model.model_fields}
     found: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
@@ -394,11 +392,10 @@ def _with_seeds(
 ) -> Iterator[Run]:
     """The runs of one point."""
     facts = _facts(config, content)
-    if not seeds:
-        yield Run(_identity(facts), point, None, config, content)
-    for seed in seeds:
-        facts["surface"]["seed"] = seed
-        yield Run(_identity(facts), point, seed, seeded(config, seed), content)
+    for seed in seeds or [None]:
+        if seed is not None:
+            facts["surface"]["seed"], config = seed, seeded(config, seed)
+        yield Run(_identity(facts), point, seed, config, content)
 
 
 def seeded(config: RunConfig, seed: int) -> RunConfig:

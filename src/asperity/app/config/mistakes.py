@@ -78,11 +78,7 @@ def _no_section(name: str, content: object, path: Path | None) -> Unknown:
         return _where(path, f"[sweep]: {reason}"), "", []
     if isinstance(content, dict):
         return _where(path, f"[{name}]: no such section"), name, ORDER
-    homes = [
-        section
-        for section in (*SECTIONS, *KINDS)
-        if any(name in model.model_fields for model in models_of(section))
-    ]
+    homes = [one for one in (*SECTIONS, *KINDS) for model in models_of(one) if name in model.model_fields]
     where = f"; it belongs below [{homes[0]}]" if homes else ""
     return _where(path, f"{name}: stands outside any section{where}"), "", []
 

@@ -216,10 +216,8 @@ class Recording:
 
     def messages(self) -> Iterator[bytes]:
         """All messages, for one who was not there."""
-        cursor, number = Cursor(), 0
-        while (made := self.next(cursor)) is not None:
-            header, arrays = made
-            number += 1
+        cursor = Cursor()
+        for number, (header, arrays) in enumerate(iter(lambda: self.next(cursor), None), 1):
             yield pack({**header, "sequence": number}, arrays)
 
     def _more(self, cursor: Cursor, scene: Header) -> tuple[Header, Arrays]:
