@@ -150,6 +150,7 @@ def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
         slow.acknowledge()
         late = slow.until("done")
     assert [header["kind"] for header, _ in late] == ["scene", "rows", "done"]
+    assert late[1][0]["time_now"] == column(late, "time")[-1] == 1e3
     assert column(late, "area") == column(all_of_it, "area")
     assert maps(late).keys() == maps(all_of_it).keys()
 
