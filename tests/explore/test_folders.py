@@ -63,6 +63,8 @@ def test_a_run_is_shown_as_it_was_stored(results_folder: Path) -> None:
     assert scene["toml"] == dataset.attrs["config"]
     assert done["limit"]["area"] == dataset.attrs["relaxed_area"]
     assert done["fit"]["law"]["a"] == dataset.attrs["relaxed_area"] / dataset["area"].values[0]
+    rate = asp.fits.growth_rate(dataset["time"].values, dataset["area"].values)
+    assert done["fit"]["growth"]["per_decade"] == pytest.approx(np.log(10) * rate.B)
     found: dict[str, object] = {}
     exec(scene["python"], found)
     history = found["history"]

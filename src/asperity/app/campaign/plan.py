@@ -392,7 +392,8 @@ def _with_seeds(
 ) -> Iterator[Run]:
     """The runs of one point."""
     facts = _facts(config, content)
-    for seed in seeds or [None]:
+    some: Sequence[int | None] = seeds or [None]
+    for seed in some:
         if seed is not None:
             facts["surface"]["seed"], config = seed, seeded(config, seed)
         yield Run(_identity(facts), point, seed, config, content)
