@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from tests.cli.conftest import asperity
 
+from asperity.app.campaign.plan import plan_to_json
 from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import plan_to_json
 from asperity.app.campaign.worker import run_task
 from asperity.app.config import to_tables
 from asperity_research.studies.campaigns import Prepared

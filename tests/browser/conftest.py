@@ -113,6 +113,17 @@ def live(tab, served):
     return open_live
 
 
+def move_the_change_to_10(page):
+    """Move the time of a change of load there by keys; gives it."""
+    page.focus("#when")
+    page.keyboard.press("Home")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    moment = state(page)["change"]
+    assert moment == pytest.approx(10.0)
+    return moment
+
+
 def link(config):
     """The configuration of a link."""
     return base64.urlsafe_b64encode(json.dumps(config).encode()).decode().rstrip("=")
@@ -128,23 +139,12 @@ def again(page, act):
 @pytest.fixture(scope="session")
 def outcome():
     """A run with an unloading, as the library makes it: maps at all recorded times."""
-    legs = [
-        {"kind": "hold", "duration": 100.0},
-        {"kind": "step", "load": 50.0},
-        {"kind": "hold", "duration": 10.0},
-    ]
-    config = config_from(
-        {
-            "surface": {"shape": [64, 64], "seed": 3},
-            "contact": {"load": 150.0},
-            "aging": {"per_decade": 2, "first": 0.01},
-            "protocol": legs,
-        },
-        {},
-        None,
-    )
-    first = execute(config, Progress())
-    times = np.unique(first.dataset["time"].values).tolist()
+    first, last = ({"kind": "hold", "duration": duration} for duration in (100.0, 10.0))
+    tables = {"surface": {"shape": [64, 64], "seed": 3}, "contact": {"load": 150.0}}
+    tables["aging"] = {"per_decade": 2, "first": 0.01}
+    tables["protocol"] = [first, {"kind": "step", "load": 50.0}, last]
+    config = config_from(tables, {}, None)
+    times = np.unique(execute(config, Progress()).dataset["time"].values).tolist()
     maps = config.output.model_copy(update={"maps_at": times})
     return execute(config.model_copy(update={"output": maps}), Progress())
 

@@ -10,7 +10,7 @@ from PIL.GifImagePlugin import GifImageFile
 from asperity.app.config import config_from
 from asperity.app.config.reading import read_tables
 from asperity.app.runs import Progress, execute
-from tests.browser.conftest import SMALL, again, finished, rows, state, until
+from tests.browser.conftest import SMALL, again, finished, move_the_change_to_10, rows, state, until
 
 
 def computed(config):
@@ -28,19 +28,28 @@ def test_a_folder_is_opened_without_computing(tab, served, outcome):
     assert finished(page)["job"] == "second.zarr"
 
 
-def test_friction_of_a_given_shear_strength(live):
-    surface = {"kind": "spectral", "shape": [32, 32], "rms_height": 1e-6, "spacing": [4e-6], "unit": "m"}
+def test_friction_of_a_given_shear_strength_and_a_picture_in_readable_units(live):
+    surface = {"kind": "spectral", "shape": [64, 64], "rms_height": 1e-6, "spacing": [2e-5], "unit": "m"}
     solid = {"kind": "half_space", "modulus": 3e9, "branches": [[0.5, 1.0]]}
-    page = live(
-        {"surface": surface, "solid": solid, "contact": {"pressure": 1e7}, "aging": {"per_decade": 2}}
-    )
+    page = live({**SMALL, "surface": surface, "solid": solid, "contact": {"pressure": 5e6}})
     assert state(page)["quantity"] == "contact_area"
     series = rows(page)
-    assert series["load"][0] == pytest.approx(1e7 * (32 * 4e-6) ** 2)
+    load = 5e6 * (64 * 2e-5) ** 2
+    assert series["load"][0] == pytest.approx(load)
     page.fill("#shear", "5e7")
     expected = 5e7 * np.array(series["contact_area_corrected"]) / series["load"]
     np.testing.assert_allclose(rows(page)["friction"], expected, rtol=1e-12)
-    assert page.locator("#number-load").text_content() == f"{1e3 * series['load'][0]:.4g}\u00a0mN"
+    said = page.evaluate("""() => {
+      const said = [], kept = CanvasRenderingContext2D.prototype.fillText;
+      CanvasRenderingContext2D.prototype.fillText = (text) => said.push(text);
+      picture(app, app.map);
+      CanvasRenderingContext2D.prototype.fillText = kept;
+      return said; }""")
+    assert 1e-7 < series["contact_area"][-1] < 1e-6  # 100 000 µm² and more
+    assert "contact area [mm²]" in said
+    number = f"{load:.4g}\u00a0N"
+    assert any(f"load {number}" in one for one in said)
+    assert page.locator("#number-load").text_content() == number
 
 
 def test_another_load_is_another_run(live):
@@ -57,26 +66,27 @@ def test_another_load_is_another_run(live):
     assert page.locator("[id='contact.load']").get_attribute("placeholder") == "138"
 
 
-@pytest.mark.parametrize("how", ["step", "ramp"])
-def test_a_change_of_load_branches_from_its_moment(live, how):
-    page = live()
+CHANGES = [{"kind": "step", "load": 20.0}, {"kind": "ramp", "duration": 5.0, "load": 20.0}]
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=["step", "ramp"])
+def test_a_change_of_load_branches_from_its_moment_and_shows_its_end(live, change):
+    page = live(reduced_motion="no-preference")
     first = state(page)
     areas = rows(page)["area"]
-    page.focus("#when")
-    page.keyboard.press("Home")
-    for _ in range(8):
-        page.keyboard.press("ArrowRight")
-    moment = state(page)["change"]
-    assert moment == pytest.approx(10.0)
-    page.select_option("#how", how)
-    if how == "ramp":
+    moment = move_the_change_to_10(page)
+    page.select_option("#how", change["kind"])
+    if "duration" in change:
         page.fill("#ramp", "5")
     page.fill("#new-value", "20")
     page.fill("#after", "100")
-    seen = again(page, lambda: page.click("#branch button"))
-    change = (
-        {"kind": "step", "load": 20.0} if how == "step" else {"kind": "ramp", "duration": 5.0, "load": 20.0}
-    )
+    again(page, lambda: page.click("#branch button"))
+    page.wait_for_timeout(300)
+    seen = state(page)
+    assert not seen["playing"]  # nothing plays by itself
+    assert seen["maps"][seen["map"]]["leg"] == 1
+    assert seen["maps"][seen["map"]]["time"] == pytest.approx(moment + change.get("duration", 0.0))
+    assert page.locator("#number-load").text_content() == "20"
     protocol = [{"kind": "hold", "duration": moment}, change, {"kind": "hold", "duration": 100.0}]
     load = rows(page)["load"][0]
     dataset = computed(SMALL | {"contact": {"load": float(f"{load:.3g}")}, "protocol": protocol})
@@ -130,9 +140,8 @@ def test_the_keyboard_is_enough(live):
     reached = []
     for _ in range(60):
         page.keyboard.press("Tab")
-        reached.append(
-            page.evaluate("document.activeElement.id || document.activeElement.dataset.save || ''")
-        )
+        named = "document.activeElement.id || document.activeElement.dataset.save || ''"
+        reached.append(page.evaluate(named))
         if page.evaluate("document.activeElement === document.body"):
             break  # the end of the page
         style = page.evaluate("getComputedStyle(document.activeElement).outlineStyle")
@@ -140,20 +149,8 @@ def test_the_keyboard_is_enough(live):
         if reached[-1] == "contact.load":
             page.keyboard.press("Control+a")
             page.keyboard.type("60")
-    for name in (
-        "surface.kind",
-        "contact.load",
-        "press",
-        "map",
-        "colored",
-        "quantity",
-        "moment",
-        "play",
-        "when",
-        "new-value",
-        "gif",
-    ):
-        assert name in reached, name
+    results = {"map", "colored", "quantity", "moment", "play", "when", "new-value", "gif"}
+    assert {"surface.kind", "contact.load", "press", *results} <= set(reached)
     page.focus("#press")
     again(page, lambda: page.keyboard.press("Space"))
     assert rows(page)["load"][0] == pytest.approx(60.0)

@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 import zarr
 
-from asperity.app.campaign.plan import Plan
+from asperity.app.campaign.plan import Plan, plan_to_json
 from asperity.app.campaign.store import Store
-from asperity.app.campaign.sweeping import plan_to_json
 from asperity.app.campaign.worker import run_task
 from asperity.app.config import to_tables
 
@@ -32,6 +31,42 @@ per_decade = 2
 load = [4.0, 12.0]
 k1 = [1.0, 3.0]
 seeds = 3
+"""
+HALF_SPACES = """
+[surface]
+kind = "spectral"
+shape = [32, 32]
+rms_height = 0.1
+spacing = 0.5
+unit = "um"
+[solid]
+kind = "half_space"
+modulus = 1e9
+branches = [[0.3, "10 ms"], [0.4, 1.0]]
+[contact]
+pressure = "2 MPa"
+[aging]
+per_decade = 1
+[output]
+maps_at = [0.0, 1.0]
+"""
+HISTORY = """
+[surface]
+shape = [16, 16]
+[contact]
+load = 12.0
+[aging]
+first = 0.1
+per_decade = 1
+[[protocol]]
+kind = "hold"
+duration = 1.0
+[[protocol]]
+kind = "step"
+load = 4.0
+[[protocol]]
+kind = "hold"
+duration = 2.0
 """
 
 

@@ -65,38 +65,33 @@ def test_a_scheduler_without_workers_ends_in_words(tmp_path):
 
 
 @pytest.mark.slow
-def test_workers_that_vanish_in_the_middle_end_in_words_and_lose_nothing(done, tmp_path):
+@pytest.mark.parametrize("what", ["workers", "scheduler"])
+def test_what_dies_in_the_middle_ends_in_words_and_loses_nothing(done, tmp_path, what):
     path, out = written(tmp_path, SMALL.replace("seeds = 3", "seeds = 200")), tmp_path / "out"
-    with scheduler(tmp_path) as (address, _):
+    with scheduler(tmp_path) as (address, process):
         with dask("worker", address):
             with Client(address) as client:
                 client.wait_for_workers(1, timeout=60)
             running = start("sweep", path, "--out", out, "--quiet", "--scheduler", address, before=SHORT)
             wait_for_a_run(running, out)
-        _, error = running.communicate(timeout=60)
+            if what == "scheduler":
+                process.send_signal(signal.SIGKILL)
+                _, error = running.communicate(timeout=120)
+        if what == "workers":
+            _, error = running.communicate(timeout=60)
+            assert [line for line in error.splitlines() if "waiting for workers: 0 connected" in line]
     assert running.returncode == 1
-    assert [line for line in error.splitlines() if "waiting for workers: 0 connected" in line]
-    assert "finished runs are kept" in error.splitlines()[-1]
+    last = error.splitlines()[-1]
+    if what == "scheduler":
+        assert "lost the scheduler" in last
+        assert "and the same command does the rest" in last
+        assert error.count("\n") == 1
+    assert "finished runs are kept" in last
     counted = campaign.tally(campaign.read_plan(path), out)
     assert counted.failed == 0
     assert 0 < counted.done < counted.total
     whole = numbers(done / "out")
     assert {name: whole[name] for name in numbers(out).keys() & whole.keys()}.items() <= numbers(out).items()
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_dies(tmp_path):
-    path, out = written(tmp_path, SMALL.replace("seeds = 3", "seeds = 200")), tmp_path / "out"
-    with scheduler(tmp_path) as (address, process), dask("worker", address):
-        running = start("sweep", path, "--out", out, "--quiet", "--scheduler", address)
-        wait_for_a_run(running, out)
-        process.send_signal(signal.SIGKILL)
-        _, error = running.communicate(timeout=120)
-    assert running.returncode == 1
-    (line,) = error.splitlines()
-    assert "lost the scheduler" in line
-    assert "finished runs are kept, and the same command does the rest" in line
-    assert campaign.tally(campaign.read_plan(path), out).failed == 0
 
 
 def test_what_takes_connections_and_is_no_scheduler_ends_in_words(monkeypatch):

@@ -1,6 +1,7 @@
-"""The folder of a campaign: what is damaged is named, and what is there is never lost."""
+"""The folder of a campaign: what is damaged is named, what is there is never lost, and what it will take."""
 
 import json
+import math
 import shutil
 from pathlib import Path
 
@@ -40,6 +41,16 @@ def changed(file, change):
     file.write_text(json.dumps(change(facts) or facts))
 
 
+def without(*keys):
+    """A change of what a run says of itself: these are gone."""
+    return lambda facts: [facts["attributes"].pop(key) for key in keys] and None
+
+
+def oldest(facts):
+    without("attributes_checksum")(facts)
+    facts["attributes"].update(scalars={})
+
+
 DAMAGE = {
     "a chunk is gone": lambda run: (run / "series" / "c" / "0" / "0").unlink(),
     "no table": lambda run: (run / "zarr.json").write_text("3"),
@@ -47,25 +58,18 @@ DAMAGE = {
     "a number": lambda run: changed(
         run / "zarr.json", lambda facts: facts["attributes"]["scalars"].update(initial_area=99999.0)
     ),
-    "no numbers, in the oldest form": lambda run: changed(
-        run / "zarr.json",
-        lambda facts: (
-            facts["attributes"].update(scalars={}),
-            facts["attributes"].pop("attributes_checksum"),
-            facts,
-        )[2],
-    ),
+    "no numbers, in the oldest form": lambda run: changed(run / "zarr.json", oldest),
 }
 
 
-@pytest.mark.parametrize("kind", DAMAGE)
-def test_a_damaged_run_is_named_and_not_used(two, kind):
-    plan, out, run = two
-    DAMAGE[kind](run)
-    with pytest.raises(
-        InputError, match=rf"{plan.runs[0].identity}, which is damaged; try removing that folder"
-    ):
-        campaign.open(out)
+def test_a_damaged_run_is_named_and_not_used(kept, tmp_path):
+    plan, folder = kept
+    for kind, damage in DAMAGE.items():
+        out = shutil.copytree(folder, tmp_path / kind)
+        damage(out / "runs.zarr" / plan.runs[0].identity)
+        said = rf"{plan.runs[0].identity}, which is damaged; try removing that folder"
+        with pytest.raises(InputError, match=said):
+            campaign.open(out)
 
 
 OPEN = "[surface]\nshape = [16, 16]\n[aging]\nper_decade = 2\n[sweep]\nk1 = [1.0, 3.0]\nseeds = 2\n"
@@ -81,18 +85,14 @@ def test_runs_in_the_place_of_another_are_named(tmp_path, text, old):
         for run in (first, second):
             changed(
                 run / "zarr.json",
-                lambda facts: (
-                    [facts["attributes"].pop(key) for key in ("identity", "attributes_checksum")] and facts
-                ),
+                without("identity", "attributes_checksum"),
             )
     assert campaign.open(out).attrs["finished"] == 2
     first.rename(tmp_path / "aside")
     second.rename(first)
     (tmp_path / "aside").rename(second)
     for read in (campaign.open, lambda _: Store(out).fields(plan.runs[0])):
-        with pytest.raises(
-            InputError, match="which holds another run; try removing that folder, and the same"
-        ):
+        with pytest.raises(InputError, match="which holds another run; try removing that folder, and"):
             read(out)
 
 
@@ -110,29 +110,23 @@ def test_remains_of_a_run_are_named_and_done_again(two, capsys):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.parametrize("damage", ['{"zarr_format": "3"}', "[3]", ""])
-def test_a_damaged_store_is_named(two, damage):
+def test_a_damaged_store_or_plan_is_named(two):
     plan, out, run = two
-    (run.parent / "zarr.json").write_text(damage)
-    with pytest.raises(InputError, match=r"zarr.json, which is damaged; try removing that file"):
-        campaign.sweep(plan, out)
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
+    for text in ('{"zarr_format": "3"}', "[3]", ""):
+        (run.parent / "zarr.json").write_text(text)
+        with pytest.raises(InputError, match=r"zarr.json, which is damaged; try removing that file"):
+            campaign.sweep(plan, out)
+    whole = (out / "plan.json").read_text()
+    for damage in (
         lambda facts: facts["runs"][0].__setitem__(1, [0, 99]),
         lambda facts: facts["runs"][0].__setitem__(2, 99),
         lambda facts: [facts],
-    ],
-    ids=["point", "seed", "list"],
-)
-def test_a_damaged_plan_is_no_campaign(two, damage):
-    _, out, _ = two
-    changed(out / "plan.json", damage)
-    with pytest.raises(InputError, match="expected a folder that asperity sweep wrote") as raised:
-        campaign.open(out)
-    assert "\n" not in str(raised.value)
+    ):
+        (out / "plan.json").write_text(whole)
+        changed(out / "plan.json", damage)
+        with pytest.raises(InputError, match="expected a folder that asperity sweep wrote") as raised:
+            campaign.open(out)
+        assert "\n" not in str(raised.value)
 
 
 def test_runs_of_a_version_with_fewer_series_are_read():
@@ -179,3 +173,53 @@ def test_another_version_is_refused(tmp_path):
     report = run_task(str(tmp_path), "name", "{}", "", "0.0.0")
     assert report[1] == "version"
     assert "the campaign 0.0.0" in report[2]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[output]\nmaps_at = []\n[solid]\nk1 = 3.0\n",
+        "[output]\nmaps_at = [0.0, 1.0]\n[solid]\nkind = 'half_space'\nmodulus = 1.0\n"
+        "branches = [[0.3, 0.1], [0.3, 1.0]]\n",
+    ],
+    ids=["series", "maps of branches"],
+)
+def test_the_need_of_disk_and_memory_is_known_before(tmp_path, text):
+    base = "[surface]\nshape = [64, 64]\n[aging]\nlast = 1.0\n"
+    plan = campaign.read_plan(written(tmp_path, f"{base}{text}[sweep]\nload = [20.0, 40.0]\n"))
+    judged = campaign.estimate(plan, tmp_path / "out")
+    do_here(plan, tmp_path / "out")
+    runs = [Store(tmp_path / "out").runs / run.identity for run in plan.runs]
+    found = [path for run in runs for path in (run, *run.rglob("*"))]
+    taken = sum(4096 * max(1, math.ceil(path.stat().st_size / 4096)) for path in found)
+    assert judged.bytes / 1.5 < taken < 1.5 * judged.bytes
+    assert 64**2 * 8 * 10 < judged.memory < 64**2 * 8 * 1000  # tens of arrays over the sites
+
+
+def test_what_is_done_counts_no_more_and_memory_is_that_of_the_largest_run(tmp_path, capsys):
+    path = written(tmp_path, SMALL.replace("k1 = [1.0, 3.0]", "shape = [[16, 16], [32, 32]]"))
+    out = tmp_path / "out"
+    plan = campaign.read_plan(path)
+    whole = campaign.estimate(plan, out)
+    assert main(["sweep", str(path), "--out", str(out), "--dry-run"]) == 0
+    assert not out.exists()
+    large = [run for run in plan.runs if run.config.surface.lattice == (32, 32)]
+    do_here(campaign.Plan(plan.axes, plan.seeds, plan.zipped, tuple(large)), out)
+    left = campaign.estimate(plan, out)
+    assert (whole.runs, left.runs) == (12, 6)
+    assert left.memory == pytest.approx(whole.memory / 4)
+    capsys.readouterr()
+    assert main(["sweep", str(path), "--out", str(out), "--dry-run"]) == 0
+    said = capsys.readouterr().out.split()
+    assert said[:7] == ["runs", "12,", "of", "which", "6", "are", "to"]
+    assert "time" not in said
+
+
+def test_the_lattice_of_a_measured_surface_is_read_of_its_file(tmp_path):
+    np.save(tmp_path / "rough.npy", np.random.default_rng(0).normal(size=(40, 60)))
+    text = (
+        '[aging]\ntimes = [0.0]\n[surface]\npath = "rough.npy"\nperiodic = "wrap"\n[sweep]\nload = [10.0]\n'
+    )
+    plans = [campaign.read_plan(written(tmp_path, text.replace("wrap", how))) for how in ("wrap", "mirror")]
+    once, mirrored = (campaign.estimate(plan, tmp_path / "out").memory for plan in plans)
+    assert mirrored == 4 * once

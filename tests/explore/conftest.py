@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from asperity.app.cli import main
@@ -63,11 +64,14 @@ class Server:
         return status, json.loads(answer) if answer[:1] == b"{" else {}
 
     @contextmanager
-    def page(self, **options: Any) -> Iterator[Page]:
+    def page(self, *, slow: bool = False, **options: Any) -> Iterator[Page]:
+        """A page that was told what there is; a slow one has not acknowledged that yet."""
         connect = pytest.importorskip("websockets.sync.client", reason="needs websockets").connect
         options = {"origin": self.address, "max_size": None, "compression": None, **options}
         with connect(f"ws://127.0.0.1:{self.port}/socket", **options) as socket:
-            yield Page(socket)
+            page = Page(socket)
+            page.hello, _ = page.receive(acknowledge=not slow)
+            yield page
 
 
 class Page:
@@ -76,6 +80,7 @@ class Page:
     def __init__(self, socket: Any) -> None:
         self.socket = socket
         self.sequence = 0
+        self.hello: Header = {}
 
     def send(self, kind: str, **content: Any) -> None:
         self.socket.send(json.dumps({"kind": kind, **content}))
@@ -118,14 +123,20 @@ def column(messages: Sequence[Message], name: str) -> list[float]:
     ]
 
 
+def heights_of(message: Message) -> Any:
+    """The heights of a scene."""
+    low, high = message[0]["height_range"]
+    return low + (high - low) * message[1]["heights"] / 65535
+
+
 def maps(messages: Sequence[Message]) -> dict[int, tuple[Header, Any, Any]]:
-    """Facts, bits and pressures of all maps."""
-    return {
-        one["index"]: (one, arrays[f"bits.{one['index']}"], arrays[f"pressure.{one['index']}"])
-        for header, arrays in messages
-        if header["kind"] == "rows"
-        for one in header["maps"]
-    }
+    """Facts, contact and pressures of all maps."""
+    found, shape = {}, only(messages, "scene")[0]["shape"]
+    for header, arrays in messages:
+        for one in header["maps"] if header["kind"] == "rows" else ():
+            bits, pressure = (arrays[f"{name}.{one['index']}"] for name in ("bits", "pressure"))
+            found[one["index"]] = one, np.unpackbits(bits).reshape(shape), pressure
+    return found
 
 
 @pytest.fixture(scope="session")

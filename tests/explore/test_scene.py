@@ -13,9 +13,6 @@ import pytest
 import asperity as asp
 from asperity.app.config import config_from
 from asperity.app.explore.scene import (
-    Cursor,
-    Recording,
-    map_of,
     mapped,
     most_maps,
     of_frame,
@@ -37,27 +34,22 @@ ARRAYS: dict[str, Any] = {
 LATTICE = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 
 
-def test_what_was_packed_comes_out() -> None:
-    header, arrays = unpack(pack({"kind": "rows", "text": "µ–∞"}, ARRAYS))
+def test_what_was_packed_comes_out_and_everything_begins_at_multiples_of_eight() -> None:
+    message = pack({"kind": "rows", "text": "µ–∞"}, ARRAYS)
+    header, arrays = unpack(message)
     assert header == {"kind": "rows", "text": "µ–∞"}
     assert arrays.keys() == ARRAYS.keys()
     for name, array in ARRAYS.items():
         assert arrays[name].dtype == array.dtype
         assert np.array_equal(arrays[name], array)
-
-
-@pytest.mark.parametrize("length", [0, 3])
-def test_everything_begins_at_multiples_of_eight(length: int) -> None:
-    message = pack({"text": "x" * length}, {"a": np.zeros(3, np.uint8), "b": np.ones(2)})
-    assert len(message) % 8 == 0
-    (count,) = struct.unpack("<I", message[:4])
-    listed = json.loads(message[4 : 4 + count])["arrays"]
-    start = math.ceil((4 + count) / 8) * 8
-    assert [one["offset"] for one in listed] == [0, 8]
-    assert np.frombuffer(message[start + 8 : start + 24], "<f8").tolist() == [1.0, 1.0]
-
-
-def test_what_is_not_finite_is_null() -> None:
+    for length in (0, 3):
+        message = pack({"text": "x" * length}, {"a": np.zeros(3, np.uint8), "b": np.ones(2)})
+        assert len(message) % 8 == 0
+        (count,) = struct.unpack("<I", message[:4])
+        assert [one["offset"] for one in json.loads(message[4 : 4 + count])["arrays"]] == [0, 8]
+        start = math.ceil((4 + count) / 8) * 8
+        assert np.frombuffer(message[start + 8 : start + 24], "<f8").tolist() == [1.0, 1.0]
+    # What is not finite is null.
     header, _ = unpack(pack({"a": math.nan, "b": [math.inf, np.float64(2.5)], "c": {"d": -math.inf}}))
     assert header == {"a": None, "b": [None, 2.5], "c": {"d": None}}
 
@@ -72,15 +64,11 @@ def test_which_moments_are_mapped() -> None:
     assert most_maps(4096**2) == 6
 
 
-@pytest.fixture(scope="module")
-def aged() -> Any:
-    rough = asp.surfaces.gaussian((24, 24), seed=2)
-    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
+def test_a_history_becomes_rows_and_maps() -> None:
+    contact = asp.press(asp.surfaces.gaussian((24, 24), seed=2), LATTICE, load=30.0)
     legs = [asp.protocols.Hold(10.0), asp.protocols.Step(load=15.0), asp.protocols.Hold(10.0)]
-    return asp.age(contact, [0.1, 1.0, 10.0, 11.0, 20.0], protocol=legs, fields_at=[0.0, 10.0, 20.0]).dataset
-
-
-def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
+    history = asp.age(contact, [0.1, 1.0, 10.0, 11.0, 20.0], protocol=legs, fields_at=[0.0, 10.0, 20.0])
+    aged = history.dataset
     scene = recorded(aged, None, job="one", title="two")
     assert scene.scene is not None
     columns = scene.scene["columns"]
@@ -107,6 +95,12 @@ def test_a_history_becomes_rows_and_maps(aged: Any) -> None:
     for name in scene.scene["map_columns"]:
         assert [one.facts[name] for one in scene.maps] == aged[name].values.tolist()
         assert scene.scene["column_units"][name] == aged[name].attrs["units"]
+    # Growth per decade counts from the last switch.
+    found = dict(zip(map(tuple, rows[:, :2]), rows[:, columns.index("decade_growth")], strict=True))
+    known = dict(zip(zip(aged["time"].values, aged["leg"].values, strict=True), area, strict=True))
+    assert found[1.0, 0] == pytest.approx((known[1.0, 0] - known[0.1, 0]) / area[0])
+    assert found[20.0, 2] == pytest.approx((known[20.0, 2] - known[11.0, 2]) / area[0])
+    assert np.isnan([found[0.0, 0], found[0.1, 0], found[10.0, 1], found[11.0, 2]]).all()
 
 
 def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_sites() -> None:
@@ -130,62 +124,10 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     for found, depth, moved in zip(bits, depths, shifts, strict=True):
         assert np.array_equal(found, np.roll(depth > 0, -moved, axis=1))  # the surface is shown at rest
     assert bits[-1].sum() >= bits[0].sum() > 0
-    live: list[tuple[float, float]] = []
-    yielded: list[Any] = []
-    last: Any = recording.maps[-1].arrays["yielded"]
-
-    def tell(frame: Any) -> None:
-        if not live:
-            config = config_from(
-                {"protocol": [{"kind": "slide", "distance": 2.0, "velocity": 1.0}]}, {}, None
-            )
-            assert started(frame, config)["displacement"].values.tolist() == [0.0]
-        row, seen = of_frame(frame)
-        live.append((row["displacement"], row["yielding_area"]))
-        yielded.append(seen.arrays["yielded"])
-
-    asp.age(contact, [5.0], protocol=slides, progress=tell)
-    assert live[-1] == (2.0, yielding[-1])
-    assert np.array_equal(yielded[-1], last)
-
-
-def test_growth_per_decade_counts_from_the_last_switch(aged: Any) -> None:
-    scene = recorded(aged, None, job="one", title="two")
-    assert scene.scene is not None
-    at = scene.scene["columns"].index("decade_growth")
-    found = {(row[0], row[1]): row[at] for row in scene.rows}
-    area = dict(
-        zip(zip(aged["time"].values, aged["leg"].values, strict=True), aged["area"].values, strict=True)
-    )
-    first = aged["area"].values[0]
-    assert found[1.0, 0] == pytest.approx((area[1.0, 0] - area[0.1, 0]) / first)
-    assert found[20.0, 2] == pytest.approx((area[20.0, 2] - area[11.0, 2]) / first)
-    assert np.isnan([found[0.0, 0], found[0.1, 0], found[10.0, 1], found[11.0, 2]]).all()
-
-
-def test_a_late_reader_gets_all_in_few_messages_and_an_early_one_the_same() -> None:
-    def fill(recording: Recording) -> None:
-        for number in range(100):
-            recording.rows.append([float(number)])
-            mask = np.ones((8, 8), dtype=bool)
-            recording.maps.append(map_of(float(number), 0, mask, mask.astype(float)))
-
-    late, early = Recording("one"), Recording("one")
-    for one in (late, early):
-        one.scene = {"columns": ["time"], "last_time": 99.0}
-        one.heights = np.zeros((8, 8), np.uint16)
-    cursor = Cursor()
-    assert early.next(cursor) is not None
-    seen: list[float] = []
-    for number in range(100):
-        early.rows.append([float(number)])
-        header, arrays = early.next(cursor) or ({}, {})
-        assert header["time_now"] == number
-        seen += arrays["rows"][:, 0].tolist()
-        assert early.next(cursor) is None
-    fill(late)
-    late.end = {"kind": "done"}
-    messages = [unpack(one) for one in late.messages()]
-    assert [header["kind"] for header, _ in messages] == ["scene", "rows", "done"]
-    assert messages[1][1]["rows"][:, 0].tolist() == seen
-    assert len(messages[1][0]["maps"]) == 100
+    frames: list[Any] = []
+    asp.age(contact, [5.0], protocol=slides, progress=frames.append)
+    config = config_from({"protocol": [{"kind": "slide", "distance": 2.0, "velocity": 1.0}]}, {}, None)
+    assert started(frames[0], config)["displacement"].values.tolist() == [0.0]
+    row, seen = of_frame(frames[-1])
+    assert (row["displacement"], row["yielding_area"]) == (2.0, yielding[-1])
+    assert np.array_equal(seen.arrays["yielded"], recording.maps[-1].arrays["yielded"])

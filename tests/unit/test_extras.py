@@ -99,7 +99,8 @@ def test_the_hints_name_extras_that_there_are():
 
 def test_what_is_slow_or_optional_is_imported_late():
     late = {"dask", "distributed", "pint", "SurfaceTopography", "matplotlib", "jinja2", "scipy.signal"}
-    code = f"import sys, asperity.app.cli.app, asperity as asp; asp.press; print({late!r} & set(sys.modules))"
+    loads = "import sys, asperity.app.cli.app, asperity as asp, asperity.base.units as u, asperity.relaxation"
+    code = f"{loads}; asp.press; u.quantity('3', 'Pa'); print({late!r} & set(sys.modules))"
     done = python(code, folder=None)
     assert done.stdout == "set()\n", done.stderr
 

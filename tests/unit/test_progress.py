@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import sys
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,32 +17,6 @@ from asperity.surfaces import gaussian
 
 CONTACT = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=16.0)
 TIMES = np.geomspace(0.1, 100.0, 7)
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-class Handle:
-    def __init__(self) -> None:
-        self.pages: list[str] = []
-
-    def update(self, page: str) -> None:
-        self.pages.append(page)
-
-
-@pytest.fixture
-def notebook(monkeypatch: pytest.MonkeyPatch) -> Handle:
-    """What IPython gives in a notebook."""
-    handle = Handle()
-    ipython, display = ModuleType("IPython"), ModuleType("IPython.display")
-    ipython.get_ipython = lambda: SimpleNamespace(kernel=1)  # type: ignore[attr-defined]
-    display.HTML = str  # type: ignore[attr-defined]
-    display.display = lambda *_, **__: handle  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "IPython", ipython)
-    monkeypatch.setitem(sys.modules, "IPython.display", display)
-    return handle
 
 
 def test_in_a_log_there_is_a_line_for_each_decade(capsys: pytest.CaptureFixture[str]) -> None:
@@ -60,7 +35,8 @@ def test_in_a_log_there_is_a_line_for_each_decade(capsys: pytest.CaptureFixture[
 
 
 def test_on_a_terminal_there_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    screen = Terminal()
+    screen = io.StringIO()
+    monkeypatch.setattr(screen, "isatty", lambda: True)
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("TERM", "xterm")
     with progress_shown() as shown:
@@ -75,17 +51,23 @@ def test_on_a_terminal_there_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_in_a_notebook_there_is_a_bar_below_the_cell(
-    notebook: Handle, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    pages: list[str] = []
+    cell = SimpleNamespace(update=pages.append)
+    display: Any = SimpleNamespace(HTML=str, display=lambda *_, **__: cell)
+    ipython: Any = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=1), display=display)
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    monkeypatch.setitem(sys.modules, "IPython.display", display)
     history = age(CONTACT, TIMES, progress=True)
     assert capsys.readouterr() == ("", "")
-    assert notebook.pages[0] == '<div>aging <progress max="7" value="0"></progress> </div>'
+    assert pages[0] == '<div>aging <progress max="7" value="0"></progress> </div>'
     last = f"t = 100 of 100, area {history.final.area} sites"
-    assert '<progress max="7" value="7"></progress>' in notebook.pages[-1]
-    assert last in notebook.pages[-1]
+    assert '<progress max="7" value="7"></progress>' in pages[-1]
+    assert last in pages[-1]
     with progress_shown() as shown:
         shown.remark("1 < 2")
-    assert "<div>remark: 1 &lt; 2</div>" in notebook.pages[-1]
+    assert "<div>remark: 1 &lt; 2</div>" in pages[-1]
 
 
 def test_a_call_of_the_users_own_gets_each_frame() -> None:

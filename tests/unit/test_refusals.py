@@ -97,13 +97,10 @@ def test_a_load_too_small_for_double_precision():
             asp.press(ROUGH, SOLID, load=load)
 
 
-def test_what_is_published_cannot_be_changed():
+def test_arguments_are_not_changed_and_what_is_published_cannot_be():
     for field in (CONTACT.heights, CONTACT.u, CONTACT.u0, CONTACT.force, CONTACT.in_contact):
         with pytest.raises(ValueError, match="read-only"):
             field[0, 0] = 1
-
-
-def test_arguments_are_not_changed():
     heights = ROUGH.copy()
     contact = asp.press(heights, SOLID, load=5.0)
     asp.age(contact, [1.0])

@@ -1,8 +1,8 @@
 """Campaigns: thousands of runs from one file, in one store that survives anything."""
 
 from asperity.app.campaign.demand import Estimate, estimate
-from asperity.app.campaign.gather import fields, load_plan, open, table  # noqa: A004
-from asperity.app.campaign.plan import Plan, read_plan
+from asperity.app.campaign.gather import fields, open, table  # noqa: A004
+from asperity.app.campaign.plan import Plan, load_plan, read_plan
 from asperity.app.campaign.sweeping import Tally, sweep, tally
 
 __all__ = [

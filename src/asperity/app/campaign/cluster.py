@@ -45,7 +45,10 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         # after which every array of a run is fetched from the system anew: twice the time.
         "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
     }
-    with dask.config.set(settings), _quiet(), ExitStack() as stack:
+    with dask.config.set(settings), ExitStack() as stack:
+        # Silence what the library logs when workers or schedulers go: the tally says what matters.
+        stack.callback(logging.disable, logging.root.manager.disable)
+        logging.disable(logging.CRITICAL)
         if scheduler is not None:
             client = stack.enter_context(_connected(scheduler))
         else:
@@ -129,22 +132,7 @@ def _deaf_to_interrupts() -> Iterator[None]:
 
     They inherit that the signal is ignored; for these seconds the client ignores it too.
     """
-    if threading.current_thread() is not threading.main_thread():
+    with ExitStack() as stack:
+        if threading.current_thread() is threading.main_thread():
+            stack.callback(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.SIG_IGN))
         yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Silence what the library logs when workers or schedulers go: the tally says what matters."""
-    before = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        logging.disable(before)

@@ -60,19 +60,15 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     todo = {name: run for name, run in plan.distinct.items() if name not in done}
     points = {run.point: run.config for run in todo.values()}
     measured: dict[str, tuple[int, ...]] = {}
-    memory: dict[tuple[int, ...], int] = {}
     space: dict[tuple[int, ...], int] = {}
+    memory = 0
     for point, config in points.items():
-        name = config.surface.model_dump_json()
+        name, free = config.surface.model_dump_json(), config.surface.edges == "free"
         shape = config.surface.lattice or measured.get(name) or config.surface.build().shape
-        measured[name] = shape
-        maps, sites = len(config.output.maps_at or ()), math.prod(shape)
-        memory[point] = sites * bytes_a_site(
-            config.solid.build(), shape, maps, free=config.surface.edges == "free"
-        )
+        measured[name], maps = shape, len(config.output.maps_at or ())
+        memory = max(memory, math.prod(shape) * bytes_a_site(config.solid.build(), shape, maps, free=free))
         space[point] = _space(config, shape)
-    disk = sum(space[run.point] for run in todo.values())
-    return Estimate(len(todo), max(memory.values(), default=0), disk)
+    return Estimate(len(todo), memory, sum(space[run.point] for run in todo.values()))
 
 
 def _space(config: RunConfig, shape: Sequence[int]) -> int:

@@ -12,12 +12,12 @@ import pandas as pd
 import xarray as xr
 
 import asperity.results.parameters as parameters
-from asperity.app.campaign.plan import Axis, Plan, Run, put, seeded, value_at
+from asperity.app.campaign.plan import Plan, Run, load_plan, put, value_at
 from asperity.app.campaign.store import FITTED, QUANTITIES, Finished, Store
-from asperity.app.config import RunConfig, from_tables, to_tables
+from asperity.app.config import to_tables
 from asperity.base import checks
 from asperity.base.version import __version__
-from asperity.base.words import reason_of, tables_to_toml
+from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import in_words
@@ -89,12 +89,12 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
     }
     series = dict(zip(QUANTITIES, _at_places(plan, found), strict=True))
     names = sorted({name for run in finished.values() for name in run.scalars})
-    found = {
-        identity: np.array([run.scalars.get(name, np.nan) for name in names])
-        for identity, run in finished.items()
+    numbers = {
+        key: np.array([run.scalars.get(name, np.nan) for name in names]) for key, run in finished.items()
     }
-    scalars = _at_places(plan, found)
-    coordinates = _coordinates(plan)
+    scalars = _at_places(plan, numbers)
+    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
+    coordinates = zipped | {name: list(values) for name, values in plan.dimensions.items()}
     along, times = _times(plan, finished, series)
     dataset = xr.Dataset(coords=coordinates | times)
     for name, values in series.items():
@@ -112,7 +112,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
             long_name, unit = f"{described[of_what][0]}, {_WHEN[when]}", described[of_what][1]
         elif name == "held":
             unit = " or ".join(
-                sorted({units["length" if _holds_separation(run) else "force"] for run in plan.runs})
+                sorted({units["length" if _at_separation(run) else "force"] for run in plan.runs})
             )
         if name.endswith("_uncertainty"):
             long_name = f"{long_name}, standard error of the fit"
@@ -213,38 +213,6 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(ends)
 
 
-def load_plan(directory: str | Path) -> Plan:
-    """Read the plan that a campaign was last given.
-
-    Raises
-    ------
-    InputError
-        The folder holds no campaign.
-    """
-    path = Path(directory) / "plan.json"
-    try:
-        facts = json.loads(path.read_text(encoding="utf-8"))
-        axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
-        configs: dict[tuple[int, ...], RunConfig] = {}
-        runs = []
-        for identity, place, seed, tables, content in facts["runs"]:
-            # The runs of one point differ by their seed only, and checking is what takes the time.
-            point = tuple(place)
-            if point not in configs:
-                configs[point] = from_tables(tables)
-            config = configs[point] if seed is None else seeded(configs[point], seed)
-            runs.append(Run(identity, point, seed, config, content))
-        plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
-        for run in plan.runs:
-            plan.labels(run)  # as long as every run has its place along the axes and among the seeds
-        return plan
-    except Exception as error:  # a damaged byte leads anywhere
-        reason = "no such campaign" if isinstance(error, FileNotFoundError) else reason_of(error)
-        raise InputError(
-            "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
-        ) from error
-
-
 def _at_places(plan: Plan, found: Mapping[str, Field]) -> Field:
     """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
     first, *rest = next(iter(found.values())).shape
@@ -278,15 +246,10 @@ def _times(
 def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
     """What maps know of patches, over the runs; nothing where not all kept maps at the same times."""
     maps = {name: run.maps for name, run in finished.items() if run.maps is not None}
-    first = next(iter(maps.values()), None)
-    if (
-        first is None
-        or len(maps) < len(finished)
-        or not all(
-            list(one.data_vars) == list(first.data_vars) and one["field_time"].equals(first["field_time"])
-            for one in maps.values()
-        )
-    ):
+    if len(maps) < len(finished):
+        return xr.Dataset()
+    first, *others = maps.values()
+    if any(list(one) != list(first) or not one.field_time.equals(first.field_time) for one in others):
         return xr.Dataset()
     gathered = xr.Dataset(coords=first.coords)
     for name, one in first.data_vars.items():
@@ -306,7 +269,7 @@ def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
     return described
 
 
-def _holds_separation(run: Run) -> bool:
+def _at_separation(run: Run) -> bool:
     hold = run.config.aging.hold
     return run.config.contact.separation is not None if hold is None else hold == "separation"
 
@@ -345,11 +308,6 @@ def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     if legs is not None:
         facts |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
     return facts | {"config": config}
-
-
-def _coordinates(plan: Plan) -> dict[str, object]:
-    zipped = {axis.name: ("point", list(axis.values)) for axis in plan.axes if plan.zipped}
-    return zipped | {name: list(values) for name, values in plan.dimensions.items()}
 
 
 def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:

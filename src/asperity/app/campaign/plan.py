@@ -24,12 +24,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from asperity.app.config import RunConfig, config_from, read_tables
+from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
 from asperity.app.config.mistakes import ORDER, Sections, models_of
 from asperity.app.config.models import KINDS
 from asperity.base.version import __version__
-from asperity.base.words import written_with_units
-from asperity.errors import SHOWN_PROBLEMS, ConfigError
+from asperity.base.words import reason_of, written_with_units
+from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
@@ -113,11 +113,9 @@ class Plan:
 
     def labels(self, run: Run) -> dict[str, Value]:
         """Value of each swept parameter, of the dimensions, and the seed of a run."""
-        here = {
-            name: values[at]
-            for (name, values), at in zip(self.dimensions.items(), self.place(run), strict=True)
-        }
-        return {axis.name: axis.values[at] for axis, at in zip(self.axes, run.point, strict=True)} | here
+        swept = {axis.name: axis.values[at] for axis, at in zip(self.axes, run.point, strict=True)}
+        along = zip(self.dimensions.items(), self.place(run), strict=True)
+        return swept | {name: values[at] for (name, values), at in along}
 
 
 def read_plan(path: str | Path) -> Plan:
@@ -183,6 +181,45 @@ def read_plan(path: str | Path) -> Plan:
     return Plan(axes, seeds, combine == "zip", runs)
 
 
+def plan_to_json(plan: Plan) -> str:
+    """Write a plan as `load_plan` reads it."""
+    axes = [[axis.section, axis.name, axis.values] for axis in plan.axes]
+    runs = [[run.identity, run.point, run.seed, to_tables(run.config), run.content] for run in plan.runs]
+    return json.dumps({"axes": axes, "seeds": plan.seeds, "zipped": plan.zipped, "runs": runs})
+
+
+def load_plan(directory: str | Path) -> Plan:
+    """Read the plan that a campaign was last given.
+
+    Raises
+    ------
+    InputError
+        The folder holds no campaign.
+    """
+    path = Path(directory) / "plan.json"
+    try:
+        facts = json.loads(path.read_text(encoding="utf-8"))
+        axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
+        configs: dict[tuple[int, ...], RunConfig] = {}
+        runs = []
+        for identity, place, seed, tables, content in facts["runs"]:
+            # The runs of one point differ by their seed only, and checking is what takes the time.
+            point = tuple(place)
+            if point not in configs:
+                configs[point] = from_tables(tables)
+            config = configs[point] if seed is None else seeded(configs[point], seed)
+            runs.append(Run(identity, point, seed, config, content))
+        plan = Plan(axes, tuple(facts["seeds"]), facts["zipped"], tuple(runs))
+        for run in plan.runs:
+            plan.labels(run)  # as long as every run has its place along the axes and among the seeds
+        return plan
+    except Exception as error:  # a damaged byte leads anywhere
+        reason = "no such campaign" if isinstance(error, FileNotFoundError) else reason_of(error)
+        raise InputError(
+            "campaign", expected="a folder that asperity sweep wrote", got=f"{directory}: {reason}"
+        ) from error
+
+
 def name_of(plan: Plan, *runs: Run) -> str:
     """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
@@ -196,9 +233,7 @@ def _lists(
     swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
-    homes = {
-        name: section for section in ORDER for model in models_of(section) for name in model.model_fields
-    }
+    homes = {name: one for one in ORDER for model in models_of(one) for name in model.model_fields}
     found: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
@@ -320,7 +355,10 @@ def _runs(
                 value = str(path.parent / value)
             flags.setdefault(section, {})[name] = value
         try:
-            config = _anywhere(config_from(_laid_over(tables, flags, *seeds[:1]), {}, path))
+            config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path)
+            # A worker in any folder finds a surface file; a solid needs no file any more.
+            found = {"solid": config.solid.resolved(), "surface": config.surface.anywhere()}
+            config = config.model_copy(update=found)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
             problems |= dict.fromkeys(error.problems)
@@ -354,22 +392,17 @@ def _with_seeds(
 ) -> Iterator[Run]:
     """The runs of one point."""
     facts = _facts(config, content)
-    if not seeds:
-        yield Run(_identity(facts), point, None, config, content)
-    for seed in seeds:
-        facts["surface"]["seed"] = seed
-        yield Run(_identity(facts), point, seed, seeded(config, seed), content)
+    some: Sequence[int | None] = seeds or [None]
+    for seed in some:
+        if seed is not None:
+            facts["surface"]["seed"], config = seed, seeded(config, seed)
+        yield Run(_identity(facts), point, seed, config, content)
 
 
 def seeded(config: RunConfig, seed: int) -> RunConfig:
     """A configuration with another seed, which is a whole number >= 0."""
     surface = config.surface.model_copy(update={"seed": seed})
     return config.model_copy(update={"surface": surface})
-
-
-def _anywhere(config: RunConfig) -> RunConfig:
-    """Name a surface file so that a worker in any folder finds it; a solid needs no file any more."""
-    return config.model_copy(update={"solid": config.solid.resolved(), "surface": config.surface.anywhere()})
 
 
 def _content(config: RunConfig, known: dict[str, str]) -> str:

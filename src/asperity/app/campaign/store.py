@@ -326,12 +326,7 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
         "checksum": _checksum(series),
         **({"fields_checksum": _checksum(*fields.values())} if fields else {}),
         _OF_MAPS: [
-            [
-                name,
-                len(values),
-                values.dtype.str,
-                *(dataset[name].attrs[key] for key in ("long_name", "units")),
-            ]
+            [name, len(values), values.dtype.str, *map(dataset[name].attrs.get, ("long_name", "units"))]
             for name, values in kept.items()
         ],
         "complete": True,
@@ -387,7 +382,7 @@ def _scalars(outcome: Outcome) -> dict[str, float]:
 def _checksum(*arrays: NDArray[Any]) -> str:
     total = hashlib.sha256()
     for array in arrays:
-        total.update(np.ascontiguousarray(array).tobytes())
+        total.update(array.tobytes())
     return total.hexdigest()
 
 

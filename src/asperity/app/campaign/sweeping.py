@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asperity.app.campaign.cluster import ATTEMPTS, connect, ended
-from asperity.app.campaign.plan import Plan, Run
+from asperity.app.campaign.plan import Plan, Run, plan_to_json
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
 from asperity.app.config import to_tables
@@ -168,37 +168,13 @@ def sweep(
     return tally(plan, store.directory)
 
 
-def plan_to_json(plan: Plan) -> str:
-    """Write a plan as `asperity.campaign.load_plan` reads it."""
-    return json.dumps(
-        {
-            "axes": [[axis.section, axis.name, list(axis.values)] for axis in plan.axes],
-            "seeds": list(plan.seeds),
-            "zipped": plan.zipped,
-            "runs": [
-                [run.identity, list(run.point), run.seed, to_tables(run.config), run.content]
-                for run in plan.runs
-            ],
-        }
-    )
-
-
 def _round(client: Client, store: Store, runs: Sequence[Run], take: Callable[[Report], None]) -> list[Run]:
     """Submit runs, take the reports as they come; return the runs that others are at work on."""
     by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
-    futures = [
-        client.submit(
-            run_task,
-            str(store.directory),
-            run.identity,
-            json.dumps(to_tables(run.config)),
-            run.content,
-            __version__,
-            key=key,
-            pure=False,
-        )
-        for key, run in by_key.items()
-    ]
+    futures = []
+    for key, run in by_key.items():
+        asked = run.identity, json.dumps(to_tables(run.config)), run.content, __version__
+        futures.append(client.submit(run_task, str(store.directory), *asked, key=key, pure=False))
     busy = []
     try:
         for future, returned in ended(client, futures):

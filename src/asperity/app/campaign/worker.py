@@ -46,9 +46,14 @@ def run_task(
         return identity, "disk", str(error)
     except (AsperityError, ArithmeticError, MemoryError) as error:
         reason = f"{error}" if isinstance(error, AsperityError) else f"{type(error).__name__}: {error}"
-        return _failed(store, identity, " ".join(reason.split()))
+        reason = " ".join(reason.split())
     except OSError as error:
         return identity, "disk", f"{directory}: {error.strerror or error}"
+    try:
+        store.fail(identity, reason)
+    except OutputError as error:
+        return identity, "disk", str(error)
+    return identity, "failed", reason
 
 
 def _compute(store: Store, identity: str, config: RunConfig, content: str) -> None:
@@ -65,11 +70,3 @@ def _compute(store: Store, identity: str, config: RunConfig, content: str) -> No
     store.write(identity, outcome, clock.perf_counter() - begin)
     Path(place.path).unlink(missing_ok=True)
     store.forgive(identity)
-
-
-def _failed(store: Store, identity: str, reason: str) -> Report:
-    try:
-        store.fail(identity, reason)
-    except OutputError as error:
-        return identity, "disk", str(error)
-    return identity, "failed", reason

@@ -27,17 +27,15 @@ def legs_from_words(lines: Iterable[str]) -> list[dict[str, object]]:
         leg: dict[str, object] = {"kind": kind}
         is_bare = kind in ("slide", "step") and bool(rest) and "=" not in rest[0]
         if rest and "=" not in rest[0]:
-            leg["count" if kind == "repeat" else "duration"] = _value(rest.pop(0), whole=kind == "repeat")
+            first = rest.pop(0)
+            if kind == "repeat":
+                leg["count"] = int(first) if first.isdecimal() else number(first)
+            else:
+                leg["duration"] = number(first)
         if not kind or is_bare or "=" in kind or any(word.count("=") != 1 for word in rest):
             raise ConfigError([f"--leg: expected a leg, such as {_EXAMPLES}, got {line!r}"])
-        leg |= {key: _value(value) for key, value in (word.split("=") for word in rest)}
+        leg |= {key: number(value) for key, value in (word.split("=") for word in rest)}
         if kind == "repeat":
             leg["legs"], legs = legs, []
         legs.append(leg)
     return legs
-
-
-def _value(word: str, *, whole: bool = False) -> object:
-    if whole and word.isdecimal():
-        return int(word)
-    return number(word)

@@ -46,10 +46,12 @@ def flag_of(section: str, key: str) -> str:
 
 def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
     """Find sections and keys that do not exist, and suggest those that do; in lines not shown nothing."""
-    return [
-        said + (_suggestion(word, known) if known and number < SHOWN_PROBLEMS else "")
-        for number, (said, word, known) in enumerate(_unknown(merged, flags, path))
+    found = list(_unknown(merged, flags, path))
+    told = [
+        said + (_meant(word, known) or f"; there are {', '.join(known)}") if known else said
+        for said, word, known in found[:SHOWN_PROBLEMS]
     ]
+    return told + [said for said, _, _ in found[SHOWN_PROBLEMS:]]
 
 
 Unknown = tuple[str, str, list[str]]
@@ -76,11 +78,7 @@ def _no_section(name: str, content: object, path: Path | None) -> Unknown:
         return _where(path, f"[sweep]: {reason}"), "", []
     if isinstance(content, dict):
         return _where(path, f"[{name}]: no such section"), name, ORDER
-    homes = [
-        section
-        for section in (*SECTIONS, *KINDS)
-        if any(name in model.model_fields for model in models_of(section))
-    ]
+    homes = [one for one in (*SECTIONS, *KINDS) for model in models_of(one) if name in model.model_fields]
     where = f"; it belongs below [{homes[0]}]" if homes else ""
     return _where(path, f"{name}: stands outside any section{where}"), "", []
 
@@ -249,8 +247,3 @@ def _where(path: Path | None, text: str) -> str:
 def _meant(word: object, known: Iterable[str]) -> str:
     meant = closest(word, known) if isinstance(word, str) else None
     return f"; did you mean {meant!r}?" if meant else ""
-
-
-def _suggestion(word: str, known: list[str]) -> str:
-    """Name the one of the known names that was meant, or else all of them."""
-    return _meant(word, known) or f"; there are {', '.join(known)}"

@@ -82,10 +82,6 @@ def any_of(words: Iterable[str]) -> str:
     return f"{', '.join(some)} or {last}" if some else last
 
 
-def _infinite(value: object) -> object:
-    return math.inf if value == "inf" else value
-
-
 Several = Annotated[list[_T], Field(min_length=1), BeforeValidator(listed)]
 OneOrTwo = Annotated[list[_T], Field(min_length=1, max_length=2), BeforeValidator(listed)]
 """One of two bodies or axes, or of each."""
@@ -118,7 +114,13 @@ def annotation_of(parameter: Parameter) -> Any:
     words = tuple(kind for kind in kinds if isinstance(kind, str))
     if float in kinds and words:
         key: Any = Annotated[
-            (float, *parameter.facts, Field(allow_inf_nan=True), InUnit(unit), BeforeValidator(_infinite))
+            (
+                float,
+                *parameter.facts,
+                Field(allow_inf_nan=True),
+                InUnit(unit),
+                BeforeValidator(lambda one: math.inf if one == "inf" else one),
+            )
         ]
     elif float in kinds:
         key = Annotated[(Real, *parameter.facts, *([InUnit(unit)] if unit else []))]

@@ -256,27 +256,23 @@ class Continuum(SolidSection):
             raise ValueError("expected modulus or young, got both")
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
-        if self.modulus is None:
-            self._check_bodies()
+        bodies, ratios = len(self.young or [1]), len(self.poisson or [])
+        if self.modulus is None and bodies != ratios:
+            advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
+            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
         for name in ("per_decade", "extrapolate"):
             if self.relaxation is None and getattr(self, name) is not None:
                 raise ValueError(f"{name}: expected relaxation beside it, got none")
         if self.relaxation is not None:
             if self.branches:
                 raise ValueError("expected branches or relaxation, got both")
-            if len(self.young or [1]) > 1:
+            if bodies > 1:
                 raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
             try:
                 _ = self.fit
             except InputError as error:
                 raise ValueError(f"relaxation: {error}") from None
         return self
-
-    def _check_bodies(self) -> None:
-        bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        if bodies != ratios:
-            advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
-            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
 
     @property
     def fit(self) -> Fit | None:

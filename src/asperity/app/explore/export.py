@@ -36,14 +36,11 @@ def exported_page(messages: Iterable[bytes], *, title: str) -> str:
     files = {name: content.decode() for name, content in page_files().items()}
     page = _LINK.sub(lambda found: f"<style>\n{files[found[1]]}</style>", files["index.html"])
     # Inline scripts run where they stand, so they stand behind what they look for, after the data.
-    scripts = "\n".join(f"<script>\n{_inline(files[found[1]])}</script>" for found in _SCRIPT.finditer(page))
+    # No script may end the element in which it stands.
+    codes = [files[found[1]].replace("</script", "<\\/script") for found in _SCRIPT.finditer(page)]
+    scripts = "\n".join(f"<script>\n{code}</script>" for code in codes)
     page = _SCRIPT.sub("", page)
     page = re.sub(r"<title>.*?</title>", lambda _: f"<title>{html.escape(title)}</title>", page, count=1)
     policy = f'<meta http-equiv="Content-Security-Policy" content="{_ALONE}">'
     page = page.replace("<head>", f"<head>\n{policy}", 1)
     return page.replace("</body>", f"{recording}\n{scripts}\n</body>", 1)
-
-
-def _inline(script: str) -> str:
-    """A script that does not end the element in which it stands."""
-    return script.replace("</script", "<\\/script")

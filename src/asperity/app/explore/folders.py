@@ -15,8 +15,7 @@ import xarray as xr
 
 import asperity.results as results
 from asperity.analysis import aging_summary
-from asperity.app.campaign.gather import load_plan
-from asperity.app.campaign.plan import Plan, Run, name_of
+from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
 from asperity.app.campaign.store import QUANTITIES, Store
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
@@ -105,10 +104,8 @@ def _opened(root: Path, name: str) -> Opened:
         plan, store = load_plan(folder), Store(folder)
         done = store.done()
         first = next((run for run in plan.runs if run.identity in done), None)
-        header, arrays = _campaign(plan, store, name, done)
-        if first is None:
-            return Opened((header, arrays), None, None)
-        return Opened((header, arrays), *_of_campaign(plan, store, first, name))
+        shown = (None, None) if first is None else _of_campaign(plan, store, first, name)
+        return Opened(_campaign(plan, store, name, done), *shown)
     if kind:
         recording, config = _finished(folder, name)
         return Opened(None, recording, config)
@@ -161,8 +158,8 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
     runs: list[Header] = []
     arrays: Arrays = {}
     for run in plan.distinct.values():
-        state = "done" if run.identity in done else "running" if run.identity in running else "left"
-        state = "failed" if state == "left" and run.identity in failed else state
+        places = {"done": done, "running": running, "failed": failed}
+        state = next((state for state, names in places.items() if run.identity in names), "left")
         known = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
         runs.append(known | plan.labels(run))
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:

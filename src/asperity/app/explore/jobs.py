@@ -124,16 +124,12 @@ class _Teller(Progress):
 
     def reached(self, frame: Frame) -> None:
         if self._recording.scene is None:
-            config = self._config
-            output = self._asked.output
-            written = _shown_as(config.model_copy(update={"output": output}), self._shown)
-            self._recording.begin(
-                started(frame, config),
-                written,
-                self._title,
-                last_time=config.end,
-                python=to_python(written, list(self._times)),
-            )
+            config, output, surface = self._config, self._asked.output, self._config.surface
+            if (path := str(surface.file)) in self._shown:  # by the name that the user knows
+                surface = surface.model_copy(update={"path": self._shown[path]})
+            written = config.model_copy(update={"output": output, "surface": surface})
+            facts = {"last_time": config.end, "python": to_python(written, list(self._times))}
+            self._recording.begin(started(frame, config), written, self._title, **facts)
             scene: Header = self._recording.scene or {}
             moments = [*scene["switches"], *(output.maps_at or ())]
             self._mapped = mapped(self._times, moments, frame.contact.heights.size)
@@ -149,14 +145,6 @@ class _Teller(Progress):
             self._connection.recv()
             raise _StoppedError
         self._connection.send((what, content))
-
-
-def _shown_as(config: RunConfig, shown: Shown) -> RunConfig:
-    """The same configuration with the names that a user knows for the paths of files."""
-    path = getattr(config.surface, "path", None)
-    if path not in shown:
-        return config
-    return config.model_copy(update={"surface": config.surface.model_copy(update={"path": shown[path]})})
 
 
 def work(connection: Connection) -> None:
@@ -378,10 +366,8 @@ class Jobs:
 
 def _name_of(config: RunConfig) -> str:
     """One name for one configuration: of its keys, and of the state of its files."""
-    tables = to_tables(config)
-    files = [tables["surface"].get("path"), tables["solid"].get("relaxation")]
-    states = []
-    for name in filter(None, files):
+    tables, states = to_tables(config), []
+    for name in filter(None, (tables["surface"].get("path"), tables["solid"].get("relaxation"))):
         with contextlib.suppress(OSError):
             facts = Path(name).stat()
             states.append((facts.st_mtime_ns, facts.st_size))

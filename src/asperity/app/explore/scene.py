@@ -52,16 +52,13 @@ _RELATIVE = "static friction over that at first: real contact area over load (Ta
 _GROWN = (
     "growth of the area since the entry before, in areas at first, per decade of time since the last switch"
 )
-_MADE = {
-    one.name: one
-    for one in (
-        Quantity(
-            "mean_pressure", "pressure", "load over real contact area", label="mean pressure in contact"
-        ),
-        Quantity("friction", "1", _RELATIVE, label="friction coefficient relative to first"),
-        Quantity("decade_growth", "1", _GROWN, label="growth per decade"),
-    )
-}
+_MEAN = "load over real contact area"
+_FOUND = (
+    Quantity("mean_pressure", "pressure", _MEAN, label="mean pressure in contact"),
+    Quantity("friction", "1", _RELATIVE, label="friction coefficient relative to first"),
+    Quantity("decade_growth", "1", _GROWN, label="growth per decade"),
+)
+_MADE = {one.name: one for one in _FOUND}
 """What the page makes of the recorded numbers."""
 
 
@@ -219,10 +216,8 @@ class Recording:
 
     def messages(self) -> Iterator[bytes]:
         """All messages, for one who was not there."""
-        cursor, number = Cursor(), 0
-        while (made := self.next(cursor)) is not None:
-            header, arrays = made
-            number += 1
+        cursor = Cursor()
+        for number, (header, arrays) in enumerate(iter(lambda: self.next(cursor), None), 1):
             yield pack({**header, "sequence": number}, arrays)
 
     def _more(self, cursor: Cursor, scene: Header) -> tuple[Header, Arrays]:
@@ -242,16 +237,9 @@ class Recording:
 
 def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     """Describe a run by its first moment, as `recorded` does by the whole."""
-    contact = frame.contact
-    return dataset_of(
-        contact,
-        contact.control,
-        config.legs or None,
-        False,
-        [row_of(frame, slides=any(leg.speed for leg in config.written_out))],
-        [],
-        rtol=config.aging.rtol,
-    )
+    contact, rtol = frame.contact, config.aging.rtol
+    row = row_of(frame, slides=any(leg.speed for leg in config.written_out))
+    return dataset_of(contact, contact.control, config.legs or None, False, [row], [], rtol=rtol)
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:
@@ -356,11 +344,14 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     series = [name for name in _SERIES if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
     shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
-    long_names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
+    more = _PATCHES | _MADE
+    names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
+    names |= {"leg": "leg of the history, from 0"} | {name: one.long_name for name, one in more.items()}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
     pressure = f"{unit['load']} / site"
     if lengths:
         pressure = str(dataset["mean_contact_pressure"].attrs["units"])
+    column_units = unit | {name: one.dimension for name, one in more.items()}
     spacing = json.loads(dataset.attrs["spacing"])
     steps_between = [1.0, *spacing][-2:]
     switches = [row.begin for row in leg_table(dataset)[1:]]
@@ -373,20 +364,13 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "spacing": steps_between if lengths else None,
         "length_unit": str(dataset["x"].attrs.get("units", "")) if lengths else None,
         "units": {
-            "time": unit["time"],
-            "area": unit["contact_area" if lengths else "area"],
-            "load": unit["load"],
+            **{name: unit[name] for name in ("time", "load", "separation")},
+            **{"area": unit["contact_area" if lengths else "area"], "height": unit["heights"]},
             "pressure": pressure,
-            "height": unit["heights"],
-            "separation": unit["separation"],
         },
-        "names": long_names
-        | {"leg": "leg of the history, from 0"}
-        | {name: one.long_name for name, one in (_PATCHES | _MADE).items()},
+        "names": names,
         "labels": {name: one.label for name, one in shown.items()},
-        "column_units": unit
-        | {name: one.dimension for name, one in (_PATCHES | _MADE).items()}
-        | {"leg": "1", "mean_pressure": pressure},
+        "column_units": column_units | {"leg": "1", "mean_pressure": pressure},
         "columns": columns,
         "map_columns": list(_PATCHES),
         "switches": sorted(set(switches)),

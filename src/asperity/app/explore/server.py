@@ -26,7 +26,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.keys import sections
@@ -73,9 +73,8 @@ class Places:
 
     def allow(self, config: RunConfig | None) -> None:
         """Let the surface of a run that was opened be read, wherever it lies."""
-        path = getattr(config.surface, "path", None) if config is not None else None
-        if path is not None:
-            self._named.add(Path(path).resolve())
+        if config is not None and config.surface.file is not None:
+            self._named.add(config.surface.file.resolve())
 
     def find(self, name: str) -> Path:
         """The file of a name: in the folder, among the dropped ones, or of a run that was opened.
@@ -358,9 +357,8 @@ def _refused(text: str, status: int) -> Response:
 def _title(config: RunConfig) -> str:
     """Name a run in a few words."""
     surface = config.surface
-    path, lattice = getattr(surface, "path", None), surface.lattice
-    sites = "" if lattice is None else f", {' x '.join(map(str, lattice))}"
-    named = Path(path).name if path else surface.kind.replace("_", " ")
+    sites = "" if surface.lattice is None else f", {' x '.join(map(str, surface.lattice))}"
+    named = surface.file.name if surface.file else surface.kind.replace("_", " ")
     return f"{named}{sites} on a {config.solid.kind.replace('_', ' ')}"
 
 
@@ -382,7 +380,9 @@ class OwnPagesOnly:
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         own = origins == [f"http://{host}"] or (not origins and not changes)
         if host not in self._hosts or not own:
-            await _turn_away(scope, receive, send)
+            said = "asperity explore serves its own page alone"
+            refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(said, 403)
+            await refusal(scope, receive, send)
             return
 
         async def send_strictly(message: Any) -> None:
@@ -398,14 +398,6 @@ class OwnPagesOnly:
             await send(message)
 
         await self._app(scope, receive, send_strictly)
-
-
-async def _turn_away(scope: Scope, receive: Receive, send: Send) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 1008})
-        return
-    await Response("asperity explore serves its own page alone", 403)(scope, receive, send)
 
 
 def free_socket(port: int | None) -> socket.socket:
