@@ -42,13 +42,7 @@ def two_times(apart, seed=0):
 
 
 @pytest.mark.parametrize(
-    "branches",
-    [
-        [(0.3, 7.0)],
-        [(0.2, 0.5), (0.5, 300.0)],
-        [(0.5, 2.0), (0.5, 90.0)],
-        [(0.1, 1.0), (0.2, 2.0), (0.3, 1e5)],
-    ],
+    "branches", [[(0.3, 7.0)], [(0.5, 2.0), (0.5, 90.0)], [(0.1, 1.0), (0.2, 2.0), (0.3, 1e5)]]
 )
 def test_relaxation_is_the_creep_compliance_of_the_branches(branches):
     parameters = {f"share_{n}": share for n, (share, _) in enumerate(branches, 1)}
