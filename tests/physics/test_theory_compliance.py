@@ -1,4 +1,4 @@
-"""A site under a force, and the dip around it: beside sums over modes, closed forms, many-digit quadrature."""
+"""A site under a force, and the dip around it: beside sums over modes, closed forms and quadrature."""
 
 import math
 
@@ -8,8 +8,9 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 from scipy.special import ive
 
-from asperity import theory as T
+import asperity as asp
 
+T = asp.theory
 # (x1, x2, viscous, dimension), G, dG/dx2. Origin: tanh-sinh quadrature with 25 digits in the library mpmath
 # (1.4.1), over ln lam below 2 and graded toward lam = 4 (square), over ln q (line). The corners of the range.
 MANY_DIGITS = [
@@ -171,7 +172,7 @@ def test_stiffer_along_one_axis_is_allowed():
 
 
 def torus_sum(offset, x1, x2, viscous, length):
-    """The dip on a torus, but for lam = 0, which is that of the infinite lattice: it sinks by r x2 per site."""
+    """The dip on a torus, with lam = 0 as on the infinite lattice: it sinks by r x2 per site."""
     q, lam = modes((length,) * len(offset))
     waves = np.prod(np.cos(np.array(offset)[:, None] * q), axis=0)
     return (1 / x1 + viscous * x2 + depth(lam, x1, x2, viscous) @ waves) / (lam.size + 1)
