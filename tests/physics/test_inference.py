@@ -362,8 +362,8 @@ def test_the_solid_creeps_as_the_curve(model, values, rtol):
 def test_a_record_of_holds_gives_b():
     law = asp.friction.RateAndState(a=0.0, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = np.tile(np.geomspace(3, 3e4, 5), 2)  # each twice: as many points
-    protocol = asp.friction.slide_hold_slide(holds, velocity=1e-6, distance=100e-6)
-    record = asp.friction.synthetic_record(protocol, law, noise=2e-4, seed=2)
+    protocol = asp.friction.slide_hold_slide(holds, velocity=1e-6, distance=200e-6)
+    record = asp.friction.synthetic_record(protocol, law, noise=2e-4, seed=1)
     record = replace(record, strength_at_rest=True)
     found = asp.infer(record, model="healing", error=3e-4, **SMALL)
     B = found.verdicts["B"]
