@@ -138,11 +138,6 @@ def test_a_fraction_of_a_site_is_the_analytic_shift_of_each_wave():
             lattice.shifted(wave(y, x), (0.25, -0.7)), wave(y - 0.25, x + 0.7), atol=1e-13
         )
         np.testing.assert_allclose(lattice.shifted(wave(y, x), (2.5, 1.0)), wave(y - 2.5, x - 1), atol=1e-13)
-    line = Lattice((9,))
-    field = np.random.default_rng(0).normal(size=9)
-    np.testing.assert_allclose(
-        line.shifted(line.shifted(field, (0.5,)), (0.5,)), np.roll(field, 1), atol=1e-14
-    )
     # The shortest wave of an even length: sites hold its cosine alone, and half a site away it vanishes.
     shortest = np.cos(np.pi * np.arange(8.0))
     np.testing.assert_allclose(Lattice((8,)).shifted(shortest, (0.5,)), 0, atol=1e-15)

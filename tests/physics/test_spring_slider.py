@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import asperity as asp
-from asperity.friction.laws import half_changes
 
 F = asp.friction
 LAW = {
@@ -88,19 +87,6 @@ def test_friction_where_the_logarithm_of_velocity_is_linear_in_slip_is_exact(law
     np.testing.assert_allclose(np.log(state[4:-1]), found.y[0], rtol=0, atol=1e-9)
     friction = LAW[law].friction(time, velocity, start=0.2)[4:-1]
     np.testing.assert_allclose(friction, 0.6 + 0.006 * 0.3 * slip[4:-1] + 0.012 * found.y[0], atol=1e-11)
-
-
-def test_a_jump_stays_a_jump():
-    time = np.arange(9.0)
-    for velocity in (
-        [1, 1, 1, 1, 10, 10, 10, 10, 10],  # at a row
-        [1, 1, 1, 1, 0, 0, 10, 10, 10],  # across a rest
-        [1, 1, 2, 2, 4, 4, 8, 8, 8],  # a staircase
-        [1, 2, 1, 2, 1, 2, 1, 2, 1],  # noise
-    ):
-        assert not half_changes(time, np.array(velocity, dtype=float)).any()
-    before_and_after = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
-    assert not half_changes(before_and_after, np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])).any()
 
 
 def test_a_jump_between_rows_is_not_fitted():

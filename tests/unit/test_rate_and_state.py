@@ -117,41 +117,32 @@ def test_mu_0_is_the_steady_friction_of_the_velocity_asked_for():
     assert fit.D_c == pytest.approx(F.rate_and_state(record).D_c, rel=1e-6)
 
 
-def covered(protocol, law, count, **known):
-    """How many of 95 % intervals cover the truth; the spread of the fits is that of their standard errors."""
-    truth = LAWS[law]
-    names = ("b", "D_c", "mu_0", "a_minus_b")
-    hits, pulls = dict.fromkeys(names, 0), np.zeros((count, len(names)))
+@pytest.mark.parametrize(
+    ("protocol", "law", "count", "known"),
+    [
+        (STEPS, "slip", 60, {}),
+        (HOLDS, "aging", 60, {"a": 0.010}),
+        *(
+            pytest.param(protocol, law, 500, {}, marks=pytest.mark.slow)
+            for protocol in (STEPS, HOLDS + STEPS)
+            for law in LAWS
+        ),
+    ],
+)
+def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, count, known):
+    """And the spread of the fits is that of their standard errors."""
+    truth = {"b": AGING.b, "D_c": AGING.D_c, "mu_0": AGING.mu_0, "a_minus_b": -0.005}
+    hits, pulls = dict.fromkeys(truth, 0), []
     for seed in range(count):
-        record = F.synthetic_record(protocol, truth, per_leg=30, noise=NOISE, seed=seed)
+        record = F.synthetic_record(protocol, LAWS[law], per_leg=30, noise=NOISE, seed=seed)
         fit = F.rate_and_state(record, law=law, **known)
-        for at, name in enumerate(names):
-            value = -0.005 if name == "a_minus_b" else getattr(truth, name)
+        for name, value in truth.items():
             low, high = fit.interval(name)
             hits[name] += low <= value <= high
-            pulls[seed, at] = (getattr(fit, name) - value) / getattr(fit, f"{name}_stderr")
-    np.testing.assert_allclose(pulls.std(axis=0), 1.0, atol=3 / np.sqrt(2 * count))
-    return hits
-
-
-@pytest.mark.parametrize(
-    ("protocol", "law", "known"),
-    [(STEPS, "slip", {}), (HOLDS, "aging", {"a": 0.010})],
-    ids=["steps", "holds"],
-)
-def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, known):
-    count = 60
-    least, most = binom.ppf(0.001, count, 0.95), count
-    for hits in covered(protocol, law, count, **known).values():
-        assert least <= hits <= most
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("law", ["aging", "slip"])
-@pytest.mark.parametrize("protocol", [STEPS, HOLDS + STEPS], ids=["steps", "both"])
-def test_of_500_records_between_92_and_98_percent_are_covered(protocol, law):
-    for hits in covered(protocol, law, 500).values():
-        assert 460 <= hits <= 490
+        pulls.append([(getattr(fit, name) - truth[name]) / getattr(fit, f"{name}_stderr") for name in truth])
+    np.testing.assert_allclose(np.std(pulls, axis=0), 1.0, atol=3 / np.sqrt(2 * count))
+    least, most = (460, 490) if count == 500 else (binom.ppf(0.001, count, 0.95), count)
+    assert all(least <= covered <= most for covered in hits.values())
 
 
 def test_correlated_residuals_widen_the_intervals():
