@@ -83,8 +83,8 @@ def test_dilute_and_winkler_area_against_bisection_and_springs_one_by_one():
         low, high = (d, high) if norm.pdf(d) - d * norm.sf(d) > load * soft else (low, d)
     assert T.dilute_area(load, soft, GAUSS) == pytest.approx(norm.sf(d), rel=1e-12)
     sample = np.random.default_rng(5).normal(size=600)
-    load = np.mean(1.7 * np.maximum(sample - 0.4, 0))
-    assert T.winkler_area(load, 1.7, T.EmpiricalHeights(sample)) == np.mean(sample > 0.4)
+    mean = np.mean(1.7 * np.maximum(sample - 0.4, 0))
+    assert T.winkler_area(mean, 1.7, T.EmpiricalHeights(sample)) == np.mean(sample > 0.4)
 
 
 @pytest.mark.parametrize(("viscous", "dimension"), [(0.0, 2), (0.5, 1)])
@@ -153,7 +153,7 @@ def test_full_contact_forces_just_reach_zero(shape):
 def test_growing_load_is_the_hereditary_integral():
     load = 1e-5 * np.array([0, 10, 30, 30])
     area = T.dilute_history([0, 10, 10, 50], load, k0=2.0, x1=1.0, heights=GAUSS)
-    ramp, _ = quad(lambda y: T.compliance(1.0, y), 40, 50, epsrel=1e-12)
+    ramp, _ = quad(lambda y: float(T.compliance(1.0, y)), 40, 50, epsrel=1e-12)
     compression = 1e-5 * (ramp + 20 * T.compliance(1.0, 40.0)) / 2
     assert area[-1] == pytest.approx(norm.sf(GAUSS.separation_for(compression)), rel=1e-10)
 

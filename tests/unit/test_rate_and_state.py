@@ -332,7 +332,7 @@ BAD = {
     "far from the reference": ("rate_coefficient", lambda: F.add_friction(DATASET, FAST)),
     "a strength at rest": ("velocity", lambda: F.add_friction(slid(P.Hold(1.0)).dataset, FAST)),
     "a strength of a jump": ("velocity", lambda: F.add_friction(slid(JUMP, times=(0.0,)).dataset, FAST)),
-    "no dataset": ("dataset", lambda: F.add_friction(HISTORY, 4.0)),  # type: ignore[arg-type]
+    "no dataset": ("dataset", lambda: F.add_friction(HISTORY, 4.0)),
 }
 
 
