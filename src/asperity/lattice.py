@@ -188,7 +188,10 @@ class Lattice:
         axes, threads = tuple(range(-self.dimension, 0)), self._threads
         modes: Modes
         if self.reflecting:
-            modes = np.asarray(scipy.fft.dctn(_only_numpy(field), axes=axes, norm="ortho", workers=threads))
+            if _foreign_transforms(field):  # array libraries have no cosine transforms
+                expected, got = "numpy arrays where edges reflect", type(field).__module__
+                raise InputError("edges", expected=expected, got=got, advice="'periodic'")
+            modes = np.asarray(scipy.fft.dctn(field, axes=axes, norm="ortho", workers=threads))
             modes *= modes.dtype.type(math.sqrt(self.sites))
             return modes
         if foreign := _foreign_transforms(field):
@@ -267,41 +270,23 @@ class Lattice:
     def long_waves(self, modes: ModesOrSpectrum, coarse: Lattice) -> ModesOrSpectrum:
         """Those of the modes, or of a spectrum, that a coarser lattice has too, in its order."""
         kept = modes[..., : coarse.spectral_shape[-1]]
-        if self.dimension == 1:
-            return kept + 0
+        if self.dimension == 1 or self.reflecting:
+            return kept[: coarse.shape[0]] + 0
         n = coarse.shape[0]
-        if self.reflecting:
-            return kept[:n] + 0
         rows = (kept[: (n + 1) // 2, :], kept[self.shape[0] - n // 2 :, :])
         long: ModesOrSpectrum = array_namespace(modes).concat(rows)
         return long
 
     def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
         """Add the modes of a coarser lattice, of odd lengths, to those of this one, in place."""
-        last = coarse.spectral_shape[-1]
-        if self.dimension == 1:
-            modes[:last] += long
+        kept, n = modes[..., : coarse.spectral_shape[-1]], coarse.shape[0]
+        if self.dimension == 1 or self.reflecting:
+            kept[: len(long)] += long
             return
-        n = coarse.shape[0]
-        if self.reflecting:
-            modes[:n, :last] += long
-            return
-        modes[: (n + 1) // 2, :last] += long[: (n + 1) // 2, :]
-        modes[self.shape[0] - n // 2 :, :last] += long[(n + 1) // 2 :, :]
+        kept[: (n + 1) // 2] += long[: (n + 1) // 2]
+        kept[self.shape[0] - n // 2 :] += long[(n + 1) // 2 :]
 
 
 def _foreign_transforms(array: object) -> Any:
     """The transforms of the array's own library; None for numpy, which has scipy's."""
     return None if isinstance(array, np.ndarray) else array_namespace(array).fft
-
-
-def _only_numpy(array: Field) -> Field:
-    """The array, if it is numpy's: array libraries have no cosine transforms."""
-    if not isinstance(array, np.ndarray):
-        raise InputError(
-            "edges",
-            expected="numpy arrays where edges reflect",
-            got=type(array).__module__,
-            advice="'periodic'",
-        )
-    return array

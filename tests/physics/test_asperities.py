@@ -10,16 +10,7 @@ from tests.continua import love
 
 E = 3e9
 SOLID = asp.solids.half_space(modulus=E)
-OFFSETS = [
-    (0, 0.5),
-    (0.1, 0.45),
-    (0.125, 0.375),
-    (0.2, 0.2),
-    (0.25, 0.125),
-    (0.3, 0.05),
-    (0.375, 0.25),
-    (0.5, 0),
-]
+OFFSETS = [(0, 0.5), (0.125, 0.375), (0.2, 0.2), (0.3, 0.05)]
 P = asp.protocols
 
 
@@ -70,7 +61,7 @@ def ellipse(load, flat, steep):
     return a, b, largest, largest * b * ellipk(m) / E
 
 
-@pytest.mark.parametrize("ratio", [1.5, 4.0, 16.0])
+@pytest.mark.parametrize("ratio", [1.5, 16.0])
 def test_two_radii_make_an_ellipse(ratio):
     pixel, steep = 1e-6, 0.1
     a, b, largest, approach = ellipse(1.0, ratio * steep, steep)
@@ -86,7 +77,7 @@ def test_two_radii_make_an_ellipse(ratio):
     assert -contact.separation == pytest.approx(approach, rel=1e-4)
 
 
-@pytest.mark.parametrize(("cells", "within"), [(8, 4e-3), (16, 1e-3), (32, 5e-4), (64, 1e-4)])
+@pytest.mark.parametrize(("cells", "within"), [(8, 4e-3), (16, 1e-3), (64, 1e-4)])
 def test_a_flat_punch_is_as_stiff_as_a_circle_less_a_tenth_of_a_pixel(cells, within):
     # The area of its sites defines a; at the edge even pressures on pixels miss a part of what is singular.
     for more in (0.0, 0.3, 0.6, 0.9):

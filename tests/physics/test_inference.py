@@ -11,13 +11,13 @@ from scipy.stats import chisquare
 
 import asperity as asp
 from asperity.errors import CheckpointError, ConvergenceError
-from asperity.inference import Prior, sampling
+from asperity.inference import Prior, inferring, sampling
 from asperity.inference.models import of_name
 from asperity.inference.sampling import Problem, sample
-from asperity.inference.verdicts import WORD, excluded_ends, interval_within
 from tests.refusals import refuses
 
 T = np.geomspace(1, 1e4, 25)
+SMALL: dict[str, Any] = {"walkers": 100, "effective": 100}
 
 
 def curve(model, **parameters):
@@ -42,13 +42,7 @@ def two_times(apart, seed=0):
 
 
 @pytest.mark.parametrize(
-    "branches",
-    [
-        [(0.3, 7.0)],
-        [(0.2, 0.5), (0.5, 300.0)],
-        [(0.5, 2.0), (0.5, 90.0)],
-        [(0.1, 1.0), (0.2, 2.0), (0.3, 1e5)],
-    ],
+    "branches", [[(0.3, 7.0)], [(0.5, 2.0), (0.5, 90.0)], [(0.1, 1.0), (0.2, 2.0), (0.3, 1e5)]]
 )
 def test_relaxation_is_the_creep_compliance_of_the_branches(branches):
     parameters = {f"share_{n}": share for n, (share, _) in enumerate(branches, 1)}
@@ -86,8 +80,8 @@ def test_lattice_eyring_and_healing_are_their_theories():
 # -- The posterior -------------------------------------------------------------------------------------------
 
 
-def line(time, offset, slope):
-    return offset + slope * np.log(time)
+def line(time, scale, slope):
+    return scale + slope * np.log(time)
 
 
 def constant(time, a=1.0):
@@ -99,7 +93,7 @@ def scalar(time, a):
 
 
 LINE: dict[str, Any] = {
-    "offset": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
+    "scale": {"kind": "normal", "mean": 1.0, "deviation": 0.5},
     "slope": {"kind": "normal", "mean": 0.0, "deviation": 0.3},
 }
 
@@ -107,17 +101,17 @@ LINE: dict[str, Any] = {
 def test_a_linear_model_has_its_closed_posterior():
     """Normal priors and errors: mean and covariance of linear regression; the profile is the posterior."""
     value, error = noisy(line(T, 1.2, 0.1)), np.full(T.size, 0.05)
-    found = asp.infer(T, value, error, model=line, priors=LINE, walkers=500, seed=3)
+    found = asp.infer(T, value, error, model=line, priors=LINE, walkers=200, seed=3)
     columns = np.column_stack([np.ones_like(T), np.log(T)]) / error[:, np.newaxis]
     precision = columns.T @ columns + np.diag([1 / 0.5**2, 1 / 0.3**2])
     covariance = np.linalg.inv(precision)
     mean = covariance @ (columns.T @ (value / error) + np.array([1 / 0.5**2, 0.0]))
-    draws = np.stack([found.values[name].ravel() for name in ("offset", "slope")])
+    draws = np.stack([found.values[name].ravel() for name in LINE])
     sigma = np.sqrt(np.diag(covariance))
     np.testing.assert_allclose(draws.mean(1), mean, atol=0.1 * sigma.max(), rtol=0)
     both = np.outer(sigma, sigma)
     np.testing.assert_allclose(np.cov(draws) / both, covariance / both, atol=0.1)
-    for place, one in enumerate(found.verdicts[name] for name in ("offset", "slope")):
+    for place, one in enumerate(found.verdicts[name] for name in LINE):
         expected = mean[place] + np.array([-1, 1]) * 1.96 * sigma[place]
         assert one.verdict == "determined"
         np.testing.assert_allclose(one.profile, expected, atol=0.1 * sigma[place])
@@ -187,24 +181,15 @@ def ranks_of(model, count, walkers, steps):
     return np.array(ranks)
 
 
-def check(ranks, widest):
-    """Uniform ranks, and 95 % intervals that cover, over all parameters."""
-    for column in ranks.T:
-        assert chisquare(np.histogram(column, np.linspace(0, 1, 11))[0]).pvalue > 0.01 / len(ranks.T)
-    assert abs(np.mean((ranks > 0.025) & (ranks < 0.975)) - 0.95) <= widest
-
-
-@pytest.mark.parametrize("model", ["power", pytest.param("healing", marks=pytest.mark.slow)])
-def test_ranks_are_uniform_and_intervals_cover(model):
-    check(ranks_of(model, 60, 50, 6), widest=0.05)  # 60 curves
-
-
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788. The exact posterior of these curves of healing covers 93.7 %."""
-    check(ranks_of(model, 500, 400, 10), widest=0.02)
+    ranks = ranks_of(model, 500, walkers=400, steps=10)
+    for column in ranks.T:
+        assert chisquare(np.histogram(column, np.linspace(0, 1, 11))[0]).pvalue > 0.01 / len(ranks.T)
+    assert abs(np.mean((ranks > 0.025) & (ranks < 0.975)) - 0.95) <= 0.02
 
 
 @pytest.mark.slow
@@ -235,22 +220,6 @@ def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, mon
 
 
 # -- The verdicts --------------------------------------------------------------------------------------------
-
-
-def test_words_follow_from_what_of_the_prior_is_left():
-    prior = np.linspace(0, 1, 20_001)
-    draws = np.random.default_rng(0)
-    cases = {
-        "not identified": draws.uniform(0, 1, 4000),
-        "bounded above": draws.uniform(0, 0.3, 4000),
-        "bounded below": draws.uniform(0.9, 1, 4000),
-        "determined": draws.normal(0.05, 0.01, 4000),
-    }
-    for word, posterior in cases.items():
-        excluded = excluded_ends(prior, posterior)
-        low, high = interval_within(excluded, prior, posterior)
-        assert WORD[excluded] == word
-        assert 0 <= low < high <= 1
 
 
 @pytest.mark.slow
@@ -287,61 +256,65 @@ def test_areas_in_square_metres_under_a_known_load_know_the_roughness():
     assert found.verdicts["load"].verdict == "not identified"  # no more than what was known
 
 
-def test_activated_flow_knows_only_rate_over_length():
-    exact = curve("eyring", rate=1e-15, length=1e-6)
-    found = asp.infer(T, noisy(exact, 0.003), 0.003 * exact, model="eyring", walkers=500, effective=200)
-    for name in ("rate", "length", "stress", "load"):
-        assert found.verdicts[name].verdict == "not identified"
-    (together,) = found.combinations
-    assert together.name == "rate / length"
-    assert together.low < 1e-9 < together.high
+ONE_TIME, LONG_TIME = (asp.relaxation.PronySeries(1.0, ((g, t),)) for g, t in ((0.3, 50.0), (0.5, 1e6)))
+KNOWN, LOW, HIGH, NO = "determined", "bounded above", "bounded below", "not identified"
+CASES: dict[str, tuple[Any, ...]] = {
+    "one relaxation time": ("relaxation", ONE_TIME.compliance_at(T), 0.01, {"time_1": (KNOWN, 50.0)}),
+    "a curve that ends early": ("relaxation", LONG_TIME.compliance_at(T), 1e-3, {"time_1": (HIGH, None)}),
+    "flow knows only a ratio": (
+        *("eyring", curve("eyring", rate=1e-15, length=1e-6), 0.003),
+        dict.fromkeys(("rate", "length", "stress", "load"), (NO, None)),
+    ),
+    "a power without a time": (
+        *("power", T**0.3, 0.01),
+        {"exponent": (KNOWN, 0.3), "scale": (LOW, None), "time": (LOW, None)},
+    ),
+    # Holds are far above the time of healing: the friction at first is as low as the prior of that time.
+    "an end that follows from another prior": (
+        *("healing", 0.6 + 0.01 * np.log1p(T / 1e-3), 0.002),
+        {"B": (KNOWN, 0.01), "scale": (LOW, None), "time": (LOW, 1e-3)},
+    ),
+}
 
 
-def test_one_relaxation_time_is_taken_where_it_suffices():
-    exact = asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
-    found = asp.infer(T, noisy(exact, seed=1), 0.01 * exact, walkers=300, effective=200)
-    assert found.verdicts["time_1"].verdict == "determined"
-    assert found.verdicts["time_1"].low < 50 < found.verdicts["time_1"].high
-    assert "time_2" not in found.verdicts
-    assert "1 relaxation time by Akaike's criterion" in found.remarks[0]
+@pytest.mark.parametrize("case", CASES)
+def test_verdicts_and_intervals_are_those_of_the_curves(case):
+    model, exact, relative, expected = CASES[case]
+    found = asp.infer(T, noisy(exact, relative, seed=1), relative * exact, model=model, **SMALL)
+    for name, (verdict, truth) in expected.items():
+        one = found.verdicts[name]
+        assert one.verdict == verdict
+        assert truth is None or one.low < truth < one.high
+    if model == "relaxation":
+        assert "1 relaxation time by Akaike's criterion" in found.remarks[0]
+        assert "time_2" not in found.verdicts
+    if verdict == HIGH:
+        assert one.low < 1e6
+        assert one.profile[1] == math.inf
+        assert found.combinations[0].name == "share_1 / time_1"
+    if verdict == NO:
+        (together,) = found.combinations
+        assert together.name == "rate / length"
+        assert together.low < 1e-9 < together.high
 
 
-def test_a_curve_that_ends_early_bounds_the_time_below():
-    exact = asp.relaxation.PronySeries(1.0, ((0.5, 1e6),)).compliance_at(T)
-    found = asp.infer(T, noisy(exact, 1e-3), 1e-3 * exact, branches=1, walkers=500, effective=200)
-    assert found.verdicts["time_1"].verdict == "bounded below"
-    assert found.verdicts["time_1"].low < 1e6
-    assert found.verdicts["time_1"].profile[1] == math.inf
-    assert next(one for one in found.combinations).name == "share_1 / time_1"
-
-
-def test_a_power_without_a_time_is_known_by_its_exponent_alone():
-    exact = T**0.3
-    found = asp.infer(T, noisy(exact), 0.01 * exact, model="power", walkers=300, effective=200).verdicts
-    assert found["exponent"].verdict == "determined"
-    assert (found["scale"].verdict, found["time"].verdict) == ("bounded above", "bounded above")
-
-
-def test_an_end_that_follows_from_the_prior_of_another_parameter_is_not_of_the_data():
-    """Hold times are far above the time of healing: the friction at first is as low as that time is."""
-    exact = 0.6 + 0.01 * np.log1p(T / 1e-3)
-    found = asp.infer(T, noisy(exact, 0.002), 0.002 * exact, model="healing", walkers=300, effective=200)
-    assert found.verdicts["B"].verdict == "determined"
-    assert found.verdicts["time"].verdict == found.verdicts["scale"].verdict == "bounded above"
-
-
-@pytest.mark.parametrize(
-    "prior",
-    [
-        {"time_1": {"kind": "normal", "mean": 60, "deviation": 10}},
-        {"load": {"kind": "normal", "mean": 1, "deviation": 1e-3}},
-    ],
-)
-def test_what_is_known_of_a_parameter_makes_no_errors(prior):
+def test_what_is_known_of_a_parameter_makes_no_errors(monkeypatch):
     value = noisy(asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T), seed=1)
-    how: dict[str, Any] = {"branches": 1, "walkers": 100, "effective": 50}
-    bare, found = asp.infer(T, value, **how), asp.infer(T, value, priors=prior, **how)
-    np.testing.assert_array_equal(found.error, bare.error)
+    known: dict[str, Any] = {
+        "time_1": {"kind": "normal", "mean": 60, "deviation": 10},
+        "load": {"kind": "normal", "mean": 1, "deviation": 1e-3},
+    }
+    errors = []
+
+    def stopped(problem, **_):
+        errors.append(problem.error)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(inferring, "sample", stopped)
+    for priors in ({}, known):
+        with pytest.raises(KeyboardInterrupt):
+            asp.infer(T, value, branches=1, priors=priors)
+    np.testing.assert_array_equal(*errors)
 
 
 def test_what_is_known_of_a_parameter_that_the_curve_does_not_contain_is_no_misfit():
@@ -351,22 +324,6 @@ def test_what_is_known_of_a_parameter_that_the_curve_does_not_contain_is_no_misf
     z = problem.of_prior(np.random.default_rng(0), 1)[0]
     other = np.where(np.array(list(made.priors)) == "load", 3.0, z)
     assert problem.improved(other, problem.used)[0] == problem.improved(z, problem.used)[0]
-
-
-def test_a_model_of_ones_own_may_call_its_parameters_as_it_likes():
-    def own(time, scale, slope):
-        return scale * (1 + slope * np.log(time))
-
-    exact = own(T, 3.0, 0.05)
-    priors: dict[str, Any] = {"scale": (0.1, 10), "slope": (1e-3, 1)}
-    found = asp.infer(T, noisy(exact), 0.01 * exact, model=own, priors=priors, walkers=100, effective=100)
-    assert found.verdicts["scale"].low < 3.0 < found.verdicts["scale"].high
-
-
-def test_repeated_hold_times_are_as_many_points():
-    times, values = np.repeat(T, 3), np.repeat(curve("power", exponent=0.3, time=1e4), 3)
-    found = asp.infer(times, noisy(values), 0.01 * values, model="power", walkers=100, effective=50)
-    assert found.verdicts["exponent"].low < 0.3 < found.verdicts["exponent"].high
 
 
 @pytest.mark.slow
@@ -403,10 +360,11 @@ def test_the_solid_creeps_as_the_curve(model, values, rtol):
 
 def test_a_record_of_holds_gives_b():
     law = asp.friction.RateAndState(a=0.0, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
-    protocol = asp.friction.slide_hold_slide(np.geomspace(3, 3e4, 9), velocity=1e-6, distance=100e-6)
+    holds = np.tile(np.geomspace(3, 3e4, 5), 2)  # each twice: as many points
+    protocol = asp.friction.slide_hold_slide(holds, velocity=1e-6, distance=200e-6)
     record = asp.friction.synthetic_record(protocol, law, noise=2e-4, seed=1)
     record = replace(record, strength_at_rest=True)
-    found = asp.infer(record, model="healing", error=3e-4, walkers=300, effective=100)
+    found = asp.infer(record, model="healing", error=3e-4, **SMALL)
     B = found.verdicts["B"]
     assert B.verdict == "determined"
     assert B.low < 0.015 < B.high < 1.2 * B.low
@@ -422,7 +380,6 @@ def test_a_record_of_holds_gives_b():
         ({"time": [1.0, 3.0, 2.0, 4.0]}, "time"),
         ({"area": [1.0, 1.1, 1.2]}, "area"),
         ({"error": 0.0}, "error"),
-        ({"error": [0.1, 0.2]}, "error"),
         ({"area": [4.0, 3.0, 2.0, 1.0]}, "area"),
         ({"branches": 2}, "time"),
         ({"error": None, "branches": 2}, "time"),
@@ -433,14 +390,12 @@ def test_a_record_of_holds_gives_b():
         ({"model": "healing", "absolute": True}, "absolute"),
         ({"model": "lattice", "priors": {"x1": (1e-6, 1.0)}}, "prior of x1"),
         ({"priors": [1, 2]}, "priors"),
-        ({"priors": {"time_5": (1, 2)}}, "prior of time_5"),
-        ({"priors": {"time_1": {"kind": ["a"]}}}, "prior of time_1"),
         ({"priors": {"tme_1": (1, 2)}}, "prior of tme_1"),
         ({"priors": {"time_1": (2.0, 1.0)}}, "prior of time_1, high"),
         ({"priors": {"time_1": {"kind": "flat"}}}, "prior of time_1"),
         ({"priors": {"load": ("1 m", "2 m")}}, "prior of load, low"),
         ({"model": line}, "priors"),
-        ({"model": line, "priors": {"offset": (1, 2)}}, "priors"),
+        ({"model": line, "priors": {"scale": (1, 2)}}, "priors"),
         ({"model": line, "priors": LINE, "absolute": True}, "absolute"),
         ({"model": lambda time, a: a * np.ones_like(time), "priors": {"a": (1, 2)}, "workers": 2}, "model"),
         ({"model": constant, "priors": {"a": (1, 2)}}, "model"),

@@ -30,20 +30,18 @@ def records(shape, waves, shares, distance, rtol):
     return found
 
 
-def estimates(several):
+def b_and_D_c(several):
     laws = F.compare_state_laws(several)
     assert laws.verdict == "aging"
-    return laws.estimates["aging"]
+    return [laws.estimates["aging"][name] for name in ("b", "D_c")]
 
 
 @pytest.mark.slow
 def test_on_surfaces_b_from_steps_is_above_b_from_holds():
     holds, steps = records((64, 64), 8.0, 0.05, 14.0, 1e-2)
-    of_holds, of_steps = estimates(holds), estimates(steps)
-    assert of_holds["b"].value == pytest.approx(0.151, abs=0.002)
-    assert of_steps["b"].value == pytest.approx(0.196, abs=0.002)
-    assert of_holds["D_c"].value == pytest.approx(0.72, abs=0.02)
-    assert of_steps["D_c"].value == pytest.approx(0.92, abs=0.02)
+    (b, D_c), (b_of_steps, D_c_of_steps) = b_and_D_c(holds), b_and_D_c(steps)
+    assert [b.value, b_of_steps.value] == pytest.approx([0.151, 0.196], abs=0.002)
+    assert [D_c.value, D_c_of_steps.value] == pytest.approx([0.72, 0.92], abs=0.02)
     ratios = [
         F.rate_and_state(two).b / F.rate_and_state(one).b for one, two in zip(holds, steps, strict=True)
     ]
@@ -55,14 +53,11 @@ def test_on_surfaces_b_from_steps_is_above_b_from_holds():
 
 @pytest.mark.slow
 def test_on_lines_where_slip_is_resolved_both_agree():
-    holds, steps = (estimates(several) for several in records((512,), 32.0, 0.08, 24.0, 0.02))
-    assert holds["b"].value == pytest.approx(0.81, abs=0.01)
-    assert steps["b"].value == pytest.approx(0.96, abs=0.01)
-    assert holds["D_c"].value == pytest.approx(2.42, abs=0.05)
-    assert steps["D_c"].value == pytest.approx(2.56, abs=0.05)
-    for name in ("b", "D_c"):
-        reach = np.hypot(*((one.high - one.low) / 2 for one in (holds[name], steps[name])))
-        assert abs(holds[name].value - steps[name].value) < reach
+    holds, steps = (b_and_D_c(several) for several in records((512,), 32.0, 0.08, 24.0, 0.02))
+    assert [holds[0].value, steps[0].value] == pytest.approx([0.81, 0.96], abs=0.01)
+    assert [holds[1].value, steps[1].value] == pytest.approx([2.42, 2.56], abs=0.05)
+    for one, other in zip(holds, steps, strict=True):
+        assert abs(one.value - other.value) < np.hypot(one.high - one.low, other.high - other.low) / 2
 
 
 @pytest.mark.slow

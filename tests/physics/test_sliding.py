@@ -42,14 +42,10 @@ def test_a_contact_that_has_not_crept_moves_as_it_is(contact):
         assert moved.area == contact.area
     for name in ("heights", "u", "anchors", "force", "in_contact"):
         assert (getattr(moved, name) == getattr(contact, name)).all()
-    assert moved.separation == contact.separation
-    assert moved.load == contact.load
-
-
-def test_without_a_shift_nothing_changes(contact):
-    assert asp.slide(contact, 0) is contact
-    assert asp.slide(contact, [0.0] * contact.heights.ndim) is contact
-    assert asp.slide(contact, contact.heights.shape[-1]) is contact
+    assert (moved.separation, moved.load) == (contact.separation, contact.load)
+    # Without a shift nothing changes.
+    for shift in (0, [0.0] * contact.heights.ndim, contact.heights.shape[-1]):
+        assert asp.slide(contact, shift) is contact
 
 
 def test_the_crept_shape_stays_and_a_period_brings_the_contact_back(contact):
@@ -142,11 +138,6 @@ def test_a_fraction_of_a_site_is_the_analytic_shift_of_each_wave():
             lattice.shifted(wave(y, x), (0.25, -0.7)), wave(y - 0.25, x + 0.7), atol=1e-13
         )
         np.testing.assert_allclose(lattice.shifted(wave(y, x), (2.5, 1.0)), wave(y - 2.5, x - 1), atol=1e-13)
-    line = Lattice((9,))
-    field = np.random.default_rng(0).normal(size=9)
-    np.testing.assert_allclose(
-        line.shifted(line.shifted(field, (0.5,)), (0.5,)), np.roll(field, 1), atol=1e-14
-    )
     # The shortest wave of an even length: sites hold its cosine alone, and half a site away it vanishes.
     shortest = np.cos(np.pi * np.arange(8.0))
     np.testing.assert_allclose(Lattice((8,)).shifted(shortest, (0.5,)), 0, atol=1e-15)
@@ -162,10 +153,9 @@ def test_shifts_by_fractions_of_a_site_come_to_the_sites_exactly():
     np.testing.assert_allclose(thirds.final.u, whole.final.u, atol=1e-8)
 
 
-@pytest.mark.parametrize("direction", ["x", "-y"])
-def test_maps_are_drawn_where_the_rough_surface_was(direction):
+def test_maps_are_drawn_where_the_rough_surface_was():
     contact = asp.press(uncorrelated(16), springs(), load=40.0)
-    protocol = P.Slide(3.0, velocity=10.0, direction=direction)
+    protocol = P.Slide(3.0, velocity=10.0, direction="-y")
     dataset = asp.age(contact, [0.3], protocol=protocol, fields_at=[0.0, 0.15, 0.3]).dataset
     placed = on_the_surface(dataset)
     for u, in_contact in zip(placed["u"].values, placed["in_contact"].values.astype(bool), strict=True):

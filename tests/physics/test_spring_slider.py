@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import asperity as asp
-from asperity.friction.laws import half_changes
 
 F = asp.friction
 LAW = {
@@ -47,31 +46,27 @@ def pulled(stiffness, law="aging"):
 
 
 @pytest.mark.parametrize(("law", "most"), [("aging", 0.005), ("slip", 0.01)])
-@pytest.mark.parametrize("stiffness", [3.0, 20.0, 300.0])
+@pytest.mark.parametrize("stiffness", [3.0, 300.0])
 def test_the_parameters_of_a_soft_machine_are_those_of_the_law(stiffness, law, most):
     fit = F.rate_and_state(pulled(stiffness, law), law=law)
     for name in ("a", "b", "D_c"):
         assert getattr(fit, name) == pytest.approx(getattr(LAW[law], name), rel=most)
 
 
-def covered(stiffness):
-    """How many of 40 intervals cover the truth, with noise in friction."""
+@pytest.mark.parametrize(
+    "stiffness", [3.0, *(pytest.param(k, marks=pytest.mark.slow) for k in (10.0, 20.0, 50.0, 300.0))]
+)
+def test_intervals_cover_the_truth(stiffness):
     exact, rng = pulled(stiffness), np.random.default_rng(0)
-    hits = dict.fromkeys(("a", "b", "D_c", "mu_0", "a_minus_b"), 0)
+    truth = {"a": 0.006, "b": 0.012, "D_c": 1.0, "mu_0": 0.6, "a_minus_b": -0.006}
+    hits = dict.fromkeys(truth, 0)
     for _ in range(40):
         friction = exact.friction + NOISE * rng.standard_normal(exact.time.size)
         fit = F.rate_and_state(F.Record(exact.time, exact.velocity, friction, si=False))
-        for name in hits:
+        for name, value in truth.items():
             low, high = fit.interval(name)
-            hits[name] += low <= (-0.006 if name == "a_minus_b" else getattr(LAW["aging"], name)) <= high
-    return hits
-
-
-@pytest.mark.parametrize(
-    "stiffness", [3.0, 300.0, *(pytest.param(k, marks=pytest.mark.slow) for k in (10.0, 20.0, 50.0))]
-)
-def test_intervals_cover_the_truth(stiffness):
-    assert min(covered(stiffness).values()) >= 33  # fewer, at 95 %, in 1 of 3000 cases
+            hits[name] += low <= value <= high
+    assert min(hits.values()) >= 33  # fewer, at 95 %, in 1 of 3000 cases
 
 
 @pytest.mark.parametrize("law", ["aging", "slip"])
@@ -92,38 +87,6 @@ def test_friction_where_the_logarithm_of_velocity_is_linear_in_slip_is_exact(law
     np.testing.assert_allclose(np.log(state[4:-1]), found.y[0], rtol=0, atol=1e-9)
     friction = LAW[law].friction(time, velocity, start=0.2)[4:-1]
     np.testing.assert_allclose(friction, 0.6 + 0.006 * 0.3 * slip[4:-1] + 0.012 * found.y[0], atol=1e-11)
-
-
-@pytest.mark.parametrize("law", ["aging", "slip"])
-def test_friction_of_smooth_slip_is_of_second_order(law):
-    def error(rows):
-        time = np.linspace(0.0, 20.0, rows + 1)
-        found = solve_ivp(
-            lambda t, y: [evolution(law, np.exp(1.5 * np.sin(t)), y[0]), np.exp(1.5 * np.sin(t))],
-            (0.0, 20.0),
-            [0.0, 0.0],
-            t_eval=time,
-            rtol=1e-10,
-            atol=1e-12,
-        )
-        exact = 0.6 + 0.006 * 1.5 * np.sin(time) + 0.012 * found.y[0]
-        record = F.Record.of_displacement(time, found.y[1], exact)
-        return np.abs(LAW[law].friction(time, record.velocity, start=1.0) - exact)[2:-1].max()
-
-    assert 3.0 < error(400) / error(800) < 5.0
-
-
-def test_a_jump_stays_a_jump():
-    time = np.arange(9.0)
-    for velocity in (
-        [1, 1, 1, 1, 10, 10, 10, 10, 10],  # at a row
-        [1, 1, 1, 1, 0, 0, 10, 10, 10],  # across a rest
-        [1, 1, 2, 2, 4, 4, 8, 8, 8],  # a staircase
-        [1, 2, 1, 2, 1, 2, 1, 2, 1],  # noise
-    ):
-        assert not half_changes(time, np.array(velocity, dtype=float)).any()
-    before_and_after = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
-    assert not half_changes(before_and_after, np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])).any()
 
 
 def test_a_jump_between_rows_is_not_fitted():

@@ -1,4 +1,4 @@
-"""Rate and state: closed forms against an integrator, recovery of known parameters, honest intervals."""
+"""Friction by Tabor's relation; rate and state: an integrator, known parameters, honest intervals."""
 
 import csv
 import dataclasses
@@ -11,6 +11,7 @@ from scipy.stats import binom
 
 import asperity as asp
 from tests.refusals import refuses
+from tests.surfaces import correlated
 
 F = asp.friction
 P = asp.protocols
@@ -20,6 +21,51 @@ LAWS = {"aging": AGING, "slip": SLIP}
 HOLDS = F.slide_hold_slide([10.0, 100.0, 1000.0], velocity=1e-6, distance=50e-6)
 STEPS = F.velocity_steps([1e-6, 1e-5, 1e-6, 3e-6, 1e-6], distance=60e-6)
 NOISE = 5e-4
+CONTACT = asp.press(correlated(16), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=60.0)
+
+
+def slid(*protocol, times=(1.0,)):
+    """A history of that contact."""
+    return asp.age(CONTACT, list(times), protocol=list(protocol))
+
+
+HISTORY = slid(P.Hold(1.0), P.Slide(2.0, 1.0), P.Hold(1.0), P.Slide(2.0, 10.0), P.Hold(1.0), times=(0.5, 1.0))
+DATASET = HISTORY.dataset
+
+
+# -- Tabor's relation ----------------------------------------------------------------------------------------
+
+
+def test_friction_is_strength_times_area():
+    found = F.add_friction(DATASET, 4.0)
+    expected = 4.0 * DATASET["area"] / DATASET["load"]
+    np.testing.assert_allclose(found["friction"], expected, rtol=1e-14)
+    np.testing.assert_allclose(found["friction_force"], 4.0 * DATASET["area"], rtol=1e-14)
+    assert found["friction_force"].attrs["units"] == DATASET["load"].attrs["units"]
+    assert found.attrs["shear_strength"] == 4.0
+    assert "friction" not in DATASET
+
+
+def test_a_half_space_has_the_friction_of_a_prediction():
+    surface = asp.surfaces.Surface(correlated(16), unit="um", pixel_size=(1.0, 1.0), length_unit="um")
+    solid = asp.solids.half_space(modulus=1e9, branches=[(0.5, 1.0)])
+    dataset = asp.age(asp.press(surface, solid, pressure="10 MPa"), [1.0]).dataset
+    found = F.add_friction(dataset, "40 MPa")
+    expected = asp.theory.static_friction(dataset["contact_area_corrected"], dataset["load"], 4e7)
+    np.testing.assert_allclose(found["friction"], expected, rtol=1e-14)
+    assert found["friction_force"].attrs["units"] == "N"
+
+
+def test_the_strength_grows_like_the_logarithm_of_the_velocity():
+    law = F.ShearStrength(4.0, rate_coefficient=0.1, reference_velocity=1.0)
+    assert law.at(np.exp(2.0)) == pytest.approx(4.8)
+    ratio = F.add_friction(DATASET, law)["friction"] / F.add_friction(DATASET, 4.0)["friction"]
+    # At rest, the friction is that at which the next slide begins, and after the last one that of the last.
+    slower = DATASET["leg"] <= 1
+    np.testing.assert_allclose(ratio.values, np.where(slower, 1.0, 1 + 0.1 * np.log(10.0)), rtol=1e-14)
+
+
+# -- Rate and state ------------------------------------------------------------------------------------------
 
 
 def rate(law, velocity, state):
@@ -45,16 +91,11 @@ def test_the_state_is_that_of_an_integrator(law):
     np.testing.assert_allclose(found, state, rtol=1e-8)
 
 
-@pytest.mark.parametrize("law", ["aging", "slip"])
-def test_friction_becomes_steady_however_far_it_slides(law):
-    time = np.array([0.0, 1.0, 1e9, 2e9])
-    velocity = np.full(4, 1e-5)
-    friction = LAWS[law].friction(time, velocity, start=1e6)
-    assert friction[-1] == pytest.approx(AGING.steady_friction(1e-5), rel=1e-12)
+def test_friction_becomes_steady_however_far_it_slides_and_a_fresh_contact_ages_from_nothing():
     assert AGING.steady_friction(1e-5) == pytest.approx(0.6 - 0.005 * np.log(10), rel=1e-12)
-
-
-def test_a_fresh_contact_ages_from_nothing():
+    for law in LAWS.values():
+        friction = law.friction(np.array([0.0, 1.0, 1e9, 2e9]), np.full(4, 1e-5), start=1e6)
+        assert friction[-1] == pytest.approx(AGING.steady_friction(1e-5), rel=1e-12)
     np.testing.assert_allclose(AGING.state([0.0, 2.0, 5.0], [0.0, 0.0, 0.0], start=0.0), [0.0, 2.0, 5.0])
 
 
@@ -76,41 +117,32 @@ def test_mu_0_is_the_steady_friction_of_the_velocity_asked_for():
     assert fit.D_c == pytest.approx(F.rate_and_state(record).D_c, rel=1e-6)
 
 
-def covered(protocol, law, count, **known):
-    """How many of 95 % intervals cover the truth; the spread of the fits is that of their standard errors."""
-    truth = LAWS[law]
-    names = ("b", "D_c", "mu_0", "a_minus_b")
-    hits, pulls = dict.fromkeys(names, 0), np.zeros((count, len(names)))
+@pytest.mark.parametrize(
+    ("protocol", "law", "count", "known"),
+    [
+        (STEPS, "slip", 60, {}),
+        (HOLDS, "aging", 60, {"a": 0.010}),
+        *(
+            pytest.param(protocol, law, 500, {}, marks=pytest.mark.slow)
+            for protocol in (STEPS, HOLDS + STEPS)
+            for law in LAWS
+        ),
+    ],
+)
+def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, count, known):
+    """And the spread of the fits is that of their standard errors."""
+    truth = {"b": AGING.b, "D_c": AGING.D_c, "mu_0": AGING.mu_0, "a_minus_b": -0.005}
+    hits, pulls = dict.fromkeys(truth, 0), []
     for seed in range(count):
-        record = F.synthetic_record(protocol, truth, per_leg=30, noise=NOISE, seed=seed)
+        record = F.synthetic_record(protocol, LAWS[law], per_leg=30, noise=NOISE, seed=seed)
         fit = F.rate_and_state(record, law=law, **known)
-        for at, name in enumerate(names):
-            value = -0.005 if name == "a_minus_b" else getattr(truth, name)
+        for name, value in truth.items():
             low, high = fit.interval(name)
             hits[name] += low <= value <= high
-            pulls[seed, at] = (getattr(fit, name) - value) / getattr(fit, f"{name}_stderr")
-    np.testing.assert_allclose(pulls.std(axis=0), 1.0, atol=3 / np.sqrt(2 * count))
-    return hits
-
-
-@pytest.mark.parametrize(
-    ("protocol", "law", "known"),
-    [(STEPS, "slip", {}), (HOLDS, "aging", {"a": 0.010})],
-    ids=["steps", "holds"],
-)
-def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law, known):
-    count = 60
-    least, most = binom.ppf(0.001, count, 0.95), count
-    for hits in covered(protocol, law, count, **known).values():
-        assert least <= hits <= most
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("law", ["aging", "slip"])
-@pytest.mark.parametrize("protocol", [STEPS, HOLDS + STEPS], ids=["steps", "both"])
-def test_of_500_records_between_92_and_98_percent_are_covered(protocol, law):
-    for hits in covered(protocol, law, 500).values():
-        assert 460 <= hits <= 490
+        pulls.append([(getattr(fit, name) - truth[name]) / getattr(fit, f"{name}_stderr") for name in truth])
+    np.testing.assert_allclose(np.std(pulls, axis=0), 1.0, atol=3 / np.sqrt(2 * count))
+    least, most = (460, 490) if count == 500 else (binom.ppf(0.001, count, 0.95), count)
+    assert all(least <= covered <= most for covered in hits.values())
 
 
 def test_correlated_residuals_widen_the_intervals():
@@ -196,14 +228,11 @@ def test_displacement_and_velocity_are_one_record():
     record = F.synthetic_record(STEPS + HOLDS, AGING)
     again = F.Record.of_displacement(record.time, record.displacement, record.friction)
     np.testing.assert_allclose(again.velocity, record.velocity, rtol=1e-6, atol=1e-15)
-
-
-def test_of_two_entries_at_a_shift_the_one_before_it_counts():
-    record = F.Record.of_displacement(
-        [0.0, 0.0, 1.0, 1.0, 2.0, 7.0], [0.0, 1.0, 1.0, 2.0, 2.0, 2.0], [0.5, 0.4, 0.5, 0.4, 0.5, 0.6]
-    )
-    np.testing.assert_array_equal(record.friction, [0.5, 0.5, 0.5, 0.6])
-    np.testing.assert_array_equal(record.velocity, [1.0, 1.0, 1.0, 0.0])
+    # Of two entries at a shift the one before it counts.
+    slip, friction = [0.0, 1.0, 1.0, 2.0, 2.0, 2.0], [0.5, 0.4, 0.5, 0.4, 0.5, 0.6]
+    shifted = F.Record.of_displacement([0.0, 0.0, 1.0, 1.0, 2.0, 7.0], slip, friction)
+    np.testing.assert_array_equal(shifted.friction, [0.5, 0.5, 0.5, 0.6])
+    np.testing.assert_array_equal(shifted.velocity, [1.0, 1.0, 1.0, 0.0])
 
 
 def table(path, names, *columns):
@@ -254,33 +283,21 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
         F.save_parameters(found, "f.txt")
 
 
-def test_a_history_becomes_a_record_if_it_slid():
-    rough = asp.surfaces.gaussian((64,), rms=1.0, seed=0)
-    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=4.0)
-    for protocol in ([P.Hold(1.0)], [P.Slide(4.0, float("inf")), P.Hold(1.0)]):
-        with refuses("history"):
-            F.record_of(asp.age(contact, [1.0], protocol=protocol), shear_strength=1.0)
-    slid = asp.age(contact, [1.0], protocol=[P.Slide(4.0, 1.0)])
-    with refuses("shear_strength"):
-        F.record_of(slid)
-    assert F.record_of(slid, shear_strength=F.ShearStrength(1.0, 0.1, 1.0)).a is None
-    record = F.record_of(slid, shear_strength=1.0)
-    assert record.a == 0.0
-    np.testing.assert_allclose(record.velocity, 1.0)
-    np.testing.assert_allclose(record.displacement, record.time)
-    with refuses("history"):
-        F.record_of(3.0)  # type: ignore[arg-type]
-
-
-def test_states_between_two_shifts_belong_to_the_slide():
-    rough = asp.surfaces.gaussian((64,), rms=1.0, seed=0)
-    contact = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=4.0)
-    protocol = [P.Slide(4.0, 1.0), P.Hold(1.0), P.Slide(2.0, 2.0)]
-    record = F.record_of(asp.age(contact, [2.5, 3.25], protocol=protocol), shear_strength=1.0)
+def test_a_history_becomes_a_record():
+    """States between two shifts belong to the slide."""
+    history = slid(P.Slide(4.0, 1.0), P.Hold(1.0), P.Slide(2.0, 2.0), times=(2.5, 3.25))
+    record = F.record_of(history, shear_strength=1.0)
     np.testing.assert_array_equal(record.time, [0.0, 1.0, 2.0, 2.5, 3.0, 3.25, 4.0, 5.0, 5.5, 6.0])
     np.testing.assert_allclose(record.velocity, [1.0] * 7 + [0.0, 2.0, 2.0])
+    np.testing.assert_allclose(record.displacement, [0, 1, 2, 2.5, 3, 3.25, 4, 4, 5, 6])
+    assert record.a == 0.0
+    assert F.record_of(history, shear_strength=F.ShearStrength(1.0, 0.1, 1.0)).a is None
 
 
+# -- Bad input -----------------------------------------------------------------------------------------------
+
+FAST = F.ShearStrength(4.0, rate_coefficient=0.1, reference_velocity=1e6)
+JUMP = P.Slide(4.0, np.inf)
 TIMES, ONE = np.arange(9.0), np.ones(9)
 RECORD = F.synthetic_record(HOLDS, AGING)
 BAD = {
@@ -305,6 +322,17 @@ BAD = {
     "a step of the load": ("protocol", lambda: F.synthetic_record([P.Step(load=1.0)], AGING)),
     "no hold": ("holds", lambda: F.slide_hold_slide([], velocity=1.0, distance=1.0)),
     "hardly a step": ("velocities", lambda: F.velocity_steps([1.0, 1.1], distance=1.0)),
+    "no history": ("history", lambda: F.record_of(3.0)),  # type: ignore[arg-type]
+    "no slide": ("history", lambda: F.record_of(slid(P.Hold(1.0)), shear_strength=1.0)),
+    "a jump alone": ("history", lambda: F.record_of(slid(JUMP, P.Hold(1.0)), shear_strength=1.0)),
+    "no strength": ("shear_strength", lambda: F.record_of(HISTORY)),
+    "strength 0": ("shear_strength", lambda: F.add_friction(DATASET, 0.0)),
+    "other units": ("units", lambda: F.add_friction(DATASET, "40 MPa")),
+    "no velocity of reference": ("reference_velocity", lambda: F.ShearStrength(4.0, rate_coefficient=0.1)),
+    "far from the reference": ("rate_coefficient", lambda: F.add_friction(DATASET, FAST)),
+    "a strength at rest": ("velocity", lambda: F.add_friction(slid(P.Hold(1.0)).dataset, FAST)),
+    "a strength of a jump": ("velocity", lambda: F.add_friction(slid(JUMP, times=(0.0,)).dataset, FAST)),
+    "no dataset": ("dataset", lambda: F.add_friction(HISTORY, 4.0)),
 }
 
 

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
-from asperity.lattice import Field
 from asperity.results.quantities import select
 from asperity.theory import static_friction
 
@@ -122,7 +121,10 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     units.check_units(vars(law), si=bool(dataset.attrs.get("si", 0)))
     on_sites = "contact_area_corrected" not in dataset
     area, load = dataset["area" if on_sites else "contact_area_corrected"], dataset["load"]
-    strength = law.at(velocity_of(dataset))
+    velocity = dataset["velocity"].values if "velocity" in dataset else 0.0
+    # At rest that of the next slide, after the last one the last.
+    speeds = np.apply_along_axis(coming_velocity, -1, np.broadcast_to(velocity, load.shape))
+    strength = law.at(speeds)
     carried = np.maximum(load.values, np.finfo(float).tiny)
     coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
     units_of = {"force": load.attrs["units"], "1": "1"}
@@ -134,18 +136,6 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
         friction_force=(load.dims, coefficient * carried, force),
         friction=(load.dims, coefficient, ratio),
     ).assign_attrs(
-        {
-            "shear_strength": law.strength,
-            "rate_coefficient": law.rate_coefficient,
-            **({"reference_velocity": law.reference_velocity} if law.reference_velocity else {}),
-        }
+        shear_strength=law.strength,
+        **{name: x for name, x in vars(law).items() if name != "strength" and x is not None},
     )
-
-
-def velocity_of(dataset: xr.Dataset) -> Field:
-    """Sliding velocity at each time; at rest that of the next slide, after the last one the last; else 0."""
-    load = dataset["load"]
-    if "velocity" not in dataset:
-        return np.zeros(load.shape)
-    velocity = np.broadcast_to(dataset["velocity"].values, load.shape)
-    return np.asarray(np.apply_along_axis(coming_velocity, -1, velocity))

@@ -6,7 +6,7 @@ import functools
 import math
 import pickle
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -285,7 +285,23 @@ def infer(
             told=listening.stage,
         )
         listening.stage("judging each parameter")
-        return _judged(problem, draws, remarks, seed=seed)
+        prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
+        posterior = Posterior(problem, draws.flat, prior)
+        verdicts = posterior.verdicts()
+        undetermined = [name for name, one in verdicts.items() if one.verdict != "determined"]
+        return Inference(
+            problem.time,
+            problem.value,
+            problem.error,
+            problem.model,
+            verdicts,
+            posterior.combinations(),
+            posterior.candidates(undetermined) if undetermined else (),
+            posterior.profiles,
+            draws,
+            -2 * float(posterior.log_likelihood.max()),
+            tuple(remarks),
+        )
 
 
 def _checked(
@@ -384,24 +400,3 @@ def _best(problem: Problem, *, informed: bool = True) -> tuple[float, Floats]:
     found = [problem.improved(start, problem.used, informed=informed) for start in best]
     squares, at = min(found, key=lambda one: one[0])
     return squares, problem.misfit(at[np.newaxis])[0]
-
-
-def _judged(problem: Problem, draws: Draws, remarks: Sequence[str], *, seed: int) -> Inference:
-    """Weigh the draws, parameter by parameter."""
-    prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
-    posterior = Posterior(problem, draws.flat, prior)
-    verdicts = posterior.verdicts()
-    open_ = [name for name, one in verdicts.items() if one.verdict != "determined"]
-    return Inference(
-        problem.time,
-        problem.value,
-        problem.error,
-        problem.model,
-        verdicts,
-        posterior.combinations(),
-        posterior.candidates(open_) if open_ else (),
-        posterior.profiles,
-        draws,
-        -2 * float(posterior.log_likelihood.max()),
-        tuple(remarks),
-    )

@@ -287,25 +287,17 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
         share = np.exp(added * (found - found.max()))
         place = place[random.choice(len(place), walkers, p=share / share.sum())]
         weight = 1.0 if added == 1 - weight else weight + added
-    begun = place
+    begun, (emcee, _) = place, libraries()
+    moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
+    how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
     for _ in range(_WALKS):
-        place = _walked(problem, place, random, weight, steps)
+        sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
+        sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
+        place = sampler.run_mcmc(place, steps, store=False, skip_initial_state_check=True).coords
         if (place != begun).any(1).mean() > _MOVED:
             break
     kept = [ensemble.kept, place] if weight == 1 else [ensemble.kept]
     return _Ensemble(place, weight, np.concatenate(kept))
-
-
-def _walked(
-    problem: Problem, place: Floats, random: np.random.Generator, weight: float, steps: int
-) -> Floats:
-    """Let the walkers make the steps of a stage."""
-    emcee, _ = libraries()
-    moves = [(emcee.moves.DEMove(), 0.5), (emcee.moves.StretchMove(), 0.5)]
-    how = {"kwargs": {"weight": weight}, "vectorize": True, "moves": moves}
-    sampler = emcee.EnsembleSampler(*place.shape, problem.posterior, **how)
-    sampler.random_state = np.random.RandomState(random.integers(2**31)).get_state()
-    return np.asarray(sampler.run_mcmc(place, steps, store=False, skip_initial_state_check=True).coords)
 
 
 def _weight_added(found: Floats, most: float, *, enough: float) -> float:

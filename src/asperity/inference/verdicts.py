@@ -174,14 +174,17 @@ class Posterior:
                     continue
                 logs = [np.log(values[name]) for name in members]
                 least = min(_spread(values[name]) for name in members)
+                made = {}
                 for signs in itertools.product((1, -1), repeat=size - 1):
-                    made = np.exp(sum(sign * log for sign, log in zip((1, *signs), logs, strict=True)))
                     pairs = zip(signs, members[1:], strict=True)
                     words = (f" {'*' if sign > 0 else '/'} {name}" for sign, name in pairs)
-                    found.append(_combined(members[0] + "".join(words), members, made, least))
+                    product = sum(sign * log for sign, log in zip((1, *signs), logs, strict=True))
+                    made[members[0] + "".join(words)] = np.exp(product)
                 if size == 2 and len({self.problem.model.priors[name].unit for name in members}) == 1:
-                    total = values[members[0]] + values[members[1]]
-                    found.append(_combined(" + ".join(members), members, total, least))
+                    made[" + ".join(members)] = values[members[0]] + values[members[1]]
+                for name, draws in made.items():
+                    tighter = least / max(_spread(draws), 1e-12)
+                    found.append(Combination(name, members, *_middle(draws), tighter))
         kept: list[Combination] = []
         for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
             # Of three, no more is said than of the two that are among them.
@@ -340,10 +343,6 @@ def _spread(values: Floats) -> float:
     """Half of the width, in ln, that holds 68 % of the values."""
     low, high = np.quantile(values, (0.16, 0.84))
     return float(np.log(high / low) / 2) if low > 0 else np.inf
-
-
-def _combined(name: str, members: tuple[str, ...], made: Floats, least: float) -> Combination:
-    return Combination(name, members, *_middle(made), tighter=least / max(_spread(made), 1e-12))
 
 
 def _left(curves: Floats, parameter: Floats, relative: float) -> float:

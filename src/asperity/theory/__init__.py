@@ -26,11 +26,14 @@ from asperity.theory.dilute import (
     winkler_area,
 )
 from asperity.theory.dip import displacement
-from asperity.theory.flow import flowing_area
-from asperity.theory.friction import static_friction
-from asperity.theory.full_contact import full_contact_load, full_contact_load_relaxed
 from asperity.theory.heights import EmpiricalHeights, ExponentialHeights, GaussianHeights, HeightLaw
 from asperity.theory.indentation import compliance, compliance_rate, site_stiffness, torus_compliance
+from asperity.theory.limits import (
+    flowing_area,
+    full_contact_load,
+    full_contact_load_relaxed,
+    static_friction,
+)
 from asperity.theory.memory import response, response_rate
 from asperity.theory.panels import Dispersion
 from asperity.theory.population import dilute_history

@@ -25,9 +25,16 @@ from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
 from asperity.base.checks import Floats, lattice_shape, line_or_plane, positive
-from asperity.theory.modes import Integrand, creep_numbers, depth, log_scale, sinking, weighted_sum
+from asperity.theory.modes import (
+    Integrand,
+    creep_numbers,
+    depth,
+    log_scale,
+    sinking,
+    torus_modes,
+    weighted_sum,
+)
 from asperity.theory.panels import Dispersion, mean_nodes
-from asperity.theory.zone import torus_modes
 
 
 def compliance(

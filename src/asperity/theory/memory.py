@@ -23,8 +23,7 @@ from scipy.special import exprel, hyp1f1
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.theory.modes import decay, log_scale
-from asperity.theory.zone import zone_nodes
+from asperity.theory.modes import ROUNDING, decay, log_scale, zone_nodes
 
 
 def response(x2: ArrayLike, force: ArrayLike, x1: float, viscous: float = 0.0, dimension: int = 2) -> Floats:
@@ -144,11 +143,11 @@ class Step(NamedTuple):
 
 
 def site_memory(
-    x1: float, duration: float, viscous: float, dimension: int, error: float | None = None
+    x1: float, duration: float, viscous: float, dimension: int, error: float = ROUNDING
 ) -> SiteMemory:
-    """Modes of a site, for histories of this duration (k0 R t); `error` as in `zone.zone_nodes`."""
+    """Modes of a site, for histories of this duration (k0 R t); `error` as in `zone_nodes`."""
     scale = log_scale(np.asarray(x1), np.asarray(duration), np.asarray(viscous))
-    lam, weight = zone_nodes(dimension, scale) if error is None else zone_nodes(dimension, scale, error)
+    lam, weight = zone_nodes(dimension, scale, error)
     per_force = weight / (x1 + lam)
     return SiteMemory(
         at_once=math.fsum(per_force),
@@ -178,11 +177,7 @@ def _march(
         grown += float(step.recover @ lag) + step.follow * float(change)
         lag = step.keep * lag + step.gain * change
         delayed[i], rate[i] = grown, speed @ lag
-    return memory.at_once * forces + delayed, rate, _slope(durations, changes), memory.at_once
-
-
-def _slope(durations: Floats, changes: Floats) -> Floats:
-    """Slope of the force in the interval that begins at each time, else in the one that ends there."""
-    slope = np.divide(changes, durations, out=np.zeros(durations.size), where=durations > 0)
-    begins = np.append(durations[1:] > 0, False)
-    return np.where(begins, np.append(slope[1:], 0.0), slope)
+    # Of the interval that begins at each time, else of the one that ends there.
+    slope = np.divide(changes, durations, out=np.zeros(times.size), where=durations > 0)
+    slope[:-1] = np.where(durations[1:] > 0, slope[1:], slope[:-1])
+    return memory.at_once * forces + delayed, rate, slope, memory.at_once

@@ -1,6 +1,6 @@
 r"""Means over the Brillouin zone of functions of the wave vector: any dispersion, any phase factor.
 
-`zone` integrates over lam, by the density of states of the lattice. Where that is unknown (another
+`modes` integrates over lam, by the density of states of the lattice. Where that is unknown (another
 dispersion) or not enough (a displacement beside the load, which depends on the direction of q), this module
 integrates over q itself. Functions that are even in each component need the quarter 0 <= q <= pi of the
 zone. It is cut into rings, each half the size of the one before, toward q = 0, where the integrand changes
@@ -22,7 +22,7 @@ from scipy.special import roots_legendre
 
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.theory.zone import zone_nodes
+from asperity.theory.modes import zone_nodes
 
 #: ``"lattice"``, ``"continuum"`` or a function lam(qx, qy) (on the line, lam(q)) of arrays of one shape.
 Dispersion = Literal["lattice", "continuum"] | Callable[..., ArrayLike]
@@ -57,7 +57,7 @@ def mean_nodes(dispersion: Dispersion, dimension: int, log_scale: float) -> tupl
     """Values of lam and weights, shape (n,) each: ``sum(weight * f(lam))`` is the mean of f over the zone.
 
     For f that is that of lam = 0 below exp(log_scale), in 1 (line) or 2 dimensions (square zone).
-    `InputError` for another dispersion than ``"lattice"`` (that of `zone`), ``"continuum"`` (lam = q^2)
+    `InputError` for another dispersion than ``"lattice"`` (that of `modes`), ``"continuum"`` (lam = q^2)
     or a function, and for one that does not return finite numbers above 0 of the shape of its arguments,
     is not even in each component or does not vanish at q = 0.
     """
@@ -115,10 +115,7 @@ def _axis(start: float, stop: float, farthest: int) -> tuple[Floats, Floats]:
     return start + half * (1 + x), half / math.pi * weight
 
 
-@lru_cache(maxsize=64)
-def _rule(nodes: int) -> tuple[Floats, Floats]:
-    x, weight = roots_legendre(nodes)
-    return np.asarray(x), np.asarray(weight)
+_rule = lru_cache(maxsize=64)(roots_legendre)
 
 
 def _evaluate(law: Callable[..., ArrayLike], q: tuple[Floats, ...]) -> Floats:

@@ -203,11 +203,7 @@ class _Population:
             return math.inf
         x, y = self.height, pressed
         low, high = x[first - 1] if first else self.bottom, np.nextafter(x[first], -math.inf)
-        closes = _zero(x[first - 2 : first], y[first - 2 : first]) if first > 1 else low
-        ends = _zero(x[first : first + 2], y[first : first + 2]) if first + 1 < x.size else low
-        return float(np.clip(max(closes, ends), low, high))
-
-
-def _zero(x: Floats, y: Floats) -> float:
-    """Where the line through two points is zero."""
-    return float(x[0] - y[0] * (x[1] - x[0]) / (y[1] - y[0]))
+        # Where the line through two classes is zero.
+        pairs = [(n, n + 1) for n in (first - 2, first) if 0 <= n < x.size - 1]
+        ends = [x[n] - y[n] * (x[m] - x[n]) / (y[m] - y[n]) for n, m in pairs]
+        return float(np.clip(max(ends, default=low), low, high))
