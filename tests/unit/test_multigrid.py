@@ -152,7 +152,8 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     mean, estimate = work.left_of(work.backend.packed(error))
     assert mean == pytest.approx(exact.mean(), abs=0.02)
     expected = np.sqrt(np.mean(exact**2)) if held else exact.std()
-    assert 0.65 * expected <= estimate <= 1.05 * expected  # of errors between 1.2 and 30 times as large
+    # Of errors between 1.2 and 30 times as large; stiff springs leave more of what is rough off contact.
+    assert (0.65 if bed < 60 else 0.43) * expected <= estimate <= 1.05 * expected
 
 
 def test_fronts_of_smooth_contacts_under_stiff_springs_need_no_other_solver(monkeypatch):

@@ -49,7 +49,8 @@ class Tuning:
     force_error: float = 1e-3
     """Error of the sum of the forces that is allowed even where an error of u0 is."""
     stiff: float = 100.0
-    """k1/k0 from which that falls with its square, for errors of all steps have one sign and add up."""
+    """k1/k0 beyond which less error is allowed: of u0 by k0/k1 and of the sum by its square, for errors of all
+    steps have one sign and add up."""
     softest: float = 1e-5
     """Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
@@ -97,7 +98,8 @@ class TwoFields:
         self.lag, *self.coarse_lags = self.rows
         self.damp()
         self.response = Response(bed, spread, drag)
-        self.force_error = max(TUNING.force_error * min(1.0, TUNING.stiff / bed) ** 2, SINGLE_PRECISION)
+        self.part = min(1.0, TUNING.stiff / bed)
+        self.force_error = max(TUNING.force_error * self.part**2, SINGLE_PRECISION)
 
     def damp(self) -> None:
         """Find what the sweeps take of the lag."""
@@ -125,7 +127,7 @@ class TwoFields:
                 continue  # something must carry the load
             if self.wanted is None and found.contacts > 0:
                 missing = self.weights[0] * self.size * float(np.mean(self.found.f, dtype=float))
-            good = rate * size <= max(allowed_error, _ROUNDING * far)
+            good = rate * size <= max(self.part * allowed_error, _ROUNDING * far)
             total = abs(self.known_stretch + found.stretch)
             if good and rate * abs(missing) <= self.force_error * total:
                 self.descend(correcting=True, restricting=False)
@@ -137,13 +139,12 @@ class TwoFields:
 
         The rms is about the mean where the load decides that. The equations are those of the step that was
         solved last. One cycle of the coarse grids finds what is left of what they see of the error; of the
-        rest every site leaves what it would alone. Beyond k1/k0 = 100 that is often too much.
+        rest every site leaves what it would alone in contact, for errors are rough beside contacts. Springs
+        of k1/k0 = 60 leave up to twice that of an error that is rough everywhere.
         """
         grid, backend = self.hierarchy.grids[0], self.backend
         source = grid.source
-        held, one = self.damping, np.float32(1.0)
-        free = held * (one + np.float32(self.bed) * self.inverse * (one - held))
-        alone = error * np.where(self.correction.e <= self.bound, held, free)
+        alone = error * self.damping
         backend.restrict(alone, self.sites, source.e)
         unseen = self.square(alone, self.sites) - self.square(source.e / grid.sharing, grid.sites)
         backend.restrict(error, self.sites, source.f)
