@@ -49,8 +49,8 @@ class Tuning:
     force_error: float = 1e-3
     """Error of the sum of the forces that is allowed even where an error of u0 is."""
     stiff: float = 100.0
-    """k1/k0 beyond which less error is allowed: of u0 by k0/k1 and of the sum by its square, for errors of all
-    steps have one sign and add up."""
+    """k1/k0 beyond which less error is allowed, of u0 in proportion to k0/k1 and of the sum to its square:
+    errors of all steps have one sign and add up."""
     softest: float = 1e-5
     """Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
