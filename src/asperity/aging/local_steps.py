@@ -149,9 +149,10 @@ class LocalSteps(TrBdf2):
         """See `TrBdf2`; the law is linear beside the end."""
         first, *rates = self.rates
         defect = combined(shares[0] * first, *zip(shares[1:], rates, strict=True))
-        left = self.solver.damped(self._about_mean(defect), self.stage, self._in_frame(self.tried[-1]))
-        self.mean_error = abs(float(defect.mean() + left.mean()))
-        return rms(self._about_mean(left))
+        end = self._in_frame(self.tried[-1])
+        mean, left = self.solver.left_of(self._about_mean(defect), self.stage, end)
+        self.mean_error = abs(float(defect.mean()) + mean)
+        return left
 
     def _about_mean(self, field: Field) -> Field:
         """A field less its mean, where the load decides that."""

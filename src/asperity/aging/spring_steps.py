@@ -7,7 +7,7 @@ of `asperity.aging.tr_bdf2` are implicit steps of one duration tau = d h from on
                                                   c = -w h (f0 + f1) - tau m    to t + h
     f1 = (e - f) / tau - f0,                      f2 = (e - f - w h (f0 + f1)) / tau
 
-They are guessed so well that one cycle often does. Cycles also find what an implicit step leaves of an error.
+They are guessed so well that one cycle often does; one of coarse grids alone tells what is left of an error.
 The changes, the rates and the flow take single precision, for what they are added to is twice as precise,
 and lengths are in units of the largest; only u and w at the ends of steps are double precision.
 """
@@ -149,13 +149,7 @@ class SpringSteps(TrBdf2):
         rates = self.rate, self.middle, work.source.f
         numbers = self.offset, self.tau, self.weight, *shares
         work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
-        return self.unit * work.rms(self.about_mean(work.left_of(self.about_mean(self.error))))
-
-    def about_mean(self, field: Single) -> Single:
-        """A field less its mean, in place, where the load decides that."""
-        if self.system.control.load_controlled:
-            field -= np.float32(self.mean(field))
-        return field
+        return self.unit * work.left_of(self.error)[1]
 
     def advance(self) -> None:
         """See `TrBdf2`."""

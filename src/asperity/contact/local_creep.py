@@ -202,8 +202,8 @@ class ByLaw(ABC):
         """Velocity of the creeping shape."""
 
     @abstractmethod
-    def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
-        """What an implicit step leaves of an error of the creeping shape, the contacts staying.
+    def left_of(self, error: Field, stage: Stage, end: LocalState) -> tuple[float, float]:
+        """Mean and rms of what an implicit step leaves of an error of the shape, the contacts staying.
 
-        The step must be the last that was solved.
+        The rms is about the mean under a load. The step must be the last that was solved.
         """

@@ -160,12 +160,15 @@ class SeriesCreep(ByLaw):
             s += weight * one
         return s
 
-    def damped(self, error: Field, stage: Stage, end: LocalState) -> Field:
+    def left_of(self, error: Field, stage: Stage, end: LocalState) -> tuple[float, float]:
         """See `ByLaw`."""
         drag = self.linear(stage.tau, end.force).drag
         linear = LinearStep(self, drag, end.u == self.heights, held=stage.load is None)
         dx, _, _ = linear.solve(self.sunk(error), np.zeros(len(linear.even)), TUNING.reduction)
-        return error + self.shape_of(drag * self.creeping(dx))
+        left = error + self.shape_of(drag * self.creeping(dx))
+        mean = float(left.mean())
+        left -= 0.0 if stage.load is None else mean
+        return mean, math.sqrt(inner(left, left, np) / left.size)
 
 
 class _Run(LocalRun):

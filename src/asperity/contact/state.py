@@ -82,11 +82,10 @@ class Contact(views.InNotebooks):
         Elastic energy, force times length (Jagla, Eq. e).
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields above
-        leave, relative to the
-        mean contact force; evaluated from `u` and `anchors` as they are, rounding included. Once a continuum
-        has crept, from the Fourier modes of `anchors`, whose fields are judged when they are asked for.
-        Where the separation is held and the load has died out, relative to the smallest force that double
-        precision can resolve to as many digits.
+        leave, relative to the mean contact force; evaluated from `u` and `anchors` as they are, rounding
+        included. Once a continuum has crept, from the Fourier modes of `anchors`, whose fields are judged
+        when they are asked for. Where the separation is held and the load has died out, relative to the
+        smallest force that double precision can resolve to as many digits.
     residual_scale
         The force to which `residual` is relative.
     iterations
