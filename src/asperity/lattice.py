@@ -270,21 +270,27 @@ class Lattice:
     def long_waves(self, modes: ModesOrSpectrum, coarse: Lattice) -> ModesOrSpectrum:
         """Those of the modes, or of a spectrum, that a coarser lattice has too, in its order."""
         kept = modes[..., : coarse.spectral_shape[-1]]
-        if self.dimension == 1 or self.reflecting:
-            return kept[: coarse.shape[0]] + 0
+        if self.dimension == 1:
+            return kept + 0
         n = coarse.shape[0]
+        if self.reflecting:
+            return kept[:n] + 0
         rows = (kept[: (n + 1) // 2, :], kept[self.shape[0] - n // 2 :, :])
         long: ModesOrSpectrum = array_namespace(modes).concat(rows)
         return long
 
     def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
         """Add the modes of a coarser lattice, of odd lengths, to those of this one, in place."""
-        kept, n = modes[..., : coarse.spectral_shape[-1]], coarse.shape[0]
-        if self.dimension == 1 or self.reflecting:
-            kept[: len(long)] += long
+        last = coarse.spectral_shape[-1]
+        if self.dimension == 1:
+            modes[:last] += long
             return
-        kept[: (n + 1) // 2] += long[: (n + 1) // 2]
-        kept[self.shape[0] - n // 2 :] += long[(n + 1) // 2 :]
+        n = coarse.shape[0]
+        if self.reflecting:
+            modes[:n, :last] += long
+            return
+        modes[: (n + 1) // 2, :last] += long[: (n + 1) // 2, :]
+        modes[self.shape[0] - n // 2 :, :last] += long[(n + 1) // 2 :, :]
 
 
 def _foreign_transforms(array: object) -> Any:
