@@ -140,15 +140,20 @@ def test_a_violation_knows_what_yields_and_the_smallest_force_that_matters():
 
 # Of the modes of (2048, 64) every 33rd is one of the same column.
 @pytest.mark.parametrize(
-    ("shape", "contacts", "mean"),
-    [((300, 301), 9e4, 0.1), ((68, 60), 2, 0.0), ((54, 40), 5, 0.0), ((2048, 64), 6554, 0.0)],
+    ("shape", "contacts", "mean", "rel"),
+    [
+        ((300, 301), 9e4, 0.1, 0.1),
+        ((68, 60), 2, 0.0, 0.1),
+        ((54, 40), 5, 0.0, 0.1),
+        ((2048, 64), 6554, 0.0, 0.05),
+    ],
 )
-def test_pinning_solves_its_condition(shape, contacts, mean):
+def test_pinning_solves_its_condition(shape, contacts, mean, rel):
     lattice = Lattice(shape)
     stiffness, share = lattice.wave_number + mean, contacts / lattice.sites
     sigma = effective_pinning(lattice, stiffness, share)
     # Sampled modes and a coarse root: good to some percent, which is all that it needs to be.
-    assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(share, rel=0.1)
+    assert lattice.mean_over_modes(sigma / (stiffness + sigma)) == pytest.approx(share, rel=rel)
 
 
 @pytest.mark.parametrize(("max_cycles", "solver"), [(40, "Cycles"), (2, "ActiveSet")])
