@@ -89,3 +89,9 @@ def test_what_cannot_be_animated_is_refused(aged, tmp_path, monkeypatch: pytest.
     with refuses("path"):
         aged.animate("aging.mp4")
     assert not plt.get_fignums()
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg is installed")
+def test_an_mp4_is_written(aged, tmp_path):
+    aged.animate(tmp_path / "aging.mp4")
+    assert (tmp_path / "aging.mp4").read_bytes()[4:8] == b"ftyp"

@@ -131,6 +131,15 @@ def test_other_kinds_of_files():
         assert "Error" not in str(caught.value)
 
 
+@needs_library
+def test_files_without_a_size_have_no_pixel_size():
+    heights = np.random.default_rng(0).normal(size=(6, 5))
+    np.savetxt("matrix.asc", heights, fmt="%.17g")
+    surface = read("matrix.asc", **AS_IT_IS)
+    assert (surface.unit, surface.pixel_size, surface.length_unit) == ("1", None, None)
+    assert sorted(surface.heights.ravel()) == pytest.approx(sorted(heights.ravel()))
+
+
 def test_without_the_library_it_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
