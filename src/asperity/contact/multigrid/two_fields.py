@@ -140,14 +140,14 @@ class TwoFields:
         The rms is about the mean where the load decides that. The equations are those of the step that was
         solved last. One cycle of the coarse grids finds what is left of what they see of the error; of the
         rest every site leaves what it would alone in contact, for errors are rough beside contacts. Springs
-        of k1/k0 = 60 leave up to twice that of an error that is rough everywhere.
+        of k1/k0 = 60 leave up to twice that of an error that is rough everywhere. The error is overwritten.
         """
         grid, backend = self.hierarchy.grids[0], self.backend
         source = grid.source
-        alone = error * self.damping
-        backend.restrict(alone, self.sites, source.e)
-        unseen = self.square(alone, self.sites) - self.square(source.e / grid.sharing, grid.sites)
         backend.restrict(error, self.sites, source.f)
+        error *= self.damping
+        backend.restrict(error, self.sites, source.e)
+        unseen = self.square(error, self.sites) - self.square(source.e / grid.sharing, grid.sites)
         source.e.fill(0.0)
         shift = self.correct_on_grid(0, 0.0)
         left = self.found.f - self.found.e
