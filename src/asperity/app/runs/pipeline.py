@@ -36,7 +36,7 @@ from asperity.surfaces import Surface
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
-_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 204, 360, 115, 56, 16
+_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 225, 360, 115, 56, 16
 """Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
 first, that each map adds, and each branch in it after the first.
 
