@@ -22,10 +22,6 @@ from asperity_research.challenge.heights import independent, outputs, waves
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
 SCAN = Path(os.environ.get("ASPERITY_DATA", "")) / "mi-1.mi"
 MADE = [one.name for one in challenge.problems() if one.heights["rule"] != "scan"]
-RTOL = dict.fromkeys(MADE, 2e-4) | {"constant-area": 2e-3 / 3}
-"""Finer tolerances take very long where the area is kept."""
-
-
 def splitmix(seed, count):
     """The published algorithm, with the integers of Python."""
     words, state = [], seed
@@ -136,7 +132,7 @@ def test_answers_are_whole_and_known_as_well_as_the_page_says():
 @pytest.mark.parametrize("name", MADE)
 def test_answers_lie_within_their_bars(name):
     made = challenge.problem(name)
-    found = challenge.solve(name, rtol=RTOL[name], halvings=2 * made.continuous)
+    found = challenge.solve(name, rtol=1e-4, halvings=2 * made.continuous)
     score = challenge.score(found, name)
     assert score.agrees
     for one in score.quantities:
