@@ -22,6 +22,8 @@ from asperity_research.challenge.heights import independent, outputs, waves
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
 SCAN = Path(os.environ.get("ASPERITY_DATA", "")) / "mi-1.mi"
 MADE = [one.name for one in challenge.problems() if one.heights["rule"] != "scan"]
+
+
 def splitmix(seed, count):
     """The published algorithm, with the integers of Python."""
     words, state = [], seed
