@@ -167,7 +167,8 @@ class SeriesCreep(ByLaw):
         dx, _, _ = linear.solve(self.sunk(error), np.zeros(len(linear.even)), TUNING.reduction)
         left = error + self.shape_of(drag * self.creeping(dx))
         mean = float(left.mean())
-        left -= 0.0 if stage.load is None else mean
+        if stage.load is not None:
+            left -= mean
         return mean, math.sqrt(inner(left, left, np) / left.size)
 
 
