@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
 import signal
 import threading
@@ -47,7 +48,9 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
     }
     with dask.config.set(settings), ExitStack() as stack:
         # Silence what the library logs when workers or schedulers go: the tally says what matters.
+        # Its tasks log when they are collected, so they are before it may speak again.
         stack.callback(logging.disable, logging.root.manager.disable)
+        stack.callback(gc.collect)
         logging.disable(logging.CRITICAL)
         if scheduler is not None:
             client = stack.enter_context(_connected(scheduler))
@@ -89,7 +92,8 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
             with suppress(TimeoutError):
                 if future.status == "finished":
                     returned = future.result(timeout=_COUNT)
-            if returned is not None or future.status not in ("finished", "lost"):
+            over = future.status in ("error", "cancelled") or client.status != "running"
+            if returned is not None or over:
                 yield future, returned
                 continue
             ending.add(future)  # what it returned is lost with its worker: another one says it again

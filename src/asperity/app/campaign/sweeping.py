@@ -179,7 +179,7 @@ def _round(client: Client, store: Store, runs: Sequence[Run], take: Callable[[Re
     try:
         for future, returned in ended(client, futures):
             run = by_key[str(future.key)]
-            if future.status not in ("finished", "error"):
+            if returned is None and future.status != "error":
                 raise _lost(f"a run came back {future.status}")
             report: Report = returned or _crashed(store, run, future.exception())
             future.release()
