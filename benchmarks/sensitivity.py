@@ -71,6 +71,9 @@ CASES: dict[str, Callable[[], Counts]] = {
     "age springs 0.01": lambda: _history(_springs(0.01)(synthetic.self_affine, 0.008)),
     "age springs 1": lambda: _history(_springs(1.0)()),
     "age springs 100": lambda: _history(_springs(100.0, 64, R_viscous=0.01)()),
+    "age springs k0 = 0": lambda: _history(
+        asp.press(synthetic.white(64), solids.spring_lattice(k0=0.0, k1=1.0), load=0.05 * 64**2)
+    ),
     "hold separation": lambda: _history(_springs(3.0)(), hold="separation"),
     "hold area": lambda: _history(_springs(3.0)(), hold="area"),
     "line": lambda: _history(
@@ -83,6 +86,9 @@ CASES: dict[str, Callable[[], Counts]] = {
     "age half-space by steps": lambda: _history(_half_space(branches=PRONY), exact=False),
     "half-space up and down": lambda: _history(
         _half_space(branches=PRONY), [1.0, 101.0, 102.0, 1100.0], protocol=UP_AND_DOWN
+    ),
+    "hold flowing half-space": lambda: _history(
+        _half_space(64, apparatus=np.inf, flow=(0.5, 1.0)), TIMES[:5], hold="separation"
     ),
     "hard half-space": lambda: _counted(_half_space(hardness=0.05)),
     "Eyring on springs": lambda: _history(_springs(1.0, 64, R=0.0, creep=EYRING)(), TIMES[:7]),
@@ -136,7 +142,7 @@ def change(usual: Counts, found: Counts | str) -> tuple[float, float]:
         found.iterations / max(usual.iterations, 1) - 1,
         found.steps / usual.steps - 1 if usual.steps else 0.0,
     ]
-    areas = np.abs(np.array(found.areas) / np.maximum(usual.areas, 1) - 1)
+    areas = np.abs(np.subtract(found.areas, usual.areas)) / np.maximum(usual.areas, 1)
     return max(work, key=abs), float(areas.max())
 
 

@@ -27,7 +27,7 @@ from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
 from asperity.contact.multigrid.processor import Found
-from asperity.contact.multigrid.two_fields import TUNING
+from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -48,7 +48,7 @@ class SpringSteps(TrBdf2):
         super().__init__(system, arrays)
         assert isinstance(system.mechanics, SpringMechanics)
         self.springs, self.max_cycles = system.mechanics.springs, solver.max_cycles
-        self.k0 = max(self.springs.k0, TUNING.softest * self.springs.k1)
+        self.k0 = working_stiffness(self.springs.k0, self.springs.k1)
         self.work = solver.work_on(system.mechanics)
         self.heights = np.ascontiguousarray(system.heights)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]

@@ -58,14 +58,8 @@ class Tuning:
     digits: float = 1e-5
     """How far single precision can reduce a residual in one correction, with room to spare."""
 
-    small: int = 2**14
-    """Number of sites up to which single precision saves no time."""
-
     reduction_per_change: float = 4.0
     """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
-
-    spreading: float = 3.0
-    """How much more u changes, rms over the sites, than at a site that changes sides."""
 
 
 TUNING = Tuning()
@@ -179,7 +173,7 @@ class _Run:
         self.iterations = self.set_changes = 0
         self.record = problem.lattice.sites + 1
         self.patience, self.reduction = method.patience, method.reduction
-        self.single = problem.lattice.sites > TUNING.small
+        self.single = True
         self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:
@@ -271,13 +265,12 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
-        goal, imbalance = target / self.worst, np.inf
+        goal = target / self.worst
         if target < 0.5 * acceptable:
             goal = min(0.3, 0.5 * acceptable / self.worst)
-            imbalance = 0.5 * TUNING.sum_tolerance * self.tolerance * self.load / self.worst
-        if self.single and goal < TUNING.digits:
-            goal, imbalance = TUNING.digits, np.inf
-        accuracy = Accuracy(goal, imbalance, left, self.allowed_error, self.allowed_imbalance)
+        if self.single:
+            goal = max(goal, TUNING.digits)
+        accuracy = Accuracy(goal, left, self.allowed_error, self.allowed_imbalance)
         correction = self.linear_problem().correct(self.force, self.worst, accuracy)
         self.left_over = correction.left_over
         self.u += correction.displacement
@@ -332,8 +325,8 @@ class _Run:
         if self.left_over > self.allowed_error:
             return False
         xp, lattice = self.xp, self.problem.lattice
-        yields = TUNING.spreading / lattice.mean_over_modes(self.problem.stiffness)
-        wrong_by = xp.where(self.in_contact, self.force * yields, (self.u - self.heights) * TUNING.spreading)
+        lifted = self.force / lattice.mean_over_modes(self.problem.stiffness)
+        wrong_by = xp.where(self.in_contact, lifted, self.u - self.heights)
         wrong_by = xp.where(wrong, wrong_by, xp.asarray(0.0))
         return math.sqrt(inner(wrong_by, wrong_by, xp) / lattice.sites) <= self.allowed_error
 

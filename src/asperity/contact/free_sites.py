@@ -43,17 +43,11 @@ class Tuning:
     coarser: int = 4
     """Ratio of the lengths of successive lattices."""
 
-    coarsest: int = 15
-    """Smallest length of a coarse lattice, sites."""
-
     crowding: float = 8.0
     """How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
 
     density_width: float = 0.6
     """Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
-
-    extra: int = 5
-    """Iterations that the sum of the forces off contact may cost beyond the largest of them."""
 
     usual_rate: float = 0.3
     """What an iteration is expected to leave of an error."""
@@ -66,14 +60,12 @@ TUNING = Tuning()
 class Accuracy:
     """When a correction of the free sites may end.
 
-    No force on them exceeds ``goal`` times the worst. A few iterations more may bring the sum of the forces
-    off contact down to ``imbalance`` times the worst. It ends earlier after ``most`` iterations, or when the
+    No force on them exceeds ``goal`` times the worst. It ends earlier after ``most`` iterations, or when the
     displacement is off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off
     contact is at most ``allowed_imbalance``.
     """
 
     goal: float
-    imbalance: float
     most: int
     allowed_error: float = 0.0
     allowed_imbalance: float = math.inf
@@ -175,7 +167,7 @@ class FreeSites:
         residual *= self.free
         defect = xp.asarray(residual, copy=True)
         total = xp.zeros_like(residual)
-        direction, slope, iterations, extra = None, 1.0, 0, 0
+        direction, slope, iterations = None, 1.0, 0
         unit, left_over = worst / self.unit, math.inf
         while iterations < accuracy.most:
             estimate = self.waves.respond(defect)
@@ -201,7 +193,6 @@ class FreeSites:
             del part, change  # memory for the transforms
             defect[...] = residual
             defect *= self.free
-            left = largest(defect, xp)
             iterations += 1
             if allowed_error > 0:
                 left_over = unit * TUNING.usual_rate * math.sqrt(found / lattice.sites)
@@ -210,10 +201,8 @@ class FreeSites:
                     left_over = max(left_over, allowed_error * share)
                 if left_over <= allowed_error:
                     break
-            if left <= accuracy.goal:
-                extra += 1
-                if extra > TUNING.extra or abs(float(xp.sum(defect, dtype=xp.float64))) <= accuracy.imbalance:
-                    break
+            if largest(defect, xp) <= accuracy.goal:
+                break
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)
 
@@ -251,7 +240,7 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
 def _coarse_lattices(shape: tuple[int, ...], edges: Edges) -> list[Lattice]:
     """Lattices coarser by four and four again."""
     lattices = []
-    while min(shape) // TUNING.coarser >= TUNING.coarsest:
+    while min(shape) // TUNING.coarser > 2:
         shape = tuple(_odd_length(n // TUNING.coarser) for n in shape)
         lattices.append(Lattice(shape, edges=edges))
     return lattices

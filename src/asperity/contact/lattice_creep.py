@@ -19,10 +19,9 @@ import numpy as np
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
-from asperity.contact.multigrid import two_fields
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
 from asperity.contact.stencils import balanced, lattice_force
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
@@ -115,7 +114,7 @@ class _Run(LocalRun):
         self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.unit, self.rounding = size or 1.0, ROUNDING * size
-        self.stiffness = max(springs.k0, two_fields.TUNING.softest * k1)
+        self.stiffness = working_stiffness(springs.k0, k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
             self.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)

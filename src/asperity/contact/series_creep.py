@@ -54,9 +54,6 @@ class Tuning:
     most_iterations: int = 200
     """Iterations on a linear problem, at most."""
 
-    kept: float = 0.1
-    """Part of the force of a contact that is left at least where its force is found by the law."""
-
 
 TUNING = Tuning()
 
@@ -261,10 +258,10 @@ class _Run(LocalRun):
         return lacking
 
     def move(self, law: LinearLaw, x: Fields, own: Field, change: Field, sites: Mask, ways: Fields) -> None:
-        """Put forces s by the law at some sites, the others as they are; of p a part is left."""
-        found, p = law.found(own, change, sites), x[0][sites]
+        """Put forces s by the law at some sites, the others as they are; p stays above 0."""
+        found = law.found(own, change, sites)
         x[:, sites] += ways[:, sites] * (found - self.solver.creeping(x[:, sites]))
-        x[0][sites] = np.maximum(x[0][sites], TUNING.kept * p)
+        x[0][sites] = np.maximum(x[0][sites], 0.0)
 
     def state(self) -> LocalState:
         """See `LocalRun`."""

@@ -61,6 +61,11 @@ _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 """Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
 
+def working_stiffness(k0: float, k1: float) -> float:
+    """The k0 of corrections."""
+    return max(k0, TUNING.softest * k1)
+
+
 class TwoFields:
     """Work space for one lattice, and the correction (e, f) on it.
 
