@@ -9,7 +9,7 @@ import functools
 import os
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -84,3 +84,10 @@ def refuses(
     if isinstance(error, ConvergenceError):  # its numbers are rounding errors
         sentence = _NUMBER.sub("N", sentence)
     _MESSAGES.check(sentence)
+
+
+def each_refuses(calls: Iterable[tuple[str, Callable[[], object]]]) -> None:
+    """Expect of each call an error about the argument whose name stands before it."""
+    for name, call in calls:
+        with refuses(name):
+            call()

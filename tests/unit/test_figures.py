@@ -317,8 +317,10 @@ def test_numbers_and_units_are_written_as_mathematics() -> None:
     assert {value: power(value) for value in said} == said
     labels = [figures.style.with_unit("height", unit) for unit in ("1", "um", "1e-06")]
     assert labels == ["height", "height [µm]", "height [$10^{-6}$ units]"]
-    spelled = [figures.style.spelled(unit) for unit in ("um^2", "uN", "MPa", "rms", "unit")]
-    assert spelled == ["µm²", "µN", "MPa", "rms height", "unit"]
+    spelled = [
+        figures.style.spelled(unit) for unit in ("um^2", "nm^3", "um/s", "K", "uN", "MPa", "rms", "unit")
+    ]
+    assert spelled == ["µm²", "nm³", "µm/s", "K", "µN", "MPa", "rms height", "unit"]
     assert figures.style.spaced("62 um^2") == "62\u00a0µm²"
     assert figures.style.spaced("62") == "62"
 
@@ -337,6 +339,13 @@ def test_a_value_is_written_with_a_prefix_in_si_and_as_it_is_elsewhere() -> None
         (1e-6, "1", "1e-06"),
         (math.inf, "N/m", "inf"),
         (122.88, "stiffness unit * height unit", "122.9"),
+        (7e-21, "m/s", "7e-21 m/s"),
+        (5e-28, "m^3", "0.5 nm^3"),
+        (2e-17, "m^3", "20 um^3"),
+        (2e-15, "J", "0.002 pJ"),
+        (1.2, "eV", "1.2 eV"),
+        (300.0, "K", "300 K"),
+        (0.0, "m/s", "0 m/s"),
     ):
         assert written(value, unit) == text
 

@@ -24,11 +24,7 @@ TABLES = {
     "old Macintosh": "time,mu\r1.5,0.6\r10,0.61\r",
     "no end": "1.5,0.6\n10,0.61",
 }
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])

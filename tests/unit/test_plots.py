@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike
 from asperity import Contact, History, age, press, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
-from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, style
+from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure, style
 from asperity.figures.contacts import COLORS
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Step, legs_of
+from asperity.friction import add_friction
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step, legs_of
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum
 from tests.refusals import refuses
@@ -276,6 +277,15 @@ def test_many_legs_and_cycles_share_a_linear_axis():
         np.testing.assert_array_equal(np.sort(places), data["time"].values)
         assert figure.axes[-1].get_xscale() == "linear"
         assert figure.axes[-1].get_xlabel().startswith("time $t$")
+
+
+def test_the_shade_of_a_slide_is_explained_and_friction_that_does_not_change_is_flat() -> None:
+    still = press(uncorrelated(16), spring_lattice(k0=1.0, k1=3.0, R=0.0), load=80.0)
+    series = age(still, [2.0], protocol=[Slide(distance=2.0, velocity=1.0)]).dataset
+    ax = sliding_figure(add_friction(series, 0.5)).axes[0]
+    assert any("shade" in text for text in ax.get_legend_handles_labels()[1])
+    assert ax.get_ylim()[0] == 0.0
+    assert ax.get_ylim()[1] > series["area"].values.max() * 0.5 / 80.0
 
 
 def test_a_fall_after_a_jump_is_pointed_at():

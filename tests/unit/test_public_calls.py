@@ -440,10 +440,7 @@ def test_every_public_function_is_here():
 
 
 @pytest.mark.parametrize(("function", "arguments"), CASES)
-def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(
-    function, arguments, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
+def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(function, arguments, here):
     np.save("heights.npy", ROUGH)
     Path("psd.csv").write_text("q,C\n1,2\n3,1\n")
     expected = parts(function(**arguments))

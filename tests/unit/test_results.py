@@ -30,13 +30,7 @@ SCAN = asp.surfaces.Surface(ROUGH * 1e-6, "m", (1e-6, 2e-6), "m", edges="reflect
 ELASTIC = asp.solids.half_space(modulus=1e9)
 EYRING = asp.solids.half_space(modulus=1e9, creep=asp.solids.Eyring(rate=1e-9, stress=1e7))
 LAYER = asp.solids.layer(modulus=1e9, poisson=0.3, thickness=1e-5)
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    """Refusals have paths in them, which are short here."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_the_series_and_fields_are_those_of_the_contacts():

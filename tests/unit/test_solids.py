@@ -1,40 +1,10 @@
 from typing import Any
 
 import numpy as np
-import pytest
 
 from asperity.lattice import Lattice
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, contact_modulus, half_space, spring_lattice
 from tests.refusals import refuses
-
-
-def test_spring_lattice_spectra():
-    lattice = Lattice((6, 5))
-    spectra = spring_lattice(k0=2.0, k1=3.0, R=0.5, R_viscous=0.1).on(lattice)
-    np.testing.assert_allclose(spectra.permanent, 2.0 * lattice.lam)
-    np.testing.assert_array_equal(spectra.creeping, np.full((1, 6, 3), 3.0))
-    np.testing.assert_allclose(spectra.rate[0], 3.0 * (0.5 * lattice.lam + 0.1))
-    np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
-    numbers = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": 0.0}
-    assert spring_lattice(k0=np.float64(1), k1=3).parameters == numbers
-
-
-def test_half_space_spectra():
-    lattice = Lattice((6, 8))
-    q = np.hypot(*np.meshgrid(2 * np.pi * np.fft.fftfreq(6), 2 * np.pi * np.fft.rfftfreq(8), indexing="ij"))
-    spectra = half_space(modulus=3.0, branches=[(0.25, 4.0)]).on(lattice)
-    np.testing.assert_allclose(spectra.permanent, 0.75 * 3.0 * q / 2)
-    np.testing.assert_allclose(spectra.creeping, 0.25 * 3.0 * q[np.newaxis] / 2)
-    (rate,) = spectra.rate
-    assert rate[0, 0] == 0
-    np.testing.assert_allclose(rate.flat[1:], 0.25)  # every wave but the mean relaxes in the same time
-    elastic = half_space(modulus=1.0).on(Lattice((8,)))
-    assert elastic.creeping.shape == elastic.rate.shape == (0, 5)
-
-
-def test_contact_modulus_of_one_body_and_of_two():
-    assert contact_modulus(3.0, 0.5) == 4.0
-    assert 1 / contact_modulus([3.0, 210.0], [0.5, 0.3]) == pytest.approx(1 / 4 + 0.91 / 210)
 
 
 def test_what_is_no_solid_is_refused():

@@ -16,11 +16,7 @@ from tests.refusals import refuses
 
 ROUGH = gaussian((24, 30), seed=4)
 SIZED = Surface(ROUGH, "nm", (0.5, 0.25), "um", {"file": "a.npy", "periodic_rule": "mirror"})
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_door_accepts_whatever_is_an_array_and_never_aliases_it():

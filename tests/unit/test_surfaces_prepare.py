@@ -11,11 +11,7 @@ from tests.refusals import refuses
 
 EDGES = "the contact would be at the edges"
 U, V = np.meshgrid(np.linspace(-1, 1, 96), np.linspace(-1, 1, 80), indexing="ij")
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def as_read(heights, **options):

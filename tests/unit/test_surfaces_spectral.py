@@ -297,8 +297,7 @@ def test_tables_of_spectra(tmp_path, table, options, q, power):
     np.testing.assert_allclose(found, [[1 * q, 3 * q], [2 * power, 4 * power]])
 
 
-def test_tables_that_are_no_spectrum(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_tables_that_are_no_spectrum(here):
     for header, name, unit in (
         ("f,C", "psd.csv", None),
         ("q,C,PSD", "psd.csv", None),
@@ -307,6 +306,6 @@ def test_tables_that_are_no_spectrum(tmp_path, monkeypatch):
         ("q_1/um,C_um^3", "column 'C_um^3' of psd.csv", "um"),
     ):
         row = ",".join("1" * (header.count(",") + 1))
-        (tmp_path / "psd.csv").write_text(f"{header}\n{row}\n")
+        (here / "psd.csv").write_text(f"{header}\n{row}\n")
         with refuses(name):
             read_spectrum("psd.csv", unit=unit)
