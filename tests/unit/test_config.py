@@ -283,27 +283,23 @@ def spectra(solid: Solid) -> list[Any]:
 
 COATED: dict[str, Any] = {"modulus": 2.0, "poisson": 0.3, "thickness": 1.0}
 COATED |= {"base_modulus": 9.0, "base_poisson": 0.5}
+S, HALF_SPACE = asp.solids, {"kind": "half_space"}
+LAYER = {"kind": "layer", "young": 2.0, "poisson": 0.3, "thickness": "2 um", "frictionless": True}
 MADE: list[tuple[dict[str, Any], Solid]] = [
-    ({"k1": 5.0}, asp.solids.spring_lattice(k0=1.0, k1=5.0)),
+    ({"k1": 5.0}, S.spring_lattice(k0=1.0, k1=5.0)),
     (
-        {"kind": "half_space", "modulus": "3.8 GPa", "branches": [[0.3, "10 ms"], [0.3, 1]]},
-        asp.solids.half_space(modulus=3.8e9, branches=[(0.3, 0.01), (0.3, 1.0)]),
+        HALF_SPACE | {"modulus": "3.8 GPa", "branches": [[0.3, "10 ms"], [0.3, 1]]},
+        S.half_space(modulus=3.8e9, branches=[(0.3, 0.01), (0.3, 1.0)]),
     ),
     (
-        {"kind": "half_space", "young": [2.0, 4.0], "poisson": [0.5, 0.0], "apparatus": np.inf},
-        asp.solids.half_space(modulus=1 / (0.75 / 2 + 1 / 4), apparatus=np.inf),
+        HALF_SPACE | {"young": [2.0, 4.0], "poisson": [0.5, 0.0], "apparatus": np.inf},
+        S.half_space(modulus=1 / (0.75 / 2 + 1 / 4), apparatus=np.inf),
     ),
-    (
-        {"kind": "half_space", "modulus": 2.0, "flow": [0.1, -1.0]},
-        asp.solids.half_space(modulus=2.0, flow=(0.1, -1.0)),
-    ),
-    (
-        {"kind": "layer", "young": 2.0, "poisson": 0.3, "thickness": "2 um", "frictionless": True},
-        asp.solids.layer(modulus=2 / (1 - 0.09), poisson=0.3, thickness=2e-6, bonded=False),
-    ),
+    (HALF_SPACE | {"modulus": 2.0, "flow": [0.1, -1.0]}, S.half_space(modulus=2.0, flow=(0.1, -1.0))),
+    (LAYER, S.layer(modulus=2 / (1 - 0.09), poisson=0.3, thickness=2e-6, bonded=False)),
     (
         COATED | {"kind": "coated_half_space", "branches": [[0.5, 1.0]]},
-        asp.solids.coated_half_space(**COATED, branches=[(0.5, 1.0)]),
+        S.coated_half_space(**COATED, branches=[(0.5, 1.0)]),
     ),
 ]
 
