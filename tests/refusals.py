@@ -9,9 +9,10 @@ import functools
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -86,8 +87,8 @@ def refuses(
     _MESSAGES.check(sentence)
 
 
-def each_refuses(calls: Iterable[tuple[str, Callable[[], object]]]) -> None:
-    """Expect of each call an error about the argument whose name stands before it."""
-    for name, call in calls:
+def each_refuses(*calls: tuple[Any, ...]) -> None:
+    """Expect an error of each call: a name, what is called, and with which arguments."""
+    for name, call, *given in calls:
         with refuses(name):
-            call()
+            call(*given)

@@ -23,14 +23,10 @@ TIMES = np.geomspace(1e-2, 1e4, 13)
 KEEP = [0.0, 0.02, 100.0]
 
 
-class StopHereError(Exception):
-    """Stands for a kill."""
-
-
 def stop_at(time):
     def progress(frame):
         if frame.time >= time:
-            raise StopHereError
+            raise InterruptedError  # stands for a kill
 
     return progress
 
@@ -102,7 +98,7 @@ def test_stopped_and_resumed(tmp_path, name):
     undisturbed = asp.age(**arguments)
     checkpoint = Checkpoint(tmp_path / "place.npz", every=0.0)
     for stop in stops:
-        with pytest.raises(StopHereError):
+        with pytest.raises(InterruptedError):
             asp.age(**arguments, checkpoint=checkpoint, progress=stop_at(stop))
     seen: list[float] = []
     resumed = asp.age(**arguments, checkpoint=checkpoint, progress=lambda frame: seen.append(frame.time))

@@ -59,14 +59,12 @@ def test_what_is_no_law_or_beyond_belief_is_refused():
     threshold = CreepLaw(lambda s: np.maximum(s - 0.1, 0.0), lambda s: (s > 0.1).astype(float))
     cold: dict[str, Any] = {"energy": "20 eV", "volume": 1e-28, "temperature": 100.0, "prefactor": 1.0}
     each_refuses(
-        [
-            ("energy", lambda: Eyring.activated(**cold)),
-            ("rate", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
-            ("creep", lambda: pressed(1.0)),
-            ("creep", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
-            ("creep", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
-            ("creep", lambda: asp.relax(pressed(threshold))),
-        ]
+        ("energy", lambda: Eyring.activated(**cold)),
+        ("rate", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
+        ("creep", lambda: pressed(1.0)),
+        ("creep", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
+        ("creep", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
+        ("creep", lambda: asp.relax(pressed(threshold))),
     )
 
 

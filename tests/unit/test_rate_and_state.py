@@ -336,7 +336,7 @@ BAD = {
 
 
 def test_bad_records_are_refused():
-    each_refuses(BAD.values())
+    each_refuses(*BAD.values())
 
 
 @pytest.mark.parametrize(

@@ -252,4 +252,4 @@ def test_wrong_numbers_are_refused_in_one_line():
         ("last", lambda: zener(relaxed=0.0, exponent=1, last=1e4)),
         ("exponent", lambda: zener(relaxed=0.0, exponent=1.5, last=10.0)),
     ]
-    each_refuses(calls)
+    each_refuses(*calls)

@@ -4,6 +4,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -187,7 +188,7 @@ def test_what_is_no_relaxation_or_no_fit_is_refused():
         ("extrapolate", lambda: fit(flat, extrapolate="flat")),  # type: ignore[arg-type]
         ("times", lambda: fit(flat, per_decade=1, over=(0.01, 5e3), extrapolate="plateau")),
     ]
-    each_refuses(calls)
+    each_refuses(*calls)
     assert Relaxation(T, changed(G, 3, 3.3), noise=0.11).noise == 0.11
 
 
@@ -254,9 +255,7 @@ def test_tables_that_are_several_or_none(write):
         ("columns", {"columns": [0, 0], "kind": "relaxation"}),
         ("kind", {"kind": "dma"}),
     ]
-    for name, options in calls:
-        with refuses(name):
-            read(file, **options)
+    each_refuses(*((name, partial(read, file, **options)) for name, options in calls))
     for header, columns, name in (
         ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time"),
         ("time_s,E_MPa", [T, changed(G, 2, math.nan)], "table.csv"),

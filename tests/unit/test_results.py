@@ -19,7 +19,7 @@ from asperity.results.quantities import QUANTITIES, select
 from asperity.results.store import whole_folder
 from tests.campaign.conftest import do_here, written
 from tests.independent import prove
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 from tests.surfaces import uncorrelated
 
 SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
@@ -115,9 +115,7 @@ def test_a_history_gives_its_series_by_name():
     for name in ("time", "area", "load", "separation"):
         assert getattr(HISTORY, name).identical(HISTORY[name])
     assert HISTORY["u"].identical(HISTORY.dataset["u"])
-    for wrong in ("seperation", "dims", 3):
-        with refuses("name"):
-            HISTORY[wrong]  # type: ignore[index]
+    each_refuses(*(("name", HISTORY.__getitem__, wrong) for wrong in ("seperation", "dims", 3)))
 
 
 def test_what_was_saved_is_read_again_and_kept_unless_told_otherwise(here):
@@ -140,9 +138,7 @@ def test_what_cannot_be_written_is_left_alone(here):
             HISTORY.save("precious", overwrite=overwrite)
     with pytest.raises(OutputError, match="could not write"):
         HISTORY.save("precious/thesis.tex/run.zarr")
-    for name in ("history.nc", "history.H5"):
-        with refuses("path"):
-            HISTORY.save(name)
+    each_refuses(*(("path", HISTORY.save, name) for name in ("history.nc", "history.H5")))
 
     def write_half(*, overwrite):
         with whole_folder(Path("precious" if overwrite else "run"), overwrite=overwrite) as folder:
@@ -161,9 +157,7 @@ def test_what_is_no_result_is_refused(here):
     for name in ("empty", "other"):
         (here / name).mkdir()
     (here / "other" / "notes.txt").write_text("hello")
-    for name in ("missing", "empty", "other"):
-        with refuses("path"):
-            asp.results.load(name)
+    each_refuses(*(("path", asp.results.load, name) for name in ("missing", "empty", "other")))
 
 
 @pytest.mark.parametrize(
@@ -340,9 +334,8 @@ def test_maps_have_names_units_and_coordinates():
 def test_another_solid_is_refused(tmp_path):
     contact = asp.press(ROUGH, SPRINGS, load=30.0)
     contact.save(tmp_path / "contact.zarr")
-    for other in (asp.solids.spring_lattice(k0=1.0, k1=2.0, R=1.0), asp.solids.half_space(modulus=1.0), None):
-        with refuses("solid"):
-            asp.results.load_contact(tmp_path / "contact.zarr", other)  # type: ignore[arg-type]
+    others = asp.solids.spring_lattice(k0=1.0, k1=2.0, R=1.0), asp.solids.half_space(modulus=1.0), None
+    each_refuses(*(("solid", asp.results.load_contact, tmp_path / "contact.zarr", one) for one in others))
     mine, other = (asp.solids.Solid(asp.solids.LaplacianSpectrum(k0, 1.0)) for k0 in (0.0, 1.0))
     asp.press(ROUGH, mine, load=30.0).save(tmp_path / "own.zarr")
     with pytest.raises(ConvergenceError, match="residual"):  # without numbers the equilibrium tells
@@ -351,10 +344,10 @@ def test_another_solid_is_refused(tmp_path):
 
 def test_a_saved_history_is_no_contact():
     asp.age(asp.press(ROUGH, SPRINGS, load=30.0), [1.0]).save("history.zarr")
-    with refuses("path"):
-        asp.results.load_contact("history.zarr", SPRINGS)
-    with refuses("contact"):
-        asp.age(asp.results.load("history.zarr"), [1.0])  # type: ignore[arg-type]
+    each_refuses(
+        ("path", asp.results.load_contact, "history.zarr", SPRINGS),
+        ("contact", asp.age, asp.results.load("history.zarr"), [1.0]),
+    )
 
 
 def test_several_loads_give_the_contacts_of_each():

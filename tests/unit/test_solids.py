@@ -1,10 +1,15 @@
+"""Lattices with their transforms, and solids: what is refused."""
+
+from functools import partial
 from typing import Any
 
 import numpy as np
+import pytest
 
 from asperity.lattice import Lattice
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, contact_modulus, half_space, spring_lattice
-from tests.refusals import refuses
+from tests.independent import laplacian
+from tests.refusals import each_refuses, refuses
 
 
 def test_what_is_no_solid_is_refused():
@@ -22,9 +27,7 @@ def test_what_is_no_solid_is_refused():
         ("poisson", contact_modulus, {"young": 1.0, "poisson": 0.6}),
         ("young and poisson", contact_modulus, {"young": [1.0, 2.0], "poisson": 0.3}),
     ]
-    for name, make, wrong in made:
-        with refuses(name):
-            make(**wrong)
+    each_refuses(*((name, partial(make, **wrong)) for name, make, wrong in made))
 
 
 def test_spectra_are_checked_on_the_lattice():
@@ -44,3 +47,22 @@ def test_spectra_are_checked_on_the_lattice():
     for name, solid in (*solids, ("stiffness", soft)):
         with refuses(name):
             solid.on(Lattice((16,)))
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (5,), (5, 4), (4, 7), (1, 6)])
+def test_transforms_and_the_laplacian(shape):
+    field, lattice = np.random.default_rng(0).normal(size=shape), Lattice(shape)
+    np.testing.assert_allclose(lattice.apply(lattice.lam, field), -laplacian(field), atol=1e-13)
+    modes = lattice.forward(field)
+    assert modes.shape == lattice.spectral_shape
+    np.testing.assert_allclose(lattice.backward(modes), field, atol=1e-14)
+    assert modes.flat[0].real == pytest.approx(field.sum(), abs=1e-12)
+    # The mean over modes is the diagonal, and obeys Parseval.
+    spike = np.zeros(shape)
+    spike.flat[0] = 1.0
+    assert lattice.mean_over_modes(lattice.lam) == pytest.approx(-laplacian(spike).flat[0], abs=1e-13)
+    assert lattice.mean_over_modes(np.abs(modes) ** 2) == pytest.approx(np.sum(field**2))
+
+
+def test_other_shapes_are_refused():
+    each_refuses(*(("shape", Lattice, shape) for shape in ((), (0,), (3, 0), (2, 2, 2))))
