@@ -258,7 +258,8 @@ def test_pixel_sizes_with_a_unit():
 def test_a_surface_is_checked_when_it_is_made():
     wrong: list[Any] = ["1 kg", "1", "um", "-1 um", ("1 um", "x"), ("1 um",), (1.0,)]
     each_refuses(*(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong))
-    each_refuses(("edges", partial(Surface, edges="mirror"), ROUGH), ("heights", Surface, [1.0, np.nan]))
+    mirrored = partial(Surface, edges="mirror")  # type: ignore[arg-type]
+    each_refuses(("edges", mirrored, ROUGH), ("heights", Surface, [1.0, np.nan]))
 
 
 def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
