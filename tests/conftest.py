@@ -12,6 +12,13 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
 @pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Work in an empty folder: refusals have paths in them, which are short here."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def no_display():
     """No window opens, and no figure is open before or after: other tests of the process may leave some."""
     from matplotlib import pyplot as plt

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -84,3 +85,10 @@ def refuses(
     if isinstance(error, ConvergenceError):  # its numbers are rounding errors
         sentence = _NUMBER.sub("N", sentence)
     _MESSAGES.check(sentence)
+
+
+def each_refuses(*calls: tuple[Any, ...]) -> None:
+    """Expect an error of each call: a name, what is called, and with which arguments."""
+    for name, call, *given in calls:
+        with refuses(name):
+            call(*given)

@@ -6,7 +6,6 @@ import dataclasses
 import functools
 import io
 import math
-from pathlib import Path
 from typing import Any
 
 import matplotlib.colors
@@ -29,7 +28,7 @@ from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, spectral
 from asperity.theory import GaussianHeights
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 LONG_NAME = "after_polish_position_B2_" * 3 + "sample_7_channel_1_second_scan.opd"
 GROWTH = measured_growth(np.geomspace(1, 1e4, 9), 1 + 0.1 * np.log(np.geomspace(1, 1e4, 9)))
@@ -78,9 +77,7 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     assert right.get_ylim() == pytest.approx([share * end for end in axes.get_ylim()])
 
 
-def test_the_legend_gives_the_fit_and_its_misfit_or_why_there_is_none(
-    aged: xr.Dataset, summary: AgingSummary
-) -> None:
+def test_the_legend_gives_the_fit_and_its_misfit_or_why_there_is_none(aged, summary):
     assert summary.fit is not None
     fit = dataclasses.replace(summary.fit, a=2.9283, q=0.2083, t0=0.131, rms_residual=0.0123)
     known = dataclasses.replace(summary, fit=fit, fit_worst=0.034)
@@ -300,9 +297,7 @@ def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) ->
         assert (box.x1 < width, box.y1 < height) == (True, True), name
 
 
-def test_figures_are_written_and_text_in_pdf_is_not_of_type_3(
-    aged: xr.Dataset, summary: AgingSummary, tmp_path: Path
-) -> None:
+def test_figures_are_written_and_text_in_pdf_is_not_of_type_3(aged, summary, tmp_path):
     for kind, magic in {"png": b"\x89PNG", "pdf": b"%PDF", "svg": b"<?xml"}.items():
         figures.aging_curve(aged, summary).savefig(tmp_path / f"aging.{kind}")
         assert (tmp_path / f"aging.{kind}").read_bytes().startswith(magic)
@@ -317,8 +312,10 @@ def test_numbers_and_units_are_written_as_mathematics() -> None:
     assert {value: power(value) for value in said} == said
     labels = [figures.style.with_unit("height", unit) for unit in ("1", "um", "1e-06")]
     assert labels == ["height", "height [µm]", "height [$10^{-6}$ units]"]
-    spelled = [figures.style.spelled(unit) for unit in ("um^2", "uN", "MPa", "rms", "unit")]
-    assert spelled == ["µm²", "µN", "MPa", "rms height", "unit"]
+    spelled = [
+        figures.style.spelled(unit) for unit in ("um^2", "nm^3", "um/s", "K", "uN", "MPa", "rms", "unit")
+    ]
+    assert spelled == ["µm²", "nm³", "µm/s", "K", "µN", "MPa", "rms height", "unit"]
     assert figures.style.spaced("62 um^2") == "62\u00a0µm²"
     assert figures.style.spaced("62") == "62"
 
@@ -337,6 +334,13 @@ def test_a_value_is_written_with_a_prefix_in_si_and_as_it_is_elsewhere() -> None
         (1e-6, "1", "1e-06"),
         (math.inf, "N/m", "inf"),
         (122.88, "stiffness unit * height unit", "122.9"),
+        (7e-21, "m/s", "7e-21 m/s"),
+        (5e-28, "m^3", "0.5 nm^3"),
+        (2e-17, "m^3", "20 um^3"),
+        (2e-15, "J", "0.002 pJ"),
+        (1.2, "eV", "1.2 eV"),
+        (300.0, "K", "300 K"),
+        (0.0, "m/s", "0 m/s"),
     ):
         assert written(value, unit) == text
 
@@ -472,15 +476,11 @@ def test_the_figure_of_distributions_shows_which_part_has_more() -> None:
 
 def test_what_cannot_be_drawn_is_refused(aged: xr.Dataset) -> None:
     at_once = aged.isel(time=[0]).drop_dims("field_time")
-    with refuses("summary"):
-        figures.aging_curve(at_once, aging_summary(at_once))
-    with refuses("dataset"):
-        figures.history_figure(at_once)
-    for few in (aged.isel(field_time=[0]), aged.drop_dims("field_time")):
-        with refuses("dataset"):
-            figures.patch_figure(few)
-    with refuses("dataset"):
-        distributions(aged.drop_dims("field_time"))
-    for other in (aged.drop_vars("contact_fraction"), 3):
-        with refuses("dataset"):
-            figures.campaign_figure(other)  # type: ignore[arg-type]
+    without = aged.drop_dims("field_time")
+    each_refuses(
+        ("summary", figures.aging_curve, at_once, aging_summary(at_once)),
+        ("dataset", figures.history_figure, at_once),
+        *(("dataset", figures.patch_figure, few) for few in (aged.isel(field_time=[0]), without)),
+        ("dataset", distributions, without),
+        *(("dataset", figures.campaign_figure, one) for one in (aged.drop_vars("contact_fraction"), 3)),
+    )

@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 from scipy.stats import t
 
 from asperity.fits import SaturationFit, compare, logarithm, saturation
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 TIME = np.concatenate([[0.0], np.logspace(-2, 6, 60)])
 HOLD = np.repeat(np.geomspace(0.1, 1e5, 13), 3)
@@ -145,9 +145,7 @@ def test_an_array_that_knows_its_time_is_fitted_alone():
     area = xr.DataArray(50 * (3 - 2 * (1 + time / 2.0) ** -0.3), coords={"time": time}, dims="time")
     for law in (logarithm, saturation, compare):
         assert repr(law(area)) == repr(law(time, area.values))
-    for wrong in (area.time, area.drop_vars("time"), area.values):
-        with refuses("area"):
-            logarithm(wrong)
+    each_refuses(*(("area", logarithm, wrong) for wrong in (area.time, area.drop_vars("time"), area.values)))
 
 
 def test_bad_data_are_named():
@@ -169,16 +167,14 @@ def test_bad_data_are_named():
         ("time", times[1:4], growing[:3]),
         *(("time", [1.0, cell, 10.0, 100.0], growing[:4]) for cell in (1e-320, 1e120)),
     ]
-    for name, time, area in wrong:
-        with refuses(name):
-            saturation(time, area)
+    each_refuses(*((name, saturation, time, area) for name, time, area in wrong))
     for time, limit in ((TIME, 0.9), (TIME, math.nan), (TIME[1:], 3.0)):
         with refuses("limit"):
             saturation(time, saturating(time, 3.0, 0.3, 10.0), limit=limit)
-    with refuses("time"):
-        compare(TIME[1:7], 1 + 0.1 * np.log1p(TIME[1:7]))
-    with refuses("area"):
-        logarithm(HOLD[::3], 1 / (1 + HOLD[::3]))
+    each_refuses(
+        ("time", compare, TIME[1:7], 1 + 0.1 * np.log1p(TIME[1:7])),
+        ("area", logarithm, HOLD[::3], 1 / (1 + HOLD[::3])),
+    )
 
 
 def test_noise_that_ends_low_is_no_decline():

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from asperity.fits import read_measurements
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 TABLES = {
     "commas": "time,mu\n1.5,0.6\n10,0.61\n",
@@ -24,11 +24,7 @@ TABLES = {
     "old Macintosh": "time,mu\r1.5,0.6\r10,0.61\r",
     "no end": "1.5,0.6\n10,0.61",
 }
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
@@ -103,6 +99,4 @@ def test_mistakes_are_named_with_their_line():
         Path("mu.csv").write_text(text)
         with refuses("mu.csv"):
             read_measurements("mu.csv")
-    for path in ("none.csv", str(Path())):
-        with refuses(path):
-            read_measurements(path)
+    each_refuses(*((path, read_measurements, path) for path in ("none.csv", str(Path()))))

@@ -1,8 +1,9 @@
-"""The house: imports point upstream, public names are what they are said to be."""
+"""The house: imports point upstream, public names and sentences of refusals are what they are said to be."""
 
 import ast
 import importlib
 import pkgutil
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from types import ModuleType
 import pytest
 
 import asperity
+from tests.refusals import MESSAGES, messages
 
 SOURCE = Path(asperity.__file__).parent
 RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
@@ -178,3 +180,16 @@ def test_other_names_do_not_exist():
     for name in ("nope", "__main__", "_nope", "press_"):
         with pytest.raises(AttributeError, match=f"module 'asperity' has no attribute '{name}'"):
             getattr(asperity, name)
+
+
+def test_each_sentence_belongs_to_a_test_and_says_what_was_expected_and_what_came():
+    for test, lines in messages().items():
+        file, name = test.split("::")
+        folder = MESSAGES.parents[1] if file.startswith("research/") else MESSAGES.parent
+        source = (folder / file).read_text(encoding="utf-8")
+        assert "refuses(" in source.partition(f"def {name}(")[2].partition("\ndef ")[0], test
+        for line in lines:
+            sentence = line.partition(": ")[2]
+            assert len(sentence) < 300
+            if not re.search(r"steps shrank|residual|not settle|not finite|exists already|is kept", sentence):
+                assert re.search(r": expected .+, got .+", sentence), sentence

@@ -9,6 +9,7 @@ import pytest
 import asperity as asp
 import asperity.app.runs.pipeline as pipeline
 from asperity.app.cli.flags import flags_for, given
+from asperity.app.cli.reports.run import _solid
 from asperity.app.config import config_from, to_toml
 from asperity.app.config.models import RunConfig
 from asperity.app.config.python import to_python
@@ -18,7 +19,7 @@ from asperity.creep import LAWS
 from asperity.errors import ConvergenceError
 from asperity.results.parameters import PARAMETERS
 from asperity.solids import CreepLaw, Eyring, Garofalo, Norton, half_space, spring_lattice
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 ROUGH = np.random.default_rng(0).normal(size=(12, 12))
 LAW = Eyring(rate=0.1, stress=0.2)
@@ -52,19 +53,19 @@ def test_activation_gives_rate_and_stress():
 
 
 def test_what_is_no_law_or_beyond_belief_is_refused():
-    with refuses("energy"):
-        Eyring.activated(energy="20 eV", volume=1e-28, temperature=100.0, prefactor=1.0)
-    with refuses("rate"):
-        CreepLaw(lambda s: s + 1.0, np.ones_like)
-    with refuses("creep"):
-        spring_lattice(k0=1.0, k1=3.0, creep=1.0)  # type: ignore[arg-type]
-    with refuses("creep"):
-        half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)
-    with refuses("creep"):
-        asp.age(asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=Eyring(1.0, 1e-3)), load=40.0), [1.0])
+    def pressed(law):
+        return asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=law), load=40.0)
+
     threshold = CreepLaw(lambda s: np.maximum(s - 0.1, 0.0), lambda s: (s > 0.1).astype(float))
-    with refuses("creep"):
-        asp.relax(asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=threshold), load=40.0))
+    cold: dict[str, Any] = {"energy": "20 eV", "volume": 1e-28, "temperature": 100.0, "prefactor": 1.0}
+    each_refuses(
+        ("energy", lambda: Eyring.activated(**cold)),
+        ("rate", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
+        ("creep", lambda: pressed(1.0)),
+        ("creep", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
+        ("creep", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
+        ("creep", lambda: asp.relax(pressed(threshold))),
+    )
 
 
 def test_a_step_that_is_not_solved_raises(monkeypatch):
@@ -96,16 +97,26 @@ def test_every_law_has_its_keys_flags_words_and_records(name):
 
 
 HALF_SPACE = {"kind": "half_space", "modulus": 1e9, "creep": "eyring"}
+ACTIVATED = {"creep_energy": "1 eV", "creep_volume": "0.1 nm^3", "temperature": "300 K"}
 
 
 def test_configurations_know_activated_laws_and_permanent_shares():
-    activated = {"creep_energy": "1 eV", "creep_volume": "0.1 nm^3", "temperature": "300 K"}
-    warm = configured(**HALF_SPACE, creep_prefactor=1.0, **activated)
+    warm = configured(**HALF_SPACE, creep_prefactor=1.0, **ACTIVATED)
     law = Eyring.activated(energy="1 eV", volume="0.1 nm^3", temperature="300 K", prefactor=1.0)
     assert warm.solid.build().creep == law
     kept = configured(**HALF_SPACE, creep_rate=0.1, creep_stress=0.2, permanent=0.3)
     assert kept.solid.build() == half_space(modulus=1e9, creep=LAW, permanent=0.3)
     assert "permanent=0.3" in to_python(kept, [1.0])
+
+
+def test_the_summary_states_the_units_of_activated_creep():
+    told = ACTIVATED | {"creep_energy": "100 kJ/mol", "creep_prefactor": "1 m/s", "temperature": "25 degC"}
+    surface = asp.surfaces.Surface(1e-7 * ROUGH, unit="m", pixel_size=(1e-6, 1e-6), length_unit="m")
+    contact = asp.press(surface, half_space(modulus=1e9), pressure=2e7)
+    said = _solid(configured(**HALF_SPACE, **told), asp.age(contact, [1.0]).dataset)
+    assert "modulus = 1 GPa" in said
+    assert "creep_energy = 1.036 eV, creep_volume = 0.1 nm^3, creep_prefactor = 1 m/s" in said
+    assert "temperature = 298.1 K" in said
 
 
 # Bytes a site of 512 x 512, measured with one map.

@@ -17,7 +17,7 @@ from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import TOLERANCE, Guess
 from tests.independent import assert_equilibrium, laplacian
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 from tests.surfaces import correlated, uncorrelated
 from tests.whole_fields import WholeFields
 
@@ -67,13 +67,9 @@ def zone_mean(response, level, sigma, points=400):
 @pytest.mark.parametrize(
     "response", [Response(3.0), Response(0.1, 2.0), Response(3.0, 40.0, 0.5), Response(1.0, 0.0, 3.0)]
 )
-@pytest.mark.parametrize(("level", "sigma"), [(0, 0.05), (1, 0.3), (3, 2.0)])
+@pytest.mark.parametrize(("level", "sigma"), [(0, 0.0), (0, 0.05), (1, 0.3), (3, 2.0)])
 def test_compliance_of_a_site_is_the_mean_over_the_zone(response, level, sigma):
     assert response.compliance(level, sigma) == pytest.approx(zone_mean(response, level, sigma), rel=1e-6)
-
-
-def test_compliance_before_creep_is_that_of_the_theory():
-    assert 1 / Response(3.0).compliance(0, 0.0) == pytest.approx(asp.theory.site_stiffness(3.0), rel=1e-9)
 
 
 @pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.5, 0.99])
@@ -237,46 +233,19 @@ def test_cycles_do_not_grow_with_the_lattice(k1):
     assert (np.ptp(cycles, axis=0) <= 4).all()
 
 
-def test_a_few_cycles_are_finished_by_the_fourier_solver():
-    heights = uncorrelated(48)
-    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
-    usual = asp.press(heights, solid, load=100.0)
-    for cycles in (0, 2):
-        helped = asp.press(heights, solid, load=100.0, solver=Multigrid(max_cycles=cycles))
-        np.testing.assert_array_equal(helped.in_contact, usual.in_contact)
-        assert helped.iterations > cycles
-
-
 def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     line = np.random.default_rng(0).normal(size=64)
     solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
-    with refuses("solver"):
-        asp.press(line, solid, load=1.0, solver=Multigrid())
+    each_refuses(
+        ("solver", lambda: asp.press(line, solid, load=1.0, solver=Multigrid())),
+        ("max_cycles", lambda: Multigrid(max_cycles=-1)),
+    )
     assert_equilibrium(asp.press(line, solid, load=1.0), k0=1.0, k1=3.0, load=1.0)
     bed = asp.solids.spring_lattice(k0=0.0, k1=3.0)
     assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
 
 
-def test_settings_are_checked():
-    with refuses("max_cycles"):
-        Multigrid(max_cycles=-1)
-
-
-def test_balanced_stretch_is_in_equilibrium():
-    heights = uncorrelated(32)
-    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=50.0)
-    system = contact.system()
-    rough_guess = contact.u - contact.anchors + 1e-4 * np.random.default_rng(0).normal(size=heights.shape)
-    stretch = system.balanced_stretch(contact.u - system.datum, rough_guess)
-    force = system.force(contact.u - system.datum, stretch, 0.0)
-    assert np.abs(force[~contact.in_contact]).max() < 1e-12
-    assert force[contact.in_contact].min() >= -1e-12
-    assert force.sum() == pytest.approx(50.0, rel=1e-10)
-    np.testing.assert_allclose(stretch, rough_guess, atol=1e-2)
-
-
-@pytest.mark.parametrize("k0", [1.0, 0.0])
-@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+@pytest.mark.parametrize(("edges", "k0"), [("periodic", 1.0), ("reflecting", 1.0), ("periodic", 0.0)])
 def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
     operations = {name for name in vars(Processor) if not name.startswith("_")}
     assert len(operations) <= 15  # what another backend has to write

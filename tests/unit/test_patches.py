@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from itertools import pairwise, product
 from typing import Any, cast
 
@@ -15,7 +14,7 @@ from asperity.analysis import contact_ages, link_patches, patch_table, patch_tra
 from asperity.lattice import Lattice, Mask
 from asperity.patches import QUANTILES, clustering, clustering_box, map_series, quantiles, shapes_of
 from asperity.results.quantities import select
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0)
 MASK = np.zeros((8, 8), dtype=bool)
@@ -145,9 +144,7 @@ def test_perimeters_are_counted_side_by_side(shape: tuple[int, ...]) -> None:
 
 
 @pytest.mark.parametrize("by", [(0, 0), (8, 0), (-5, -9)])
-def test_a_patch_has_the_center_and_axes_of_its_moments_wherever_the_seam_cuts_it(
-    by: tuple[int, int],
-) -> None:
+def test_a_patch_has_the_center_and_axes_of_its_moments_wherever_the_seam_cuts_it(by):
     spacing = np.array([1.0, 2.0])
     for seed in range(10):
         blob = np.pad(scattered((8, 8), 0.6, seed), 4)
@@ -406,12 +403,10 @@ def test_ages_of_all_sites_are_those_of_the_series(history: asp.results.History)
 def test_what_has_no_fields_is_refused(history: asp.results.History) -> None:
     without = asp.age(history.final, [1.0]).dataset
     for function in (patch_tracks, contact_ages):
-        for dataset in (without, history):
-            with refuses("dataset"):
-                function(dataset)  # type: ignore[arg-type]
-    for image in (history.dataset, without, history.final.in_contact):
-        with refuses("image"):
-            patch_table(image)  # type: ignore[arg-type]
+        each_refuses(*(("dataset", function, dataset) for dataset in (without, history)))
+    each_refuses(
+        *(("image", patch_table, image) for image in (history.dataset, without, history.final.in_contact))
+    )
     with refuses("connectivity"):
         patch_table(history.final, connectivity=3)
 
@@ -432,9 +427,8 @@ def test_while_the_surface_slides_ages_are_those_of_the_body() -> None:
     assert followed["mean_contact_age"][at] > 0.9
 
 
-@pytest.mark.parametrize(
-    ("name", "call"),
-    [
+def test_bad_input_is_named() -> None:
+    each_refuses(
         ("in_contact", lambda: patches(MASK.astype(np.int64))),
         ("in_contact", lambda: patches(np.zeros((2, 2, 2), dtype=bool))),
         ("in_contact", lambda: clustering(np.zeros(0, dtype=bool))),
@@ -446,8 +440,4 @@ def test_while_the_surface_slides_ages_are_those_of_the_body() -> None:
         ("before", lambda: turnover(MASK.astype(float), MASK)),
         ("after", lambda: link_patches(MASK, MASK[0])),
         ("edges", lambda: link_patches(MASK, MASK, edges=cast(Any, "open"))),
-    ],
-)
-def test_bad_input_is_named(name: str, call: Callable[[], object]) -> None:
-    with refuses(name):
-        call()
+    )

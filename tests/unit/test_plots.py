@@ -1,25 +1,33 @@
-"""Plots of one thing, and the figure of a history: what is drawn are its numbers, and words are true."""
+"""Plots of one thing, figures and animations of a history: what is drawn are its numbers, words are true."""
 
 from __future__ import annotations
+
+import re
+from functools import partial
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.animation import FFMpegWriter
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 from numpy.typing import ArrayLike
+from PIL import Image
 
 from asperity import Contact, History, age, press, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
-from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, style
+from asperity.errors import OutputError
+from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure, style
 from asperity.figures.contacts import COLORS
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Step, legs_of
+from asperity.friction import add_friction
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step, legs_of
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 from tests.surfaces import uncorrelated
 
 SOLID = spring_lattice(k0=1.0, k1=3.0)
@@ -168,10 +176,7 @@ def test_surfaces_and_spectra_are_drawn() -> None:
     np.testing.assert_array_equal(line.get_ydata(), gaussian((24,)))
     spectrum = power_spectrum(surface)
     np.testing.assert_array_equal(spectrum.plot(axes()).lines[0].get_ydata(), spectrum.power)
-    with refuses("surface"):
-        plot_surface(gaussian((8, 8)), axes())  # type: ignore[arg-type]
-    with refuses("spectrum"):
-        plot_spectrum(surface, axes())  # type: ignore[arg-type]
+    each_refuses(("surface", plot_surface, gaussian((8, 8))), ("spectrum", plot_spectrum, surface))
 
 
 CONTACT = press(uncorrelated(16), SOLID, load=10.0)
@@ -278,6 +283,15 @@ def test_many_legs_and_cycles_share_a_linear_axis():
         assert figure.axes[-1].get_xlabel().startswith("time $t$")
 
 
+def test_the_shade_of_a_slide_is_explained_and_friction_that_does_not_change_is_flat() -> None:
+    still = press(uncorrelated(16), spring_lattice(k0=1.0, k1=3.0, R=0.0), load=80.0)
+    series = age(still, [2.0], protocol=[Slide(distance=2.0, velocity=1.0)]).dataset
+    ax = sliding_figure(add_friction(series, 0.5)).axes[0]
+    assert any("shade" in text for text in ax.get_legend_handles_labels()[1])
+    assert ax.get_ylim()[0] == 0.0
+    assert ax.get_ylim()[1] > series["area"].values.max() * 0.5 / 80.0
+
+
 def test_a_fall_after_a_jump_is_pointed_at():
     times = np.concatenate([DECADES, 1 + 10 * DECADES])
     data = age(CONTACT, times, protocol=[Hold(1.0), Step(load=4.0), Hold(10.0)]).dataset
@@ -301,3 +315,70 @@ def test_a_plot_of_a_protocol_has_a_column_for_each_leg():
     np.testing.assert_array_equal(np.sort(points[1]), np.sort(data["area"]))
     assert any("load 10" in text.get_text() and "4" in text.get_text() for text in ax.texts)
     assert "each leg" in ax.get_xlabel()
+
+
+def test_each_frame_is_a_map_and_its_time(aged):
+    film: Any = aged.animate()
+    black = to_rgb("black")
+    left_end = film._fig.axes[1].get_xlim()[0]
+    for number, time in enumerate((left_end, 1.0, 100.0)):
+        film._func(number)
+        left, right = film._fig.axes
+        drawn = left.images[0].get_array()
+        assert right.lines[-1].get_xdata()[0] == pytest.approx(time)
+        touching = aged["in_contact"].values[number]
+        kept = touching & aged["in_contact"].values[0]
+        np.testing.assert_array_equal((drawn == black).all(axis=-1), kept)
+        np.testing.assert_array_equal((drawn != 1).any(axis=-1), touching | aged["in_contact"].values[0])
+    player = film._repr_html_()
+    assert "<img" in player
+    assert "▶" in player
+    assert not re.search(r"https?://|fa-", player)  # it needs no network
+
+
+def test_a_gif_has_a_frame_for_each_map(aged, tmp_path):
+    path = tmp_path / "aging.gif"
+    aged.animate(path, frames_per_second=5, quantity="separation")
+    with Image.open(path) as image:
+        assert image.n_frames == 3  # type: ignore[attr-defined]
+        assert image.info["duration"] == 200
+    assert not plt.get_fignums()
+    with pytest.raises(OutputError, match="kept"):
+        aged.animate(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["aging.gif"]
+
+
+def test_profiles_and_protocols_are_animated():
+    contact = press(gaussian((64,)), SOLID, load=6.0)
+    legs = [Hold(10.0), Step(load=3.0), Hold(10.0)]
+    history = age(contact, [0.1, 11.0], protocol=legs, fields_at=[0.0, 10.0, 20.0], rtol=1e-2)
+    film: Any = history.animate()
+    film._draw_was_started = True
+    left, right = film._fig.axes
+    places = []
+    for number, touching in enumerate(history["in_contact"].values):
+        film._func(number)
+        marks = [line.get_xdata() for line in left.lines if line.get_marker() == "s"]
+        np.testing.assert_array_equal(np.sort(np.concatenate(marks)), np.flatnonzero(touching))
+        places.append(float(right.lines[-1].get_xdata()[0]))
+    assert history["field_leg"].values.tolist() == [0, 0, 1, 2]  # before and after the step
+    assert places == sorted(set(places))
+
+
+def test_what_cannot_be_animated_is_refused(aged, tmp_path, monkeypatch: pytest.MonkeyPatch):
+    each_refuses(
+        ("dataset", age(aged.final, [1.0]).animate),
+        ("path", aged.animate, "aging.avi"),
+        ("quantity", partial(aged.animate, quantity="friction")),
+        ("frames_per_second", partial(aged.animate, frames_per_second=0)),
+    )
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
+    with refuses("path"):
+        aged.animate("aging.mp4")
+    assert not plt.get_fignums()
+
+
+@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg is installed")
+def test_an_mp4_is_written(aged, tmp_path):
+    aged.animate(tmp_path / "aging.mp4")
+    assert (tmp_path / "aging.mp4").read_bytes()[4:8] == b"ftyp"

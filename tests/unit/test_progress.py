@@ -50,9 +50,7 @@ def test_on_a_terminal_there_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "of 100, area" in said
 
 
-def test_in_a_notebook_there_is_a_bar_below_the_cell(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_in_a_notebook_there_is_a_bar_below_the_cell(monkeypatch, capsys):
     pages: list[str] = []
     cell = SimpleNamespace(update=pages.append)
     display: Any = SimpleNamespace(HTML=str, display=lambda *_, **__: cell)

@@ -9,7 +9,7 @@ import pytest
 import asperity as asp
 from asperity.analysis.legs import leg_table, protocol_of
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step, described, in_words, leg_of, legs_of
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 from tests.surfaces import uncorrelated
 
 SOLID = asp.solids.spring_lattice(k0=1.0, k1=3.0)
@@ -21,52 +21,49 @@ MIRRORED = asp.press(asp.surfaces.Surface(uncorrelated(16), edges="reflecting"),
 NAN = float("nan")
 
 
-@pytest.mark.parametrize(
-    ("make", "name"),
-    [
-        (lambda: Hold(-1.0), "duration"),
-        (lambda: Hold(1.0, mobility=0.0), "mobility"),
-        (lambda: Hold(1.0, hold="height"), "hold"),  # type: ignore[arg-type]
-        (lambda: Ramp(1.0), "load, pressure, separation and approach"),
-        (lambda: Ramp(1.0, load=1.0, separation=1.0), "load, pressure, separation and approach"),
-        (lambda: Ramp(1.0, separation=NAN), "separation"),
-        (lambda: Step(), "load, pressure, separation and approach"),
-        (lambda: Repeat([], 2), "protocol"),
-        (lambda: Repeat([Hold(1.0), "hold"], 2), "protocol"),  # type: ignore[list-item]
-        (lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000), "protocol"),
-        (lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101), "protocol"),
-        (lambda: Slide(0.0, velocity=1.0), "distance"),
-        (lambda: Slide(3.0, velocity=1.0, direction="z"), "direction"),
-        (lambda: Slide(3.0, velocity=1.0, direction=(0, 0)), "direction"),
-        (lambda: Slide(3.0, velocity=1.0, direction=(0.5, 1)), "direction"),  # type: ignore[arg-type]
-        (lambda: asp.age(CONTACT, [1.0, 3.0], protocol=[Hold(2.0)]), "times"),
-        (lambda: asp.age(CONTACT, [1.0], protocol=[]), "protocol"),
-        (lambda: asp.age(CONTACT, [1.0], protocol="hold"), "protocol"),  # type: ignore[arg-type]
-        (lambda: asp.age(CONTACT, [1.0], protocol=[Hold(1.0)], hold="load"), "hold"),
-        (lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0), Step(separation=0.0)]), "separation"),
-        (lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0, hold="separation")]), "separation"),
-        (lambda: asp.age(HALF_SPACE, [1.0], hold="separation"), "separation"),
-        (lambda: asp.press(uncorrelated(16), HALF_SPACE.solid, separation=1.0), "separation"),
-        (lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")]), "hold"),
-        (lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)]), "hold"),
-        (lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)]), "distance"),
-        (lambda: asp.age(CONTACT, [1.0], protocol=[Slide(3.0, velocity=0.1, direction=(1,))]), "direction"),
-        (lambda: asp.age(CONTACT, [1.0], protocol=[Slide("3 um", velocity=0.1)]), "units"),  # type: ignore[arg-type]
-        (lambda: asp.age(LINE, [1.0], protocol=[Slide(3.0, velocity=0.1, direction="y")]), "direction"),
-        (lambda: asp.age(MIRRORED, [1.0], protocol=[Slide(3.0, velocity=0.1)]), "slide"),
-        (lambda: asp.age(CONTACT, [1.0], hold="area"), "hold"),  # few sites: no area to keep
-        (lambda: asp.slide(CONTACT, [1.0, 2.0, 3.0]), "shift"),
-        (lambda: asp.slide(CONTACT), "shift and distance"),
-        (lambda: asp.slide(CONTACT, distance="3 um"), "units"),
-        (lambda: asp.slide(MIRRORED, 1), "slide"),
-        (lambda: asp.slide(CONTACT.heights, 1), "contact"),  # type: ignore[arg-type]
-        (lambda: asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0), "heights"),
-    ],
-)
-def test_what_cannot_be(make, name):
-    with refuses(name) as caught:
-        make()
-    assert "\n" not in str(caught.value)
+def test_what_cannot_be():
+    each_refuses(
+        ("duration", lambda: Hold(-1.0)),
+        ("mobility", lambda: Hold(1.0, mobility=0.0)),
+        ("hold", lambda: Hold(1.0, hold="height")),  # type: ignore[arg-type]
+        ("load, pressure, separation and approach", lambda: Ramp(1.0)),
+        ("load, pressure, separation and approach", lambda: Ramp(1.0, load=1.0, separation=1.0)),
+        ("separation", lambda: Ramp(1.0, separation=NAN)),
+        ("load, pressure, separation and approach", lambda: Step()),
+        ("protocol", lambda: Repeat([], 2)),
+        ("protocol", lambda: Repeat([Hold(1.0), "hold"], 2)),  # type: ignore[list-item]
+        ("protocol", lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000)),
+        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101)),
+        ("distance", lambda: Slide(0.0, velocity=1.0)),
+        ("direction", lambda: Slide(3.0, velocity=1.0, direction="z")),
+        ("direction", lambda: Slide(3.0, velocity=1.0, direction=(0, 0))),
+        ("direction", lambda: Slide(3.0, velocity=1.0, direction=(0.5, 1))),  # type: ignore[arg-type]
+        ("times", lambda: asp.age(CONTACT, [1.0, 3.0], protocol=[Hold(2.0)])),
+        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol=[])),
+        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol="hold")),  # type: ignore[arg-type]
+        ("hold", lambda: asp.age(CONTACT, [1.0], protocol=[Hold(1.0)], hold="load")),
+        ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0), Step(separation=0.0)])),
+        ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0, hold="separation")])),
+        ("separation", lambda: asp.age(HALF_SPACE, [1.0], hold="separation")),
+        ("separation", lambda: asp.press(uncorrelated(16), HALF_SPACE.solid, separation=1.0)),
+        ("hold", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
+        ("hold", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
+        ("distance", lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)])),
+        (
+            "direction",
+            lambda: asp.age(CONTACT, [1.0], protocol=[Slide(3.0, velocity=0.1, direction=(1,))]),
+        ),
+        ("units", lambda: asp.age(CONTACT, [1.0], protocol=[Slide("3 um", velocity=0.1)])),  # type: ignore[arg-type]
+        ("direction", lambda: asp.age(LINE, [1.0], protocol=[Slide(3.0, velocity=0.1, direction="y")])),
+        ("slide", lambda: asp.age(MIRRORED, [1.0], protocol=[Slide(3.0, velocity=0.1)])),
+        ("hold", lambda: asp.age(CONTACT, [1.0], hold="area")),  # few sites: no area to keep
+        ("shift", lambda: asp.slide(CONTACT, [1.0, 2.0, 3.0])),
+        ("shift and distance", lambda: asp.slide(CONTACT)),
+        ("units", lambda: asp.slide(CONTACT, distance="3 um")),
+        ("slide", lambda: asp.slide(MIRRORED, 1)),
+        ("contact", lambda: asp.slide(CONTACT.heights, 1)),  # type: ignore[arg-type]
+        ("heights", lambda: asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0)),
+    )
 
 
 def test_a_distance_is_in_the_unit_of_the_spacing():

@@ -39,6 +39,7 @@ TIME = (2.0 ** np.arange(9)).tolist()
 AREA = (np.round(8 * (10 + 3 * np.log1p(TIME))) / 8 + 0.0).tolist()
 ERROR = [0.25] * 9
 CURVE = {"time": TIME, "area": AREA, "stderr": ERROR}
+MEASURED = {"time": TIME, "value": AREA, "stderr": ERROR, "first": 1.0, "last": 64.0}
 SATURATION, LOGARITHM = asp.fits.saturation(TIME, AREA), asp.fits.logarithm(TIME, AREA)
 CREEP = {"x1": 3.0, "x2": [0.5, 2.0], "viscous": 0.5, "dimension": 2}
 FORCES = {"x1": 3.0, "x2": [0.0, 1.0, 2.0], "viscous": 0.5, "dimension": 1}
@@ -56,9 +57,11 @@ SLID = {
     "velocity": [1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
 }
 SHEARED = [1.0, 1.0, 1.0, 1.5, 1.75, 1.25, 1.0, 0.75, 0.75]
-RECORD = asp.friction.Record(
-    np.array(SLID["time"]), np.array(SLID["velocity"]), np.array(SHEARED), strength_at_rest=True
-)
+RECORD = asp.friction.Record(*map(np.array, [*SLID.values(), SHEARED]), strength_at_rest=True)
+WAVES = {"shape": (8, 12), "hurst": 0.5, "seed": 3}
+ONE_BALL = {"shape": (4, 6), "pixel_size": [0.5, 2.0]}
+BALLS = ONE_BALL | {"places": [[0.5, 2.0], [1.0, 8.0]], "radii": [4.0, 2.0], "heights": [0.0, 0.5]}
+BAND = {"shape": (8, 12), "spectrum": ([0.1, 9.0], [2.0, 1.0]), "pixel_size": [0.5, 2.0], "seed": 3}
 
 
 def call(function: Callable[..., Any], /, **arguments: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
@@ -114,9 +117,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.relaxation.Relaxation, time=TIME, modulus=RELAXED, noise=0.5),
     call(asp.relaxation.Creep, time=TIME, compliance=STIFFENING, noise=0.5),
     call(asp.relaxation.Dynamic, frequency=TIME, storage=STIFFENING, loss=ERROR, noise=0.5),
-    call(
-        asp.relaxation.fit, data=asp.relaxation.Relaxation(np.array(TIME), np.array(RELAXED)), per_decade=2.0
-    ),
+    call(asp.relaxation.fit, data=asp.relaxation.Relaxation(*np.array([TIME, RELAXED])), per_decade=2.0),
     call(asp.relaxation.from_retardation, compliance=0.5, delayed=MAXWELL, fluidity=2.0),
     call(asp.relaxation.power_law, modulus=2.0, **FADING),
     call(asp.relaxation.fractional_zener, instantaneous=2.0, relaxed=0.5, **FADING),
@@ -129,39 +130,16 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.surfaces.gaussian, shape=(4, 6), rms=2.0, seed=3),
     call(asp.surfaces.exponential, shape=(4, 6), rms=2.0, seed=3),
     call(asp.surfaces.self_affine, size=4, hurst=0.5, delta=0.25, seed=3),
-    *(
-        call(asp.surfaces.spectral, shape=(8, 12), hurst=0.5, seed=3, **options)
-        for options in (
-            {"roll_off": 8.0, "cutoff": 4.0, "spacing": [0.5, 2.0]},
-            {"spacing": 0.5, "rms_height": 2.0},
-            {"rms_slope": 2.0},
-            {"rms_curvature": 2.0},
-        )
-    ),
-    *(
-        call(make, shape=(4, 6), radius=radius, pixel_size=[0.5, 2.0])
-        for make, radius in (
-            (asp.surfaces.sphere, 8.0),
-            (asp.surfaces.paraboloid, [8.0, 4.0]),
-            (asp.surfaces.punch, 2.0),
-        )
-    ),
-    call(
-        asp.surfaces.array,
-        shape=(4, 6),
-        places=[[0.5, 2.0], [1.0, 8.0]],
-        radii=[4.0, 2.0],
-        heights=[0.0, 0.5],
-        pixel_size=[0.5, 2.0],
-    ),
+    call(asp.surfaces.spectral, **WAVES, roll_off=8.0, cutoff=4.0, spacing=[0.5, 2.0]),
+    call(asp.surfaces.spectral, **WAVES, spacing=0.5, rms_height=2.0),
+    call(asp.surfaces.spectral, **WAVES, rms_slope=2.0),
+    call(asp.surfaces.spectral, **WAVES, rms_curvature=2.0),
+    call(asp.surfaces.sphere, **ONE_BALL, radius=8.0),
+    call(asp.surfaces.paraboloid, **ONE_BALL, radius=[8.0, 4.0]),
+    call(asp.surfaces.punch, **ONE_BALL, radius=2.0),
+    call(asp.surfaces.array, **BALLS),
     call(asp.surfaces.Surface, heights=ROUGH, unit="nm", pixel_size=[0.5, 2.0]),
-    call(
-        asp.surfaces.from_spectrum,
-        shape=(8, 12),
-        spectrum=([0.1, 9.0], [2.0, 1.0]),
-        pixel_size=[0.5, 2.0],
-        seed=3,
-    ),
+    call(asp.surfaces.from_spectrum, **BAND),
     call(asp.surfaces.read_spectrum, path="psd.csv", dimension=2),
     call(asp.surfaces.power_spectrum, surface=ROUGH, pixel_size=[0.5, 2.0]),
     call(asp.surfaces.power_spectrum, surface=ROUGH, longest=8.0, shortest=2.0),
@@ -177,11 +155,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.fits.power_law, x=TIME, y=AREA, stderr=ERROR),
     call(asp.fits.local_exponent, x=TIME, y=AREA),
     call(asp.fits.ensemble, fit=asp.fits.power_law, time=TIME, areas=[AREA, [2 * area for area in AREA]]),
-    call(
-        asp.fits.measured_growth,
-        **{"time": TIME, "value": AREA, "stderr": ERROR, "first": 1.0, "last": 64.0},
-        laws=("logarithm",),
-    ),
+    call(asp.fits.measured_growth, **MEASURED, laws=("logarithm",)),
     call(SATURATION.predict, time=[0.0, 2.0]),
     call(LOGARITHM.area_ratio, time=[0.0, 2.0]),
     call(asp.fits.power_law(TIME, AREA).predict, x=[1.0, 2.0]),
@@ -240,9 +214,7 @@ WITHOUT_NUMBERS = {
     "analysis": "aging_summary contact_ages contact_maps distributions leg_table turnover with_limit",
     "asperity": "infer predict",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
-    "figures": " ".join(
-        name for name in asp.figures.__all__ if inspect.isfunction(getattr(asp.figures, name))
-    ),
+    "figures": " ".join(name for name, one in vars(asp.figures).items() if inspect.isfunction(one)),
     "fits": "jackknife read_measurements",
     "inference": "infer",
     "friction": "add_friction hold_peaks read_record record_of save_parameters",
@@ -321,10 +293,8 @@ NO_SHAPES = [
 
 SLOW = (asp.friction.rate_and_state, asp.friction.compare_state_laws)  # a fit of a record for each type
 CASES = [
-    pytest.param(
-        function, arguments, id=function.__qualname__, marks=pytest.mark.slow if function in SLOW else ()
-    )
-    for function, arguments in CALLS
+    pytest.param(one, given, id=one.__qualname__, marks=[pytest.mark.slow] * (one in SLOW))
+    for one, given in CALLS
 ]
 TAKES_OTHERS = {"figures.html_of", "figures.plot_contact", "analysis.observe", "analysis.patch_table"}
 THINGS = [
@@ -431,19 +401,12 @@ def refused(function: Callable[..., Any], arguments: Mapping[str, Any]) -> str:
 def test_every_public_function_is_here():
     called = {function for function, _ in CALLS}
     without = {(room, name) for room, names in WITHOUT_NUMBERS.items() for name in names.split()}
-    others = {
-        (room, name)
-        for room, name, thing in public()
-        if isinstance(thing, FunctionType) and thing not in called
-    }
-    assert others == without
+    functions = {(room, name): thing for room, name, thing in public() if isinstance(thing, FunctionType)}
+    assert {place for place, function in functions.items() if function not in called} == without
 
 
 @pytest.mark.parametrize(("function", "arguments"), CASES)
-def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(
-    function, arguments, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
+def test_numbers_of_every_type_give_the_same_and_what_is_none_is_refused(function, arguments, here):
     np.save("heights.npy", ROUGH)
     Path("psd.csv").write_text("q,C\n1,2\n3,1\n")
     expected = parts(function(**arguments))

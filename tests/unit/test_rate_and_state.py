@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.stats import binom
 
 import asperity as asp
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 from tests.surfaces import correlated
 
 F = asp.friction
@@ -259,13 +259,12 @@ def test_a_table_is_read_with_its_units(tmp_path):
     assert not bare.si
 
 
-def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_files_say_the_parameters_and_their_units(here):
     record = dataclasses.replace(F.synthetic_record(STEPS, AGING, noise=NOISE), normal_stress=5e6)
     found = F.compare_state_laws(record)
-    F.save_parameters(found, tmp_path / "f.toml")
-    F.save_parameters(found, tmp_path / "f.csv", law="slip")
-    written = tomllib.loads((tmp_path / "f.toml").read_text())
+    F.save_parameters(found, here / "f.toml")
+    F.save_parameters(found, here / "f.csv", law="slip")
+    written = tomllib.loads((here / "f.toml").read_text())
     aging = found.fits["aging"]
     expected = {name: getattr(aging, name) for name in ("law", "mu_0", "a", "b", "D_c", "a_minus_b", "V_0")}
     assert written["parameters"] == expected | {"normal_stress": 5e6}
@@ -273,10 +272,10 @@ def test_files_say_the_parameters_and_their_units(tmp_path, monkeypatch):
     assert written["intervals_95"]["D_c"] == list(aging.interval("D_c"))
     assert written["origin"]["asperity_version"] == asp.__version__
     own = F.compare_state_laws(dataclasses.replace(record, si=False))
-    F.save_parameters(own, tmp_path / "own.toml")
-    bare = tomllib.loads((tmp_path / "own.toml").read_text())["units"]
+    F.save_parameters(own, here / "own.toml")
+    bare = tomllib.loads((here / "own.toml").read_text())["units"]
     assert (bare["D_c"], bare["a"], bare["normal_stress"]) == ("length of the record", "1", "Pa")
-    first, second = csv.DictReader((tmp_path / "f.csv").read_text().splitlines())
+    first, second = csv.DictReader((here / "f.csv").read_text().splitlines())
     assert [first["law"], second["law"]] == ["slip", "aging"]
     assert float(second["D_c_m"]) == aging.D_c
     with refuses("path"):
@@ -336,11 +335,8 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
-def test_bad_records_are_refused(case):
-    name, call = BAD[case]
-    with refuses(name):
-        call()
+def test_bad_records_are_refused():
+    each_refuses(*BAD.values())
 
 
 @pytest.mark.parametrize(

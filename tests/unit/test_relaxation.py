@@ -22,7 +22,7 @@ from asperity.relaxation import (
 )
 from asperity.relaxation.laws import mittag_leffler
 from tests.continua import talbot
-from tests.refusals import refuses
+from tests.refusals import each_refuses
 
 
 def series(count, permanent, decades=8.0):
@@ -252,6 +252,4 @@ def test_wrong_numbers_are_refused_in_one_line():
         ("last", lambda: zener(relaxed=0.0, exponent=1, last=1e4)),
         ("exponent", lambda: zener(relaxed=0.0, exponent=1.5, last=10.0)),
     ]
-    for name, call in calls:
-        with refuses(name):
-            call()
+    each_refuses(*calls)

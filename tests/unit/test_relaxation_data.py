@@ -4,6 +4,7 @@ import math
 import re
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import pytest
 from asperity.errors import Remark
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 TABLE = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
 SOLID = PronySeries(3e9, ((0.1, 1e-3), (0.2, 0.04), (0.15, 1.0), (0.25, 70.0), (0.1, 2e3)))
@@ -187,16 +188,13 @@ def test_what_is_no_relaxation_or_no_fit_is_refused():
         ("extrapolate", lambda: fit(flat, extrapolate="flat")),  # type: ignore[arg-type]
         ("times", lambda: fit(flat, per_decade=1, over=(0.01, 5e3), extrapolate="plateau")),
     ]
-    for name, call in calls:
-        with refuses(name):
-            call()
+    each_refuses(*calls)
     assert Relaxation(T, changed(G, 3, 3.3), noise=0.11).noise == 0.11
 
 
 @pytest.fixture
-def write(tmp_path, monkeypatch):
+def write(here):
     """Write a table of a header and columns."""
-    monkeypatch.chdir(tmp_path)
 
     def table(header, *columns):
         np.savetxt("table.csv", np.transpose(columns), fmt="%.9g", delimiter=", ", header=header, comments="")
@@ -257,9 +255,7 @@ def test_tables_that_are_several_or_none(write):
         ("columns", {"columns": [0, 0], "kind": "relaxation"}),
         ("kind", {"kind": "dma"}),
     ]
-    for name, options in calls:
-        with refuses(name):
-            read(file, **options)
+    each_refuses(*((name, partial(read, file, **options)) for name, options in calls))
     for header, columns, name in (
         ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time"),
         ("time_s,E_MPa", [T, changed(G, 2, math.nan)], "table.csv"),

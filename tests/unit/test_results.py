@@ -1,6 +1,5 @@
 """Histories and contacts: their Datasets, what the table of quantities says of them, and the way to disk."""
 
-import csv
 import json
 import math
 import re
@@ -12,14 +11,13 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity.app.cli import main
 from asperity.app.explore.folders import open_entry
 from asperity.errors import ConvergenceError, InputError, OutputError
 from asperity.results.quantities import QUANTITIES, select
 from asperity.results.store import whole_folder
 from tests.campaign.conftest import do_here, written
 from tests.independent import prove
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 from tests.surfaces import uncorrelated
 
 SPRINGS = asp.solids.spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)
@@ -30,13 +28,7 @@ SCAN = asp.surfaces.Surface(ROUGH * 1e-6, "m", (1e-6, 2e-6), "m", edges="reflect
 ELASTIC = asp.solids.half_space(modulus=1e9)
 EYRING = asp.solids.half_space(modulus=1e9, creep=asp.solids.Eyring(rate=1e-9, stress=1e7))
 LAYER = asp.solids.layer(modulus=1e9, poisson=0.3, thickness=1e-5)
-
-
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    """Refusals have paths in them, which are short here."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_the_series_and_fields_are_those_of_the_contacts():
@@ -121,9 +113,7 @@ def test_a_history_gives_its_series_by_name():
     for name in ("time", "area", "load", "separation"):
         assert getattr(HISTORY, name).identical(HISTORY[name])
     assert HISTORY["u"].identical(HISTORY.dataset["u"])
-    for wrong in ("seperation", "dims", 3):
-        with refuses("name"):
-            HISTORY[wrong]  # type: ignore[index]
+    each_refuses(*(("name", HISTORY.__getitem__, wrong) for wrong in ("seperation", "dims", 3)))
 
 
 def test_what_was_saved_is_read_again_and_kept_unless_told_otherwise(here):
@@ -146,9 +136,7 @@ def test_what_cannot_be_written_is_left_alone(here):
             HISTORY.save("precious", overwrite=overwrite)
     with pytest.raises(OutputError, match="could not write"):
         HISTORY.save("precious/thesis.tex/run.zarr")
-    for name in ("history.nc", "history.H5"):
-        with refuses("path"):
-            HISTORY.save(name)
+    each_refuses(*(("path", HISTORY.save, name) for name in ("history.nc", "history.H5")))
 
     def write_half(*, overwrite):
         with whole_folder(Path("precious" if overwrite else "run"), overwrite=overwrite) as folder:
@@ -167,9 +155,7 @@ def test_what_is_no_result_is_refused(here):
     for name in ("empty", "other"):
         (here / name).mkdir()
     (here / "other" / "notes.txt").write_text("hello")
-    for name in ("missing", "empty", "other"):
-        with refuses("path"):
-            asp.results.load(name)
+    each_refuses(*(("path", asp.results.load, name) for name in ("missing", "empty", "other")))
 
 
 @pytest.mark.parametrize(
@@ -211,22 +197,18 @@ def test_the_rms_gap_is_that_of_the_heights_at_first_touch_and_nothing_in_full_c
         assert some.rms_gap == pytest.approx(expected, rel=1e-12)
 
 
-def test_the_rms_gap_is_in_the_tables_of_runs_campaigns_and_the_page(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    words = "run --surface gaussian --shape 8 8 --load 6 --times 1 10 --maps-at 0 1 10 --quiet"
-    assert main([*words.split(), "--figures", "", "--out", str(out)]) == 0
-    data = asp.results.load(out)
-    known = ((data["u"] - data["heights"]) ** 2).mean(["y", "x"]).values ** 0.5
+def test_the_rms_gap_is_in_the_tables_of_campaigns_and_on_the_page(tmp_path: Path) -> None:
+    contact = asp.press(asp.surfaces.gaussian((8, 8)), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=6.0)
+    history = asp.age(contact, [1.0, 10.0], fields_at=[0.0, 1.0, 10.0])
+    known = ((history["u"] - history["heights"]) ** 2).mean(["y", "x"]).values ** 0.5
     said = {"long_name": "root mean square of the gap over all sites", "units": "height unit"}
-    assert data["rms_gap"].attrs == said
-    with (out / "aging.csv").open(newline="") as stream:
-        assert [float(row["rms_gap"]) for row in csv.DictReader(stream)] == pytest.approx(known, rel=1e-12)
-    recording: Any = open_entry(tmp_path, "out").recording
+    assert history["rms_gap"].attrs == said
+    history.save(tmp_path / "out.zarr")
+    recording: Any = open_entry(tmp_path, "out.zarr").recording
     scene = recording.scene
     assert (scene["labels"]["rms_gap"], scene["column_units"]["rms_gap"]) == ("rms gap", "height unit")
     at = scene["columns"].index("rms_gap")
-    assert [row[at] for row in recording.rows] == data["rms_gap"].values.tolist()
-
+    assert [row[at] for row in recording.rows] == pytest.approx(known, rel=1e-12)
     text = "[surface]\nshape = [8, 8]\n[aging]\ntimes = [1.0, 10.0]\n[sweep]\nload = [6.0]\nseeds = 2\n"
     do_here(asp.campaign.read_plan(written(tmp_path, text)), tmp_path / "camp")
     swept = asp.campaign.open(tmp_path / "camp")
@@ -346,9 +328,8 @@ def test_maps_have_names_units_and_coordinates():
 def test_another_solid_is_refused(tmp_path):
     contact = asp.press(ROUGH, SPRINGS, load=30.0)
     contact.save(tmp_path / "contact.zarr")
-    for other in (asp.solids.spring_lattice(k0=1.0, k1=2.0, R=1.0), asp.solids.half_space(modulus=1.0), None):
-        with refuses("solid"):
-            asp.results.load_contact(tmp_path / "contact.zarr", other)  # type: ignore[arg-type]
+    others = asp.solids.spring_lattice(k0=1.0, k1=2.0, R=1.0), asp.solids.half_space(modulus=1.0), None
+    each_refuses(*(("solid", asp.results.load_contact, tmp_path / "contact.zarr", one) for one in others))
     mine, other = (asp.solids.Solid(asp.solids.LaplacianSpectrum(k0, 1.0)) for k0 in (0.0, 1.0))
     asp.press(ROUGH, mine, load=30.0).save(tmp_path / "own.zarr")
     with pytest.raises(ConvergenceError, match="residual"):  # without numbers the equilibrium tells
@@ -357,10 +338,10 @@ def test_another_solid_is_refused(tmp_path):
 
 def test_a_saved_history_is_no_contact():
     asp.age(asp.press(ROUGH, SPRINGS, load=30.0), [1.0]).save("history.zarr")
-    with refuses("path"):
-        asp.results.load_contact("history.zarr", SPRINGS)
-    with refuses("contact"):
-        asp.age(asp.results.load("history.zarr"), [1.0])  # type: ignore[arg-type]
+    each_refuses(
+        ("path", asp.results.load_contact, "history.zarr", SPRINGS),
+        ("contact", asp.age, asp.results.load("history.zarr"), [1.0]),
+    )
 
 
 def test_several_loads_give_the_contacts_of_each():

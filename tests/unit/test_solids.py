@@ -1,3 +1,6 @@
+"""Lattices with their transforms, and solids: what is refused."""
+
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -5,36 +8,8 @@ import pytest
 
 from asperity.lattice import Lattice
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, contact_modulus, half_space, spring_lattice
-from tests.refusals import refuses
-
-
-def test_spring_lattice_spectra():
-    lattice = Lattice((6, 5))
-    spectra = spring_lattice(k0=2.0, k1=3.0, R=0.5, R_viscous=0.1).on(lattice)
-    np.testing.assert_allclose(spectra.permanent, 2.0 * lattice.lam)
-    np.testing.assert_array_equal(spectra.creeping, np.full((1, 6, 3), 3.0))
-    np.testing.assert_allclose(spectra.rate[0], 3.0 * (0.5 * lattice.lam + 0.1))
-    np.testing.assert_array_equal(spectra.mean_mobility, [0.1])
-    numbers = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": 0.0}
-    assert spring_lattice(k0=np.float64(1), k1=3).parameters == numbers
-
-
-def test_half_space_spectra():
-    lattice = Lattice((6, 8))
-    q = np.hypot(*np.meshgrid(2 * np.pi * np.fft.fftfreq(6), 2 * np.pi * np.fft.rfftfreq(8), indexing="ij"))
-    spectra = half_space(modulus=3.0, branches=[(0.25, 4.0)]).on(lattice)
-    np.testing.assert_allclose(spectra.permanent, 0.75 * 3.0 * q / 2)
-    np.testing.assert_allclose(spectra.creeping, 0.25 * 3.0 * q[np.newaxis] / 2)
-    (rate,) = spectra.rate
-    assert rate[0, 0] == 0
-    np.testing.assert_allclose(rate.flat[1:], 0.25)  # every wave but the mean relaxes in the same time
-    elastic = half_space(modulus=1.0).on(Lattice((8,)))
-    assert elastic.creeping.shape == elastic.rate.shape == (0, 5)
-
-
-def test_contact_modulus_of_one_body_and_of_two():
-    assert contact_modulus(3.0, 0.5) == 4.0
-    assert 1 / contact_modulus([3.0, 210.0], [0.5, 0.3]) == pytest.approx(1 / 4 + 0.91 / 210)
+from tests.independent import laplacian
+from tests.refusals import each_refuses, refuses
 
 
 def test_what_is_no_solid_is_refused():
@@ -52,9 +27,7 @@ def test_what_is_no_solid_is_refused():
         ("poisson", contact_modulus, {"young": 1.0, "poisson": 0.6}),
         ("young and poisson", contact_modulus, {"young": [1.0, 2.0], "poisson": 0.3}),
     ]
-    for name, make, wrong in made:
-        with refuses(name):
-            make(**wrong)
+    each_refuses(*((name, partial(make, **wrong)) for name, make, wrong in made))
 
 
 def test_spectra_are_checked_on_the_lattice():
@@ -74,3 +47,22 @@ def test_spectra_are_checked_on_the_lattice():
     for name, solid in (*solids, ("stiffness", soft)):
         with refuses(name):
             solid.on(Lattice((16,)))
+
+
+@pytest.mark.parametrize("shape", [(1,), (2,), (5,), (5, 4), (4, 7), (1, 6)])
+def test_transforms_and_the_laplacian(shape):
+    field, lattice = np.random.default_rng(0).normal(size=shape), Lattice(shape)
+    np.testing.assert_allclose(lattice.apply(lattice.lam, field), -laplacian(field), atol=1e-13)
+    modes = lattice.forward(field)
+    assert modes.shape == lattice.spectral_shape
+    np.testing.assert_allclose(lattice.backward(modes), field, atol=1e-14)
+    assert modes.flat[0].real == pytest.approx(field.sum(), abs=1e-12)
+    # The mean over modes is the diagonal, and obeys Parseval.
+    spike = np.zeros(shape)
+    spike.flat[0] = 1.0
+    assert lattice.mean_over_modes(lattice.lam) == pytest.approx(-laplacian(spike).flat[0], abs=1e-13)
+    assert lattice.mean_over_modes(np.abs(modes) ** 2) == pytest.approx(np.sum(field**2))
+
+
+def test_other_shapes_are_refused():
+    each_refuses(*(("shape", Lattice, shape) for shape in ((), (0,), (3, 0), (2, 2, 2))))

@@ -1,14 +1,17 @@
-"""Steps in corrections on the lattice of springs, against steps of whole fields, and their parts."""
+"""Time steps: their length by errors alone, and those of springs in corrections, against whole fields."""
+
+import math
 
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.aging import creep
+from asperity.aging.controller import TUNING, Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
-from asperity.contact.interface import RIGID
 from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import _relaxed
@@ -80,17 +83,6 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
             assert getattr(extents[0], name) == pytest.approx(getattr(extents[1], name), rel=1e-4)
 
 
-@pytest.mark.parametrize("held", ["load", "separation"])
-def test_what_creep_conserves_does_not_drift(held):
-    heights = uncorrelated(32)
-    contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
-    final = asp.age(contact, np.geomspace(1e-2, 1e4, 13), hold=held).final
-    if held == "load":
-        assert final.load == pytest.approx(30.0, rel=1e-10)
-    else:
-        assert final.separation == pytest.approx(contact.separation, abs=1e-12)
-
-
 def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
     heights = uncorrelated(24)
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=3.0), load=30.0)
@@ -123,10 +115,101 @@ def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
     assert left == 0
 
 
-@pytest.mark.parametrize("where", [0, 1])
-def test_a_force_that_is_no_number_is_a_residual_without_bound(where):
-    force = np.ones((4, 4))
-    in_contact = np.zeros((4, 4), dtype=bool)
-    in_contact[0] = True
-    force[where, 0] = np.nan
-    assert RIGID.violation(force, in_contact) == np.inf
+@pytest.mark.parametrize(
+    ("control", "last"), [({"load": 2e4}, 1e6), ({"load": 2e4}, 1e28), ({"separation": -20.0}, 1e18)]
+)
+def test_springs_that_all_touch_end_up_alike(control, last):
+    contact = asp.press(correlated(24, seed=8), asp.solids.spring_lattice(k0=0.0, k1=1.5, R=1.0), **control)
+    assert contact.in_contact.all()
+    final = asp.age(contact, [1e-3 * last, last]).final
+    np.testing.assert_allclose(final.force, contact.force.mean(), rtol=1e-3)
+    assert final.load == pytest.approx(contact.load, rel=1e-3)  # creep on no base keeps the mean
+
+
+@pytest.mark.parametrize(
+    ("edges", "control", "mobilities"),
+    [
+        ("reflecting", {"load": 12.0}, (1.0, 0.0)),
+        ("periodic", {"load": 12.0}, (0.0, 1.0)),
+        ("periodic", {"separation": 1.2}, (1.0, 0.2)),
+    ],
+)
+def test_histories_are_those_of_the_fourier_solver(edges, control, mobilities):
+    rough = asp.surfaces.Surface(np.random.default_rng(2).normal(size=(16, 15)), edges=edges)
+    solid = asp.solids.spring_lattice(k0=0.0, k1=2.0, R=mobilities[0], R_viscous=mobilities[1])
+    contact, times = asp.press(rough, solid, **control), np.geomspace(1e-2, 1e3, 6)
+    found, other = (
+        list(creep(contact, times, rtol=2e-4, solver=solver)) for solver in (Multigrid(), asp.ActiveSet())
+    )
+    scale = 0.0
+    for one, two in zip(found, other, strict=True):
+        assert one.contact.residual < 1e-9
+        if two.contact.load > 1e-3 * contact.load:  # less dies out
+            assert np.count_nonzero(one.contact.in_contact ^ two.contact.in_contact) <= 2
+        scale = max(scale, float(two.contact.u.std()))
+        error = one.contact.anchors - two.contact.anchors
+        assert (error - error.mean()).std() < 2e-4 * scale
+        assert one.contact.load == pytest.approx(two.contact.load, abs=1e-3 * contact.load)
+
+
+def test_nine_decades_take_few_cycles():
+    heights = np.random.default_rng(6).normal(size=(64, 64))
+    contact = asp.press(heights, asp.solids.spring_lattice(k0=0.0, k1=3.0), load=0.06 * heights.size)
+    history = asp.age(contact, np.geomspace(1e-3, 1e6, 37)).dataset
+    assert history["area"].values[-1] == heights.size
+    steps = int((history["steps"] + history["rejected"]).sum())
+    assert steps < 175  # 148
+    assert int(history["iterations"].sum()) < 14 * steps  # 12
+
+
+def run(error_of, stop, length):
+    """Follow errors of steps to a time; all lengths that were taken."""
+    controller, time, taken = Controller(step_tolerance(2e-3), length), 0.0, []
+    while time < stop:
+        step = controller.step(time, stop)
+        assert not controller.is_stuck(time, step)
+        if controller.accepts(step, error_of(time, step)):
+            time = stop if step == stop - time else time + step
+            taken.append(step)
+    return taken
+
+
+def test_a_cubic_error_leads_to_the_length_that_is_allowed():
+    taken = run(lambda _, length: (length / 0.02) ** 3, 1.0, 1e-6)
+    assert max(taken) <= 0.02
+    assert taken[-5:-2] == pytest.approx([0.018] * 3, rel=0.06)
+
+
+def test_a_step_too_long_is_shortened_by_its_error_and_at_most_to_a_fifth():
+    controller = Controller(1e-3, 1.0)
+    assert not controller.accepts(1.0, 8.0)
+    assert controller.length == pytest.approx(0.45)
+    assert not controller.accepts(0.45, math.inf)
+    assert controller.length == pytest.approx(0.09)
+    assert controller.unsolved == 1
+    assert controller.accepts(0.09, 0.0)
+    assert controller.length == pytest.approx(0.36)
+
+
+def test_a_stop_is_met_by_two_even_steps_rather_than_by_a_long_and_a_short_one():
+    controller = Controller(1e-3, 0.7)
+    assert controller.step(0.0, 1.0) == 0.5
+    assert controller.step(0.5, 1.0) == 0.5
+    assert controller.step(0.0, 10.0) == 0.7
+    assert controller.step(0.0, 10.0, longest=0.1) == 0.1
+    # A short one to a stop shortens the next no more than it must.
+    assert controller.step(0.0, 0.1) == 0.1
+    assert controller.accepts(0.1, 0.0)
+    assert controller.length == pytest.approx(0.4)
+
+
+def test_it_tells_when_it_is_stuck_and_starts_over_where_it_was():
+    controller = Controller(1e-3, 0.5)
+    for _ in range(TUNING.most_unsolved + 1):
+        assert not controller.is_stuck(1.0, controller.length)
+        controller.accepts(controller.length, math.inf)
+    assert controller.is_stuck(1.0, controller.length)
+    controller.start_over(1.0)
+    assert controller.length == 0.5
+    assert not controller.is_stuck(1.0, 0.5)
+    assert controller.is_stuck(1.0, 1e-17)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,15 +13,11 @@ import xarray
 import asperity
 from asperity.errors import InputError
 from asperity.surfaces import Surface, check_heights, check_square, combined, gaussian, read, statistics
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 ROUGH = gaussian((24, 30), seed=4)
 SIZED = Surface(ROUGH, "nm", (0.5, 0.25), "um", {"file": "a.npy", "periodic_rule": "mirror"})
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_door_accepts_whatever_is_an_array_and_never_aliases_it():
@@ -56,9 +53,7 @@ def test_door_refuses_what_is_no_surface():
     ]
     if np.finfo(np.longdouble).max > np.finfo(float).max:
         wrong.append(np.array([np.longdouble("1e4000"), 0]))
-    for heights in wrong:
-        with refuses("heights"):
-            check_heights(heights)
+    each_refuses(*(("heights", check_heights, heights) for heights in wrong))
     with pytest.raises(InputError):  # in words of numpy's
         check_heights([[1, 2], [3]])
 
@@ -90,9 +85,7 @@ def test_slope_of_a_plane_and_curvature_of_a_paraboloid_are_exact():
     for small in (bowl[:2], bowl[:, :2], bowl[0, :2]):
         assert statistics(small).rms_curvature == 0
     wrong: list[Any] = [(1.0,), (1.0, 0.0)]
-    for size in wrong:
-        with refuses("pixel_size"):
-            statistics(plane, size)
+    each_refuses(*(("pixel_size", statistics, plane, size) for size in wrong))
 
 
 def test_flat_and_small_and_periodic_surfaces():
@@ -161,9 +154,7 @@ def test_a_part_by_pixels_and_by_lengths():
         (SIZED, [0, 0.01, 0, 5], "um"),
         (Surface(ROUGH), [0, 1, 0, 1], "um"),
     ]
-    for surface, bounds, unit in wrong:
-        with refuses("crop"):
-            surface.crop(bounds, unit)
+    each_refuses(*(("crop", surface.crop, bounds, unit) for surface, bounds, unit in wrong))
 
 
 @pytest.mark.parametrize("edges", ["periodic", "reflecting"])
@@ -180,9 +171,8 @@ def test_a_band_of_waves(edges):
     np.testing.assert_allclose(surface.band(longest=7.5).heights, 5 + across + short, atol=1e-12)
     assert surface.band(longest=15, shortest=3).provenance == {"longest": 15.0, "shortest": 3.0}
     np.testing.assert_array_equal(surface.band().heights, surface.heights)
-    for name, limits in (("longest", {"longest": 0}), ("shortest", {"shortest": 3.0, "longest": 2.0})):
-        with refuses(name):
-            surface.band(**limits)
+    wrong = (("longest", {"longest": 0}), ("shortest", {"shortest": 3.0, "longest": 2.0}))
+    each_refuses(*((name, partial(surface.band, **limits)) for name, limits in wrong))
 
 
 def test_a_band_of_a_reflecting_surface_is_that_of_its_mirror_images():
@@ -230,9 +220,7 @@ def test_two_rough_bodies_are_the_sum():
         (first, ROUGH),
         (relative, relative),
     ]
-    for one, other in wrong:
-        with refuses("second"):
-            combined(one, other)
+    each_refuses(*(("second", combined, one, other) for one, other in wrong))
 
 
 def test_a_surface_in_meters():
@@ -269,22 +257,16 @@ def test_pixel_sizes_with_a_unit():
 
 def test_a_surface_is_checked_when_it_is_made():
     wrong: list[Any] = ["1 kg", "1", "um", "-1 um", ("1 um", "x"), ("1 um",), (1.0,)]
-    for size in wrong:
-        with refuses("pixel_size"):
-            Surface(ROUGH, pixel_size=size)
-    with refuses("edges"):
-        Surface(ROUGH, edges="mirror")  # type: ignore[arg-type]
-    with refuses("heights"):
-        Surface(np.array([1.0, np.nan]))
+    each_refuses(*(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong))
+    mirrored = partial(Surface, edges="mirror")  # type: ignore[arg-type]
+    each_refuses(("edges", mirrored, ROUGH), ("heights", Surface, [1.0, np.nan]))
 
 
 def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
     np.save("a.npy", ROUGH)
     surface = read("a.npy", pixel_size=(1.0, 3.0))
-    solid = asperity.solids.spring_lattice(k0=1, k1=1)
-    for take in (check_square, lambda taken: asperity.press(taken, solid, load=1)):
-        with refuses("heights"):
-            take(surface)
+    pressed = partial(asperity.press, solid=asperity.solids.spring_lattice(k0=1, k1=1), load=1)
+    each_refuses(("heights", check_square, surface), ("heights", pressed, surface))
     # Pixels that are square, or nearly, or of unknown size, pass, and so does what has none.
     for size in ((2.0, 2.01), (2.0, 2.0), None):
         check_square(Surface(surface.heights, "nm", size, "nm"))

@@ -20,11 +20,7 @@ from tests.refusals import refuses
 
 AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap"}
 ROUGH = np.random.default_rng(4).normal(size=(12, 9)) + 3.0
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def saved(array, **options):

@@ -19,11 +19,7 @@ AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap"}
 needs_library = pytest.mark.skipif(
     importlib.util.find_spec("SurfaceTopography") is None, reason="SurfaceTopography is not installed"
 )
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def instrument_file(name):

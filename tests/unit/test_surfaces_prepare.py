@@ -7,15 +7,11 @@ import numpy as np
 import pytest
 
 from asperity.surfaces import Surface, levelling, prepare, read, spectral
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 EDGES = "the contact would be at the edges"
 U, V = np.meshgrid(np.linspace(-1, 1, 96), np.linspace(-1, 1, 80), indexing="ij")
-
-
-@pytest.fixture(autouse=True)
-def _folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def as_read(heights, **options):
@@ -132,11 +128,11 @@ def test_what_is_no_spike_stays():
     assert as_read(np.eye(9), tilt="none").remarks == ()
     # Pillars on a fifth of a plate: heights, whatever the median says.
     plate = 0.01 * rough(4) + 5.0 * (np.arange(80) % 5 == 0)
-    for attempt in (lambda: as_read(plate, despike=True), lambda: Surface(plate).level(despike=True)):
-        with refuses("despike"):
-            attempt()
-    with refuses("tilt"):
-        Surface(plate).level("parabola")  # type: ignore[arg-type]
+    each_refuses(
+        ("despike", lambda: as_read(plate, despike=True)),
+        ("despike", lambda: Surface(plate).level(despike=True)),
+        ("tilt", Surface(plate).level, "parabola"),
+    )
 
 
 @pytest.mark.parametrize("form", [V**2, 0.4 * U**2 + V**2 + 0.5 * U * V])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from asperity.base.words import data_size, duration, thousands, uncertain
 from asperity.protocols import Hold, Ramp, Repeat, Step
 from asperity.solids import coated_half_space, half_space, layer, spring_lattice
 from asperity.surfaces import Surface, gaussian
-from tests.refusals import refuses
+from tests.refusals import each_refuses, refuses
 
 SCAN = Surface(gaussian((16, 16)), unit="um", pixel_size=(2.0, 2.0), length_unit="um")
 RIDGES = Surface(gaussian((32,)), unit="um", pixel_size=(2.0,), length_unit="um")
@@ -81,9 +82,7 @@ def test_other_texts_are_refused() -> None:
     ):
         with refuses("pressure"):
             quantity(text, "Pa", "pressure")
-    for wrong in (None, True, float("nan"), 1j):
-        with refuses("load"):
-            quantity(wrong, "N", "load")
+    each_refuses(*(("load", quantity, wrong, "N", "load") for wrong in (None, True, float("nan"), 1j)))
     with refuses("quantity"):
         quantity("1 m", "V")
     assert factor("GPa^-1", "1/Pa") == pytest.approx(1e-9)
@@ -138,22 +137,18 @@ def test_quantities_of_pint_are_texts_with_units() -> None:
 
 
 def test_units_are_refused_where_there_are_none_and_others_than_expected() -> None:
-    for wrong in ("10 MPa", "ten N", "5", "10 mN 5"):
-        with refuses("load"):
-            press(SCAN, HALF_SPACE, load=wrong)
-    with refuses("units"):
-        press(BARE, HALF_SPACE, load="1 N")
-    with refuses("units"):
-        press(SCAN, spring_lattice(k0=1.0, k1=3.0), load="1 N")
-    plain = press(BARE, HALF_SPACE, load=1e6)
-    with refuses("units"):
-        age(plain, ["1 s", "1 min"])
-    with refuses("units"):
-        age(plain, [1.0], protocol=[Repeat((Hold("1 min"),), 2)])  # type: ignore[arg-type]
-    with refuses("load"):
-        press(RIDGES, HALF_SPACE, load="1 N")
-    with refuses("load"):
-        age(press(RIDGES, HALF_SPACE, load=2000.0), [1.0], protocol=[Step(load="1 N")])  # type: ignore[arg-type]
+    plain, line = press(BARE, HALF_SPACE, load=1e6), press(RIDGES, HALF_SPACE, load=2000.0)
+    legs: tuple[Any, Any] = [Repeat((Hold("1 min"),), 2)], [Step(load="1 N")]  # type: ignore[arg-type]
+    others = ("10 MPa", "ten N", "5", "10 mN 5")
+    each_refuses(
+        *(("load", partial(press, load=wrong), SCAN, HALF_SPACE) for wrong in others),
+        ("units", partial(press, load="1 N"), BARE, HALF_SPACE),
+        ("units", partial(press, load="1 N"), SCAN, spring_lattice(k0=1.0, k1=3.0)),
+        ("units", age, plain, ["1 s", "1 min"]),
+        ("units", partial(age, protocol=legs[0]), plain, [1.0]),
+        ("load", partial(press, load="1 N"), RIDGES, HALF_SPACE),
+        ("load", partial(age, protocol=legs[1]), line, [1.0]),
+    )
 
 
 def test_times_and_legs_take_units() -> None:
@@ -166,7 +161,4 @@ def test_times_and_legs_take_units() -> None:
     assert legs == plain_legs
     written = age(contact, "30 s", protocol=legs)
     assert written.dataset.identical(age(contact, [30.0], protocol=plain_legs).dataset)
-    with refuses("times"):
-        age(contact, ["10 m"])
-    with refuses("times"):
-        age(contact, ["10 s", "soon"])
+    each_refuses(("times", age, contact, ["10 m"]), ("times", age, contact, ["10 s", "soon"]))
