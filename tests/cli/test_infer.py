@@ -17,7 +17,7 @@ from matplotlib import pyplot as plt
 import asperity as asp
 from asperity.app.cli import main
 
-QUICK = ("--walkers", "300", "--workers", "1")
+QUICK = ("--walkers", "100", "--workers", "1")
 T = np.geomspace(1, 1e4, 25)
 EXACT = asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
 
