@@ -11,6 +11,14 @@ settings.register_profile("other", derandomize=False, max_examples=500)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _no_wait_for_the_disk():
+    """What is written is flushed, but not waited for: here the machine does not fail meanwhile."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(os, "fsync", lambda _: None)
+        yield
+
+
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """Work in an empty folder: refusals have paths in them, which are short here."""

@@ -1,6 +1,7 @@
-"""Contacts of continua on lattices of any spacing and edges, made by hand; and transforms of their creep."""
+"""Contacts of continua on lattices of any spacing and edges, made by hand; waves, and transforms of creep."""
 
 import numpy as np
+import scipy.linalg
 
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import control_from
@@ -25,6 +26,31 @@ def love(shape, sides):
             r = np.hypot(Y, X)
             integral += 4 * v * w * (X * np.log(Y + r) + Y * np.log(X + r))
     return integral / np.pi
+
+
+def elasticity(q, modulus, poisson):
+    """A of dy/dz = A y for a wave cos(qx), by the laws of Hooke and of equilibrium in plane strain.
+
+    y = (U, W, T, S): displacements U sin(qx), W cos(qx) and stresses T sin(qx) (shear), S cos(qx) (normal).
+    """
+    shear, ratio = modulus * (1 - poisson) / 2, poisson / (1 - poisson)
+    return np.array(
+        [
+            [0, q, 1 / shear, 0],
+            [-ratio * q, 0, 0, (1 - 2 * poisson) / (2 * shear * (1 - poisson))],
+            [2 * shear / (1 - poisson) * q**2, 0, 0, ratio * q],
+            [0, 0, -q, 0],
+        ]
+    )
+
+
+def stiffness_of_a_wave(q, modulus, poisson, thickness, below):
+    """Pressure that gives the top of a layer a displacement cos(qx) where nothing shears it.
+
+    ``below`` has two columns: what y may be at the base.
+    """
+    up = scipy.linalg.expm(elasticity(q, modulus, poisson) * thickness) @ below
+    return up[3] @ np.linalg.solve(up[[2, 1]], [0.0, 1.0])
 
 
 def talbot(transform, t, count=22):

@@ -35,3 +35,18 @@ def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R
             u, u0 = equilibrium(u, u0, step * dt)
         states.append((u, u0))
     return states
+
+
+def second_order(*history, **law):
+    """The same, of two runs, in which the error of first order cancels."""
+    runs = (explicit_history(*history, 1 / steps, **law) for steps in (100, 200))
+    return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
+
+
+def assert_follows(history, reference, scale):
+    """The fields kept, at a jump those after it, are the reference's; gives them."""
+    after = history.dataset.drop_duplicates("field_time", keep="last")
+    for index, (u, u0) in enumerate(reference):
+        np.testing.assert_allclose(after["u"].values[index], u, atol=2e-3 * scale)
+        np.testing.assert_allclose(after["u0"].values[index], u0, atol=2e-3 * scale)
+    return after

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import zarr
 
-from asperity.app.campaign.plan import Plan, plan_to_json
+from asperity.app.campaign.plan import Plan, plan_to_json, read_plan
 from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import run_task
 from asperity.app.config import to_tables
@@ -102,6 +102,13 @@ def do_here(plan, directory):
         run_task(str(directory), run.identity, json.dumps(to_tables(run.config)), run.content)
         for run in plan.runs
     ]
+
+
+def done_here(folder: Path, text: str = SMALL) -> Plan:
+    """Do a campaign of this text in the folder ``out`` beside it; give its plan."""
+    plan = read_plan(written(folder, text))
+    assert {state for _, state, _ in do_here(plan, folder / "out")} == {"done"}
+    return plan
 
 
 def start(*words: str | Path, before: str = "") -> subprocess.Popen[str]:

@@ -12,13 +12,12 @@ from asperity.app.campaign.plan import read_plan
 from asperity.app.cli import main
 from asperity.errors import ConfigError
 from asperity.protocols import Hold, Step
-from tests.campaign.conftest import HALF_SPACES, HISTORY, do_here, written
+from tests.campaign.conftest import HALF_SPACES, HISTORY, done_here, written
 
 
 def campaign_of(folder, text):
     """The results of a campaign, all of whose variables have names and units."""
-    plan = read_plan(written(folder, text))
-    assert {state for _, state, _ in do_here(plan, folder / "out")} == {"done"}
+    plan = done_here(folder, text)
     data = campaign.open(folder / "out")
     unnamed = {name for name, one in data.variables.items() if not {"long_name", "units"} <= set(one.attrs)}
     assert not unnamed
@@ -93,6 +92,8 @@ def test_the_distance_of_two_balls_and_their_radius_can_be_swept(tmp_path):
     load = "1 mN"
     [aging]
     times = [1.0]
+    [carried]
+    resistivity = 1e-8
     [sweep]
     """
     data = campaign_of(tmp_path, f'{text}\n"places.1.1" = ["20 um", "30 um"]\nradii = ["1 mm", "2 mm"]\n')
@@ -103,6 +104,7 @@ def test_the_distance_of_two_balls_and_their_radius_can_be_swept(tmp_path):
         balls = asp.surfaces.array((24, 48), places=[(12e-6, 10e-6), (12e-6, x)], radii=1e-3, pixel_size=1e-6)
         contact = asp.press(balls, solid, load=1e-3)
         assert float(data["separation"][number, 0, 0]) == pytest.approx(contact.separation, rel=1e-9)
+        assert float(data["resistance"][number, 0, 0]) == pytest.approx(contact.resistance(1e-8), rel=1e-6)
     assert float(data["contact_area"][0, 1, 0]) > 1.2 * float(data["contact_area"][0, 0, 0])
     with pytest.raises(ConfigError, match="a surface of kind 'array' has no seed"):
         read_plan(written(tmp_path, f"{text}\nseeds = 3\n"))

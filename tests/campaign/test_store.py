@@ -83,10 +83,7 @@ def test_runs_in_the_place_of_another_are_named(tmp_path, text, old):
     first, second = (out / "runs.zarr" / run.identity for run in plan.runs)
     if old:
         for run in (first, second):
-            changed(
-                run / "zarr.json",
-                without("identity", "attributes_checksum"),
-            )
+            changed(run / "zarr.json", without("identity", "attributes_checksum"))
     assert campaign.open(out).attrs["finished"] == 2
     first.rename(tmp_path / "aside")
     second.rename(first)

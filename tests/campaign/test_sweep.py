@@ -22,7 +22,17 @@ from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import select
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
-from tests.campaign.conftest import SMALL, do_here, finish, numbers, some_of, start, wait_for_a_run, written
+from tests.campaign.conftest import (
+    SMALL,
+    do_here,
+    done_here,
+    finish,
+    numbers,
+    some_of,
+    start,
+    wait_for_a_run,
+    written,
+)
 from tests.refusals import refuses
 
 pytestmark = [
@@ -71,8 +81,7 @@ def test_every_coordinate_has_a_name_and_a_unit():
 
 
 def test_the_numbers_do_not_depend_on_the_number_of_workers_and_are_computed_once(done, tmp_path):
-    plan = campaign.read_plan(written(tmp_path))
-    assert {state for _, state, _ in do_here(plan, tmp_path / "out")} == {"done"}
+    plan = done_here(tmp_path)
     assert numbers(tmp_path / "out") == numbers(done / "out")
     before = {path: path.stat().st_mtime_ns for path in (done / "out" / "runs.zarr").rglob("*")}
     assert campaign.sweep(plan, done / "out").done == 12
@@ -138,7 +147,7 @@ def test_what_is_not_finished_is_nan(tmp_path):
 def test_zipped_parameters_share_one_dimension_and_the_ends_may_be_all_that_is_asked_for(tmp_path):
     zipped = SMALL.replace("seeds = 3", "combine = 'zip'\nseeds = 2")
     ends = re.sub(r"first = (.|\n)*(?=\[sweep)", "times = [0.0]\n", zipped)
-    do_here(campaign.read_plan(written(tmp_path, ends)), tmp_path / "out")
+    done_here(tmp_path, ends)
     data = campaign.open(tmp_path / "out")
     assert data["area"].dims == ("point", "seed", "time")
     assert data["k1"].values.tolist() == [1.0, 3.0]
@@ -204,25 +213,6 @@ def test_a_script_without_a_guard_ends_in_one_line(tmp_path):
     assert ended.stderr.splitlines()[-1].endswith(
         "call sweep under if __name__ == '__main__':, as they import it"
     )
-
-
-def test_mistakes_end_in_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    written(tmp_path)
-    (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "thesis.tex").write_text("precious")
-    for words, message in (
-        ("sweep none.toml --out x", "none.toml: No such file"),
-        ("sweep campaign.toml --out x --workers 0", "--workers: expected 1 or more, got 0"),
-        ("sweep campaign.toml --out full", "which holds something else and is kept"),
-        ("sweep campaign.toml --out x --scheduler nonsense", "address of a Dask scheduler"),
-        ("status y", "a folder that asperity sweep wrote, got y: no such campaign"),
-    ):
-        assert main(words.split()) == 2
-        (line,) = capsys.readouterr().err.splitlines()[-1:]
-        assert line.startswith("asperity: ")
-        assert message in line
-    assert [path.name for path in (tmp_path / "full").iterdir()] == ["thesis.tex"]
 
 
 @pytest.mark.slow
@@ -300,8 +290,7 @@ def test_surfaces_of_files_are_as_they_were_planned(tmp_path, monkeypatch, file,
 
 def test_kept_fields_are_those_of_single_runs(tmp_path):
     few = SMALL.replace("k1 = [1.0, 3.0]\nseeds = 3", "k1 = [3.0]\nseeds = 2")
-    plan = campaign.read_plan(written(tmp_path, f"{few}[output]\nmaps_at = [0.0, 1.0]\npixel = 2.0\n"))
-    do_here(plan, tmp_path / "out")
+    plan = done_here(tmp_path, f"{few}[output]\nmaps_at = [0.0, 1.0]\npixel = 2.0\n")
     data = campaign.open(tmp_path / "out")
     where = {str(name): data[name].values[-1] for name in data["initial_area"].dims}
     fields = campaign.fields(tmp_path / "out", **where)

@@ -22,7 +22,17 @@ SMALL = ("--shape", "32x32", "--last", "10", "--per-decade", "2")
 told = Sentences(Path(__file__).with_name("said.txt")).check
 """Expects what the command line said in the words of said.txt, which are written as those of messages.txt."""
 
+
+def remarks(text: str, name: str = "remark") -> int:
+    """How many lines begin with this name; what they say is in said.txt."""
+    found = [line.removeprefix(name).strip() for line in text.splitlines() if line.startswith(name)]
+    for one in found:
+        told(one)
+    return len(found)
+
+
 Asperity = Callable[..., tuple[int, str, str]]
+Says = Callable[..., str]
 Mistaken = Callable[..., str]
 Refused = Callable[..., None]
 
@@ -40,6 +50,18 @@ def asperity(capsys: pytest.CaptureFixture[str]) -> Asperity:
         status = main([str(word) for word in words])
         captured = capsys.readouterr()
         return status, captured.out, captured.err
+
+    return call
+
+
+@pytest.fixture
+def says(asperity: Asperity) -> Says:
+    """Run a command that does what it is asked for; give its words. A run tells its progress beside them."""
+
+    def call(*words: str | Path) -> str:
+        status, text, error = asperity(*words)
+        assert (status, error if words[:1] != ("run",) else "") == (0, ""), error
+        return text
 
     return call
 

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection
 
 from asperity.figures import fit_figure
 from asperity.fits import compare, growth_rate, logarithm, measured_growth
-from tests.cli.conftest import told
+from tests.cli.conftest import remarks
 
 HOLD = np.repeat(np.geomspace(1, 1e5, 11), 3)
 
@@ -39,10 +39,9 @@ def legend_of(figure):
     return "\n".join(["", *(text.get_text() for text in legend.get_texts())])
 
 
-def test_friction_in_words_figure_and_numbers(asperity, friction):
+def test_friction_in_words_figure_and_numbers(says, friction):
     words = ("--quantity", "static friction", "--unit-time", "s", "--window", "10", "1e5", "--json", "n.json")
-    status, text, error = asperity("fit", "mu.csv", *words)
-    assert (status, error) == (0, "")
+    text = says("fit", "mu.csv", *words)
     assert "mu.csv: static friction, 33 values; times 1 to 100000 s" in text
     for heading in ("saturation: A0 [a - (a - 1)/(1 + t/t0)^q]", "logarithm: A0 [1 + C ln(1 + t/t0)]"):
         assert heading in text
@@ -70,24 +69,22 @@ def test_friction_in_words_figure_and_numbers(asperity, friction):
     assert found["comparison"]["verdict"] == compare(time, mu).verdict
 
 
-def test_columns_and_standard_errors(asperity, friction):
+def test_columns_and_standard_errors(says, friction):
     words = "--column-value mu --column-stderr 2 --law logarithm --out a.pdf"
-    status, text, _ = asperity("fit", "mu.csv", *words.split())
-    assert status == 0
+    text = says("fit", "mu.csv", *words.split())
     assert [name in text for name in ("reduced chi²", "saturation", "AICc")] == [True, False, False]
     assert Path("a.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_the_table_of_a_run(asperity, finished):
-    status, text, error = asperity("fit", finished / "aging.csv")
-    assert (status, error) == (0, "")
+def test_the_table_of_a_run(says, finished):
+    text = says("fit", finished / "aging.csv")
     assert "area, 10 values, 1 of them at time 0; times 0.001 to 10" in text
     assert line(text, "A0 ").split("  ")[-1] == "as given, taken as exact"
     assert "A0: " in text
     assert "measured at time 0" in text
 
 
-def test_what_is_to_be_known_of_a_fit_is_noted(asperity, friction):
+def test_what_is_to_be_known_of_a_fit_is_noted(says, friction):
     scatter = np.random.default_rng(9).normal(size=20)
     hold, long = np.geomspace(1, 1e4, 20), np.geomspace(1e-2, 1e4, 40)
     three = np.repeat([1.0, 10.0, 100.0], 5)
@@ -97,20 +94,14 @@ def test_what_is_to_be_known_of_a_fit_is_noted(asperity, friction):
     pd.DataFrame(friction, columns=["hold", "mu"]).to_csv("pandas.csv")
     for name in ("still.txt", "three.txt", "curve.txt", "pandas.csv"):
         window = ("--window", "200", "300") if name == "three.txt" else ()
-        status, text, _ = asperity("fit", name, *window, "--overwrite")
-        assert status == 0
-        notes = [line.removeprefix("note").strip() for line in text.splitlines() if line.startswith("note")]
-        assert notes
-        for note in notes:
-            told(note)
+        assert remarks(says("fit", name, *window, "--overwrite"), "note")
 
 
-def test_a_late_piece_does_not_tell_its_beginning(asperity):
+def test_a_late_piece_does_not_tell_its_beginning(says):
     hold = np.geomspace(1e4, 1e5, 30)
     mu = 0.6 + 0.01 * np.log10(hold) + 1e-3 * np.random.default_rng(3).normal(size=30)
     np.savetxt("late.txt", np.column_stack([hold, mu]))
-    status, text, _ = asperity("fit", "late.txt")
-    assert status == 0
+    text = says("fit", "late.txt")
     assert "A0: not determined by these times" in text
     assert "in units of A0" not in text
     # The straight line, which is determined, comes before the laws, which are not.
@@ -122,13 +113,12 @@ def test_a_late_piece_does_not_tell_its_beginning(asperity):
     assert "$t_0$ not determined by these times" in words
 
 
-def test_any_name_is_drawn_as_it_stands(asperity, friction):
+def test_any_name_is_drawn_as_it_stands(says, friction):
     for name in (r"$\foo$", "摩擦力", "a\tb", "coefficient of friction " * 9):
         Path(f"{name[:50]}.csv").write_bytes(Path("mu.csv").read_bytes().replace(b"mu", name.encode()))
         # Warnings are errors here: a glyph that the font lacks would be one.
         words = ("--unit-time", name, "--law", "logarithm", "--out", "a.png", "--overwrite")
-        status, text, error = asperity("fit", f"{name[:50]}.csv", *words)
-        assert (status, error) == (0, "")
+        text = says("fit", f"{name[:50]}.csv", *words)
         assert name.strip() in text
 
 

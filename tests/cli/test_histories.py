@@ -88,14 +88,13 @@ def test_the_summary_says_areas_in_a_unit_and_what_a_step_left(tmp_path, asperit
     assert f", {area[-1] / area[before]:.4g} of before the step" in last
 
 
-def test_a_file_with_repetitions(tmp_path, asperity):
+def test_a_file_with_repetitions(tmp_path, says):
     Path("study.toml").write_text(tables_to_toml(TABLES))
     config = read_config(Path("study.toml"), {})
     cycle = Repeat([Step(load=30.0), Hold(1.0), Ramp(1.0, load=60.0)], 2)
     assert config.legs == (cycle, Hold(10.0, "area"))
     assert config.end == 14.0
-    status, _, error = asperity("run", "study.toml", "--out", tmp_path / "out", "--figures", "")
-    assert status == 0, error
+    says("run", "study.toml", "--out", tmp_path / "out", "--figures", "")
     data = results.load(tmp_path / "out")
     assert data["leg"].values.max() == 6
     assert np.ptp(data["area"].values[data["leg"].values == 6]) <= 2
@@ -107,11 +106,10 @@ def test_units_of_legs_may_stand_apart():
         assert [str(leg[key]).replace(" ", "") for key in ("duration", "pressure")] == ["5s", "2MPa"]
 
 
-def test_sliding_and_friction_from_flags(tmp_path, asperity):
+def test_sliding_and_friction_from_flags(tmp_path, says):
     legs = ("hold 1", "slide distance=3 velocity=2", "slide distance=2 velocity=inf")
     flags = [word for leg in legs for word in ("--leg", leg)]
-    status, _, error = asperity("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")
-    assert status == 0, error
+    says("run", *SMALL, *flags, "--shear-strength", "4", "--out", tmp_path / "out")
     data = results.load(tmp_path / "out")
     assert data["displacement"].values[-6:].tolist() == [2, 2, 3, 3, 4, 5]
     np.testing.assert_allclose(data["friction"], 4 * data["area"] / data["load"], rtol=1e-14)

@@ -50,6 +50,7 @@ def desk(tmp_path_factory, finished):
         },
         **{"maps.toml": ["[output]", "maps_at = [5.0]", *HOLD], "red.toml": ['["\\u001b[31mred"]']},
         **{"bad.toml": ["[surface]", 'path = "noheights.txt"', "[sweep]", "contact.load = [1.0, 2.0]"]},
+        **{"sweep.toml": ["[surface]", "shape = [8, 8]", "[sweep]", "seeds = 2"]},
         **{"run.toml": [], "mine.png": ["mine"], "mine.npy": ["no array: what it is is told later"]},
         "relaxation.csv": relaxing,
         "unitless.csv": ["t,E", *moduli],
@@ -78,7 +79,8 @@ def desk(tmp_path_factory, finished):
     (folder / "header.npy").write_bytes(content[:20])
     for name in ("empty", "folder", "two results", "my paper/studies/load", "study/one"):
         (folder / name).mkdir(parents=True)
-    (folder / "study/one/seed").touch()
+    for name in ("study/one/seed", "folder/thesis.tex"):
+        (folder / name).touch()
     (folder / "a run").symlink_to(finished)
     for name in ("one", "two"):
         shutil.copytree(finished, folder / "two results" / name)
@@ -146,9 +148,8 @@ def test_folders_that_are_kept(refused, finished, monkeypatch):
     refused("run", "--out", "thesis/text/out", status=1)
 
 
-def test_version_and_help_that_fills_its_lines(asperity):
-    status, alone, _ = asperity()
-    assert status == 0
+def test_version_and_help_that_fills_its_lines(asperity, says):
+    alone = says()
     assert asperity("--help") == (0, alone, "")
     assert asperity("--version") == asperity("-V") == (0, f"{__version__}\n", "")
     text = " ".join(asperity("run", "--help")[1].replace("│", " ").split())
@@ -191,6 +192,8 @@ def test_a_scheduler_that_is_none_is_a_failure(asperity, monkeypatch):
     status, _, error = asperity("sweep", "plan.toml", *words)
     assert status == 1
     assert error.splitlines()[-1].startswith("asperity: scheduler: expected ")
+    status, _, error = asperity("sweep", "plan.toml", *words[:3], "nonsense")
+    assert (status, "address of a Dask scheduler" in error) == (2, True)
 
 
 def test_all_that_is_known_to_be_said_belongs_to_a_test():

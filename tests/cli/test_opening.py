@@ -49,12 +49,11 @@ def test_where_nothing_opens_it_the_place_is_told(capsys, monkeypatch, tmp_path)
     assert capsys.readouterr().err == f"remark: nothing here opens {tmp_path}\n"
 
 
-def test_bash_completes_commands_and_flags(asperity, monkeypatch, tmp_path):
+def test_bash_completes_commands_and_flags(says, monkeypatch, tmp_path):
     monkeypatch.setenv("HOME", str(tmp_path))
     for name in ("XDG_DATA_HOME", "BASH_COMPLETION_USER_DIR"):
         monkeypatch.delenv(name, raising=False)
-    status, said, error = asperity("--install-completion", "--shell", "bash")
-    assert (status, error) == (0, "")
+    said = says("--install-completion", "--shell", "bash")
     script = Path(said.removeprefix("written ").split(";")[0])
     assert script.is_relative_to(tmp_path)
 

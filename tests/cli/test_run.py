@@ -16,7 +16,7 @@ from asperity.analysis.scan import written
 from asperity.app.cli import main
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import array, exponential, gaussian, read, self_affine, spectral
-from tests.cli.conftest import SMALL, rows_of, told
+from tests.cli.conftest import SMALL, remarks, rows_of, told
 
 BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
 """One time, no map, no word."""
@@ -107,11 +107,10 @@ def test_every_kind_of_surface(asperity):
         np.testing.assert_array_equal(results.load("out")["heights"], heights)
 
 
-def test_held_separation_and_chosen_maps_and_formats(tmp_path, asperity):
+def test_held_separation_and_chosen_maps_and_formats(tmp_path, says):
     out = tmp_path / "out"
     words = "--shape 16,16 --separation 1.5 --maps-at 0 0.5 --figures svg --times 0.1 1"
-    status, text, _ = asperity("run", *words.split(), "--out", out)
-    assert status == 0
+    text = says("run", *words.split(), "--out", out)
     assert "separation 1.5" in text
     assert "no fit: " in text
     dataset = results.load(out / "history.zarr")
@@ -126,20 +125,18 @@ def test_held_separation_and_chosen_maps_and_formats(tmp_path, asperity):
     assert [path.name for path in out.glob("aging.*g")] == ["aging.svg"]
 
 
-def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(tmp_path, asperity, monkeypatch):
+def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(tmp_path, says, monkeypatch):
     wrong = Mock(side_effect=ValueError("no axis fits"))
     monkeypatch.setattr("asperity.app.cli.output.aging_curve", wrong)
-    status, text, _ = asperity("run", *SMALL, "--out", tmp_path / "out")
-    assert status == 0
+    text = says("run", *SMALL, "--out", tmp_path / "out")
     assert "the figure 'aging' could not be drawn: no axis fits" in text
     assert results.load(tmp_path / "out" / "history.zarr").sizes["time"] > 1
     assert not (tmp_path / "out" / "aging.png").exists()
 
 
-def test_an_instrument_looks_at_the_maps(finished, tmp_path, asperity):
+def test_an_instrument_looks_at_the_maps(finished, tmp_path, says):
     instrument = "--seed 7 --pixel 4 --blur 2.5 --threshold 0.05"
-    status, text, _ = asperity("run", *SMALL, *instrument.split(), "--out", tmp_path / "out")
-    assert status == 0
+    text = says("run", *SMALL, *instrument.split(), "--out", tmp_path / "out")
     dataset, usual = results.load(tmp_path / "out"), results.load(finished)
     maps = (usual.isel(field_time=number) for number in range(6))
     seen = [observe(one, pixel=4.0, blur=2.5, threshold=0.05).area for one in maps]
@@ -194,17 +191,12 @@ REMARKS = {
 }
 
 
-def test_what_the_user_should_know_is_remarked(asperity):
+def test_what_the_user_should_know_is_remarked(says):
     np.save("ramp.npy", np.arange(16.0) ** 2 / 100)
     for words, expected in REMARKS.items():
         quiet = () if "--maps-at" in words else ("--maps-at", "", "--figures", "")
-        status, text, _ = asperity("run", *shlex.split(words), *quiet, "--out", "out", "--overwrite")
-        assert status == 0
-        lines = text.splitlines()
-        remarks = [line.removeprefix("remark").strip() for line in lines if line.startswith("remark")]
-        assert len(remarks) == expected, words
-        for remark in remarks:
-            told(remark)
+        text = says("run", *shlex.split(words), *quiet, "--out", "out", "--overwrite")
+        assert remarks(text) == expected, words
 
 
 BRANCHES = [(0.3, 0.01), (0.3, 1.0), (0.2, 100.0)]
@@ -337,7 +329,4 @@ def test_a_number_without_a_unit_that_is_odd_in_si_gets_a_remark(asperity):
     for line, expected in NO_UNIT.items():
         status, _, error = asperity("run", *shlex.split(f"{rough} {layer} {line}"))
         assert status == 0
-        remarks = [said for said in error.splitlines() if "has no unit" in said]
-        assert len(remarks) == expected
-        for remark in remarks:
-            told(remark)
+        assert remarks(error, "remark: ") == expected

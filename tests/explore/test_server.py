@@ -43,9 +43,8 @@ SI: dict[str, Any] = {
     "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.3, 1.0]], "apparatus": "inf"},
     "contact": {"pressure": "2 MPa"},
 }
-YIELDING = QUICK | {
-    "solid": {"R": 0.5, "creep": "eyring", "creep_rate": 0.1, "creep_stress": 0.5, "hardness": 2.0},
-}
+CREEP = {"creep": "eyring", "creep_rate": 0.1, "creep_stress": 0.5}
+YIELDING = QUICK | {"solid": {"R": 0.5, "hardness": 2.0, **CREEP}}
 MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 """Times enough to do something meanwhile."""
 

@@ -91,7 +91,6 @@ def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder with a few files, on a small machine."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("asperity.base.machine.available", lambda: 3_000_000)
-    monkeypatch.setattr("asperity.results.store.flush", lambda _: None)  # waits for the disk
     np.save("rough.npy", np.random.default_rng(0).normal(size=(6, 8)))
     Path("table.csv").write_text("t,mu\n1,0.6\n10,0.61\n100,0.625\n1000,0.63\n")
 

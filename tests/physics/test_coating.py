@@ -8,7 +8,7 @@ import pytest
 import asperity as asp
 from asperity.lattice import Lattice
 from asperity.solids.coating import Coated, Material
-from tests.continua import talbot
+from tests.continua import elasticity, stiffness_of_a_wave, talbot
 from tests.refusals import refuses
 from tests.surfaces import correlated
 
@@ -18,32 +18,9 @@ LATTICE = Lattice((32, 24), (0.7, 0.9))
 
 
 def stiffness_of_layers(q, thickness, film, base):
-    """Pressure over displacement of a wave on a bonded film, from Airy's stress function of plane strain.
-
-    It is F(y) cos qx with F = (a + b y) exp(+-q y); the base has what decays. Six conditions: two stresses on
-    top, two stresses and two displacements between.
-    """
-
-    def solutions(elastic, y, signs):
-        modulus, nu = elastic
-        shear, columns = modulus * (1 - nu) / 2, []
-        for s in signs:
-            for a, b in ((1.0, 0.0), (0.0, 1.0)):
-                e, p = np.exp(s * q * y), a + b * y
-                f = np.array([p, b + s * q * p, 2 * s * q * b + q**2 * p, 3 * q**2 * b + s * q**3 * p]) * e
-                along = ((1 - nu) * f[2] + nu * q**2 * f[0]) / (2 * shear * q)
-                slope = ((1 - nu) * f[3] + nu * q**2 * f[1]) / (2 * shear * q)
-                across = slope / q - f[1] / shear
-                columns.append([across, along, -(q**2) * f[0], q * f[1]])
-        return np.array(columns).T
-
-    top = solutions(film, 0.0, (1, -1))
-    bottom, below = solutions(film, -thickness, (1, -1)), solutions(base, -thickness, (1,))
-    matrix = np.zeros((6, 6), dtype=complex)
-    matrix[:2, :4] = top[2:]
-    matrix[2:, :4], matrix[2:, 4:] = bottom, -below
-    found = np.linalg.solve(matrix, [1.0, 0, 0, 0, 0, 0])
-    return 1 / (top[0] @ found[:4])
+    """Pressure over displacement of a wave on a bonded film; the base has what decays below it."""
+    decaying = np.linalg.matrix_power(elasticity(q, *base) + q * np.eye(4), 2)[:, :2]
+    return stiffness_of_a_wave(q, *film, thickness, decaying)
 
 
 @pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])

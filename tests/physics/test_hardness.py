@@ -8,6 +8,7 @@ from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.solids import Eyring, half_space, spring_lattice
 from tests.independent import laplacian
+from tests.reference import settle
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated
 
@@ -107,17 +108,10 @@ def test_what_has_yielded_stays_and_answers_elastically(solid):
 def explicit(rough, hardness, X, steps, dt, *, V, law):
     """Explicit steps of the lattice at a held or moving body; the obstacle is lowered at each of them."""
     k0, k1, viscous = 1.0, 3.0, 0.4
-    color, diagonal = np.indices(rough.shape).sum(axis=0) % 2 == 0, 4 * k0 + k1
     u0, obstacle = np.full(rough.shape, X), rough.copy()
     u = np.maximum(u0, obstacle)
     for _ in range(steps + 1):
-        while True:
-            before = u.copy()
-            for site in (color, ~color):
-                free = (k0 * (laplacian(u) + 4 * u) + k1 * u0) / diagonal
-                u = np.where(site, np.minimum(np.maximum(obstacle, free), free + hardness / diagonal), u)
-            if np.abs(u - before).max() < 1e-10:
-                break
+        u = settle(u, u0, obstacle, k0=k0, k1=k1, accuracy=1e-10, most=hardness)
         obstacle, state = np.minimum(obstacle, u), (u, u0, obstacle)
         s = k1 * (u - u0)
         u0 = u0 + dt * (viscous * s + (law.velocity(s)[0] if law else 0.0) + V)

@@ -2,33 +2,15 @@
 
 import numpy as np
 import pytest
-import scipy.linalg
 
 import asperity as asp
 from asperity.lattice import Lattice
-from tests.continua import pressed
+from tests.continua import pressed, stiffness_of_a_wave
 
 
 def pressure_of_a_wave(q, *, modulus, poisson, thickness, bonded):
-    """Pressure that gives the top of a layer a displacement cos(qx), by the equations of plane strain.
-
-    The displacements are U sin(qx) and W cos(qx), the stresses T sin(qx) (shear) and S cos(qx) (normal). By
-    the laws of Hooke and of equilibrium y = (U, W, T, S) obeys dy/dz = A y. Nothing shears the top, at z =
-    thickness. On the base W = 0, and U = 0 or T = 0.
-    """
-    shear = modulus * (1 - poisson) / 2
-    ratio = poisson / (1 - poisson)
-    A = np.array(
-        [
-            [0, q, 1 / shear, 0],
-            [-ratio * q, 0, 0, (1 - 2 * poisson) / (2 * shear * (1 - poisson))],
-            [2 * shear / (1 - poisson) * q**2, 0, 0, ratio * q],
-            [0, 0, -q, 0],
-        ]
-    )
-    up = scipy.linalg.expm(A * thickness)[:, [2, 3] if bonded else [0, 3]]
-    at_base = np.linalg.solve(up[[2, 1]], [0.0, 1.0])
-    return up[3] @ at_base
+    """On the base W = 0, and U = 0 or T = 0."""
+    return stiffness_of_a_wave(q, modulus, poisson, thickness, np.eye(4)[:, [2, 3] if bonded else [0, 3]])
 
 
 @pytest.mark.parametrize("bonded", [True, False], ids=["bonded", "sliding"])

@@ -6,7 +6,8 @@ import pytest
 from asperity import press
 from asperity.aging import creep
 from asperity.solids import spring_lattice
-from tests.reference import explicit_run, settle_under_load
+from tests.history_reference import explicit_history
+from tests.reference import settle_under_load
 from tests.surfaces import uncorrelated
 
 TIMES = [0.5, 2.0]
@@ -20,7 +21,8 @@ def test_explicit_steps_converge_to_the_implicit_result_at_first_order(k1, R_vis
     contact = press(rough, spring_lattice(**spring, R=1.0, R_viscous=R_viscous), load=load)
     implicit = [frame.contact for frame in creep(contact, TIMES, rtol=1e-5)][1:]
     coarse, fine = (
-        explicit_run(rough, load, TIMES, dt, **spring, R=1.0, R_viscous=R_viscous) for dt in (0.02, 0.01)
+        explicit_history(rough, lambda _: load, None, TIMES, dt, **spring, R=1.0, R_viscous=R_viscous)
+        for dt in (0.02, 0.01)
     )
     for state, (_, far), (u, near) in zip(implicit, coarse, fine, strict=True):
         # Only the shape is compared: at constant load the mean of u0 follows from it.
