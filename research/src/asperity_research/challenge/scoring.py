@@ -17,10 +17,7 @@ from asperity_research.arrays import Field
 from asperity_research.challenge.posing import Column, Problem, problem
 
 Verdict = Literal["within the error bars", "within the tolerance", "off"]
-
-_SAME = 1e-6
-"""Relative difference up to which a number in the first column is that of the problem."""
-
+_SAME = 1e-6  # Relative difference up to which a number in the first column is that of the problem
 _EXAMPLE = '{"time": times, "area": areas}'
 _NAMED = re.compile(r"^\s*[#%;]\s*problem\s*[:=]\s*(\S+)", re.IGNORECASE | re.MULTILINE)
 

@@ -16,8 +16,7 @@ from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.report import About
 from asperity_research.studies.study import Concluded, Outcome
 
-HOME = Home("a reproduction", "studies")
-"""Whose folder it is."""
+HOME = Home("a reproduction", "studies")  # Whose folder it is
 
 
 def prepared_in(

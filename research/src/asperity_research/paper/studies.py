@@ -15,20 +15,11 @@ import numpy as np
 from asperity_research.paper.wording import sentences
 from asperity_research.studies.campaigns import Campaign
 
-HURST = 0.5
-"""Hurst exponent of the self-affine surfaces, where it is not varied."""
-
-DELTA = 0.01
-"""Width of their last random midpoints."""
-
-SELF_AFFINE_RATIO = 10.0
-"""k1/k0 on them, where it is not varied."""
-
-MAP_BOXES = 8
-"""Boxes along a side of a map in which contacts are counted."""
-
-PEAK = 1e3
-"""Height of the lone asperity; it only has to stay out of the reach of everything else."""
+HURST = 0.5  # Hurst exponent of the self-affine surfaces, where it is not varied
+DELTA = 0.01  # Width of their last random midpoints
+SELF_AFFINE_RATIO = 10.0  # k1/k0 on them, where it is not varied
+MAP_BOXES = 8  # Boxes along a side of a map in which contacts are counted
+PEAK = 1e3  # Height of the lone asperity; it only has to stay out of the reach of everything else
 
 
 @dataclass(frozen=True)

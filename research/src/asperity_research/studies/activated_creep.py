@@ -54,7 +54,7 @@ def _solid(words: str, waits: tuple[float, ...], *ratios: float, s0: float = 0.0
 
 
 _HALF_SPACE: dict[str, Any] = {"kind": "half_space", "modulus": 1.0}
-_LOGARITHM = {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]}
+_LOGARITHM: dict[str, Any] = {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]}
 SOLIDS = {
     "lattice": _solid("lattice of springs, s0 = 0.05", _DECADES, 0.2, 0.5, s0=0.05),
     "lighter": _solid("lattice of springs, s0 = 0.05", _STEPS, 0.8, s0=0.05),

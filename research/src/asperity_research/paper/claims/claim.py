@@ -73,8 +73,7 @@ class Claim:
                 yield replace(one, facts={parameter: value, **one.facts})
 
 
-CLAIMS: dict[str, Claim] = {}
-"""All claims by name, in the order of the paper's sections."""
+CLAIMS: dict[str, Claim] = {}  # All claims by name, in the order of the paper's sections
 
 
 def claim(name: str, *, each: str = "", **ranges: tuple[float, float]) -> Callable[[Statistic], Statistic]:

@@ -14,14 +14,11 @@ from asperity.fits import Estimate, growth_rate
 from asperity.theory import site_stiffness
 from asperity_research.arrays import Field, Mask
 
-LOGARITHMIC = (1.0, 1e3)
-"""Reduced times between which growth at light load is nearly that of a logarithm."""
-
+LOGARITHMIC = (1.0, 1e3)  # Reduced times between which growth at light load is nearly that of a logarithm
 EVEN = (2 / 3, 3 / 2)
 """Late over early growth in that time that still counts as a logarithm; a power law t^(1/4) has 2.4."""
 
-ROUGHLY = (0.75, 1.25)
-"""Over what is expected: what counts as roughly proportional."""
+ROUGHLY = (0.75, 1.25)  # Over what is expected: what counts as roughly proportional
 
 
 @dataclass(frozen=True)

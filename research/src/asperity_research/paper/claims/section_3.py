@@ -35,10 +35,8 @@ from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import exact
 from asperity_research.studies.numbers import mean, mean_of
 
-LIGHT = (1e-3, 3e-2)
-"""Contact fractions called light, before creep."""
-LOW = (1e-3, 1e-1)
-"""Contact fractions of relaxed states called low."""
+LIGHT = (1e-3, 3e-2)  # Contact fractions called light, before creep
+LOW = (1e-3, 1e-1)  # Contact fractions of relaxed states called low
 EARLY = (1.0, 100.0)
 """Reduced times when growth is late for one contact, and contacts do not feel each other yet."""
 

@@ -25,8 +25,7 @@ from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import mean, mean_of, ratio
 
-PARTIAL = (1e-4, 5e-2)
-"""Contact fractions away from full contact, before creep."""
+PARTIAL = (1e-4, 5e-2)  # Contact fractions away from full contact, before creep
 BOXES = (64, 16, MAP_BOXES)
 """Boxes along a side of the lattice in which contacts are counted; the last is that of Figure 7."""
 

@@ -43,10 +43,8 @@ from asperity_research.studies.numbers import mean_of, ratio
 
 DILUTE = (10.0, 1e3)
 """Reduced times, under conserving creep, when growth is late but the dips around contacts have not met."""
-WITHIN = (0.8, 1.25)
-"""Contacts and slopes over those of the theory."""
-RATIOS = (0.3, 1.0, 3.0, 10.0)
-"""Stiffness ratios of the closed forms."""
+WITHIN = (0.8, 1.25)  # Contacts and slopes over those of the theory
+RATIOS = (0.3, 1.0, 3.0, 10.0)  # Stiffness ratios of the closed forms
 
 
 @claim("a0", slope=(0.035, 0.045))

@@ -18,14 +18,9 @@ from asperity_research.studies.evidence import Evidence
 _FAR_APART = 3.0
 """Spacing of contacts, in widths of the dips around them, from which on they are drawn as independent."""
 
-_DILUTE = 0.1
-"""Largest contact fraction at which the dilute theory is drawn."""
-
-_EXPONENT = 0.8
-"""The paper's, of the area against the load on self-affine surfaces."""
-
-_PARTIAL = 0.1
-"""Contact fraction up to which a contact counts as far from full."""
+_DILUTE = 0.1  # Largest contact fraction at which the dilute theory is drawn
+_EXPONENT = 0.8  # The paper's, of the area against the load on self-affine surfaces
+_PARTIAL = 0.1  # Contact fraction up to which a contact counts as far from full
 
 
 def figure_2(evidence: Evidence) -> PaperFigure:

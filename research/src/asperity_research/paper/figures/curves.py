@@ -21,15 +21,9 @@ from asperity_research.arrays import Field
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import columns
 
-LABEL = 8.0
-"""Font size of the labels of axes, points at final size."""
-
-SMALL = 7.0
-"""Font size of everything else."""
-
-_LIGHTEST = 0.82
-"""Where the color map is cut: beyond it, yellow vanishes on white."""
-
+LABEL = 8.0  # Font size of the labels of axes, points at final size
+SMALL = 7.0  # Font size of everything else
+_LIGHTEST = 0.82  # Where the color map is cut: beyond it, yellow vanishes on white
 _NEAR_ZERO = 1e-6
 """Lower ends of error bars, relative to the value, where the interval includes 0 and the axis cannot."""
 

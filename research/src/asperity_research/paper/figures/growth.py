@@ -18,12 +18,8 @@ from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, capt
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import all_columns
 
-_SLOPE = 0.5
-"""The paper's beta, of q against the load."""
-
-_LAST = 1e4
-"""Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""
-
+_SLOPE = 0.5  # The paper's beta, of q against the load
+_LAST = 1e4  # Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times
 _TIME, _RATIO = r"hold time  $t\,k_0 R$", r"$A(t)\,/\,A(0)$"
 
 

@@ -26,17 +26,13 @@ from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
-
-_STIFFNESS_RATIO, _MOBILITY_RATIOS = 3.0, (0.0, 0.01, 0.1, 1.0, 10.0)
-"""Of Figure 9."""
-
+_STIFFNESS_RATIO, _MOBILITY_RATIOS = 3.0, (0.0, 0.01, 0.1, 1.0, 10.0)  # Of Figure 9
 _TIMES = np.geomspace(1e-3, 1e8, 177)
 
 LARGE_LATTICE = 0.01
 """Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
 
-_LATE = 1e-2
-"""From where on the late form is drawn."""
+_LATE = 1e-2  # From where on the late form is drawn
 
 
 def indentation(evidence: Evidence) -> pd.DataFrame:

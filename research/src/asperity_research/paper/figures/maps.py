@@ -29,14 +29,11 @@ _COLORS = {SiteState.KEPT: style.INK, SiteState.NEW: style.VERMILION}
 _SMALLEST = 0.8
 """Smallest side of a mark that is drawn faithfully at 200 dots per inch, points: about two pixels."""
 
-_READABLE = 1.2
-"""The same where colors have to be told apart."""
-
+_READABLE = 1.2  # The same where colors have to be told apart
 _FAINT = LinearSegmentedColormap.from_list("faint", ["0.80", "1.0"])
 """A relief light enough that black sites stand out on it."""
 
-_COLUMNS = 3
-"""Maps of an aging contact side by side."""
+_COLUMNS = 3  # Maps of an aging contact side by side
 
 _PANELS = (
     ("number of patches", "log", ("patches",)),

@@ -11,11 +11,8 @@ from matplotlib.figure import Figure
 from asperity_research.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
 from asperity_research.paper.wording import sentences, spelled
 
-COLUMN = 3.4
-"""Width of a journal column, inches."""
-
-PAGE = 7.0
-"""Width of a journal page, inches."""
+COLUMN = 3.4  # Width of a journal column, inches
+PAGE = 7.0  # Width of a journal page, inches
 
 
 @dataclass(frozen=True, eq=False)

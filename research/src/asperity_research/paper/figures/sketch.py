@@ -20,8 +20,7 @@ from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, capt
 from asperity_research.studies.evidence import Evidence
 
 _BAR, _BULK, _LATERAL = "0.72", "0.90", "0.35"
-_ROOM = 4
-"""Sites to either side of the place where the symbols are named."""
+_ROOM = 4  # Sites to either side of the place where the symbols are named
 
 
 def figure_1(evidence: Evidence) -> PaperFigure:
