@@ -215,8 +215,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         style.points(
             ax, rows.assign(time=rows["time"] - shift), "time", "area", "o", style.VERMILION, label="measured"
         )
-    left.set(xscale="log", xlabel="time since first contact, s", ylabel="area over that after 10 s")
-    right.set(xscale="log", xlabel="time since the drop to a quarter + 1 s, s", ylim=(0.2, 0.4))
+    WORDS.dress(left, right)
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
 

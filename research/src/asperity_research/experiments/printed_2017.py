@@ -106,14 +106,10 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     known = {"s": 60, "color": style.VERMILION, "zorder": 3}
     left.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
     left.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
-    left.set(xscale="log", yscale="log", ylabel="part of the area that touches")
     error = MEASURED["gap_error"]
     style.points(right, rows, "pressure", "ratio", "o-", style.INK)
     right.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="a tenth")
-    right.set(xscale="log", ylabel="area, layer over half-space")
-    for ax in (left, right):
-        ax.set_xlabel("pressure over Young's modulus")
-        ax.legend(fontsize=7)
+    WORDS.dress(left, right)
     return figure
 
 

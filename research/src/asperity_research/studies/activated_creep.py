@@ -359,12 +359,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         curve.plot(
             part["time"], part["area"], color=shade, label=f"${power_of_ten(float(str(wait)))}$", linewidth=1
         )
-    curve.set(xscale="log", xlabel=r"time since the step over $t_\mathrm{w}$")
-    curve.set_ylabel("area over that after the step")
     low, high = curve.get_ylim()
     curve.set_ylim(low - 0.35 * (high - low), high)
-    curve.legend(title=r"$t_\mathrm{w}$", fontsize=6, title_fontsize=7, ncols=4, loc="lower left")
-    for axis, name, words in ((minimum, "minimum", "the minimum"), (growth, "growth", "growth")):
+    for axis, name in ((minimum, "minimum"), (growth, "growth")):
         sharp = steps[steps[f"{name}_high"] < _BROAD * steps[f"{name}_low"]]
         for (solid, ratio), part in sharp.groupby(["solid", "load_ratio"], sort=False):
             mark, color = _LOOKS[str(solid)]
@@ -372,17 +369,13 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             look = {"label": f"{str(solid).replace('_', '-')}, × {ratio}"}
             look["markerfacecolor"] = color if filled or mark in "x+*" else "white"
             style.points(axis, part, "waiting_time", name, mark + line, color, **look)
-        axis.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")
-        axis.set_ylabel(rf"time of {words} over $t_\mathrm{{w}}$")
+        axis.set(xscale="log", yscale="log")
         axis.set_ylim(top=axis.get_ylim()[1] * (1e3 if name == "growth" else 1))
-        axis.legend(fontsize=6, ncols=2, loc="upper right")
     shared = {"linewidth": None}
     style.points(rest, rests, "kT", "rest", "o", style.INK, label="at rest, B", **shared)
     style.points(rest, rests, "kT", "steady", "s", style.BLUE, label="in steady sliding, b", **shared)
     rest.plot(rests["kT"], rests["s0_over_s"], "--", color="0.5", label="$s_0/s$")
-    rest.set(xlabel="$kT$ over the activation volume", ylabel="friction per e-fold")
-    rest.set(xlim=(0, None), ylim=(0, None))
-    rest.legend(fontsize=7)
+    WORDS.dress(curve, minimum, growth, rest)
     return figure
 
 

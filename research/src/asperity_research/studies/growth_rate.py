@@ -424,9 +424,6 @@ def _lines() -> pd.DataFrame:
     return pd.concat([pd.DataFrame(dict(zip(names, one, strict=True))) for one in lines], ignore_index=True)
 
 
-_TICKS = (0.1, 0.2, 0.5, 1.0, 2.0)
-
-
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw B against everything, with the closed forms, and where they end."""
     figure, (viscous, ratio, load, wave, side, over) = style.panels(8.6, 5.6, 3, 2)
@@ -449,33 +446,17 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         line(ax, of, "closed form", "-", style.INK, "closed form")
     line(ratio, "k1/k0", "late, exponential", "--", style.BLUE, r"$k_\mathrm{eff}/(8\pi k_0)$")
     line(ratio, "k1/k0", "paper", ":", style.VERMILION, r"$0.04\,k_1/k_0$")
-    viscous.set(xscale="log", xlabel=r"$\tilde R/R$ (at the left: 0)", ylabel=r"$B$")
-    ratio.set(xscale="log", yscale="log", xlabel=r"$k_1/k_0$")
-    load.set(xscale="log", yscale="log", xlabel=r"load a site$\,/(k_0\,$rms height$)$")
     for hurst, look, color in zip(HURST, "o^D", (style.SKY, style.BLUE, style.INK), strict=True):
         dots(wave, "cutoff", f"{look}-", color, by_hurst(hurst), by_hurst(hurst))
-    wave.set(xscale="log", xlabel="shortest wavelength (sites)", ylabel=r"$B$")
-    wave.set_xticks(CUTOFFS, [f"{cutoff:g}" for cutoff in CUTOFFS])
-    for ax in (wave, side):
-        ax.set_yscale("log")
-        ax.set_yticks(_TICKS, [f"{tick:g}" for tick in _TICKS])
-        ax.tick_params(axis="y", which="minor", labelleft=False)
     for name, look, color in ((by_hurst(0.8), "D--", style.BLUE), (GAUSSIAN, "s--", style.INK)):
         dots(side, "side", look, color, name, name)
     line(side, "side", "closed form", "-", style.INK, "closed form")
-    side.set(xscale="log", ylim=(0.1, 2.0), xlabel="sites along a side")
-    side.set_xticks(SIZES, [f"{size}" for size in SIZES])
     ends = tables["courses"]
     for value, color in zip(ENDING, (style.SKY, style.BLUE, style.VERMILION, style.INK), strict=True):
         part = ends[ends["load"] == value]
         over.plot(part["time"] * part["area"] ** 2, part["over_closed"], "-", color=color, label=f"{value:g}")
     over.axhline(END, color="0.7", linewidth=0.8)
-    over.set(xscale="log", xlim=(1e-7, 1e3), ylim=(0.6, 1.03))
-    over.set(xlabel=r"$k_0 R t\,(A/N_0)^2$", ylabel="area over closed form")
-    over.legend(title="load a site", fontsize=7, title_fontsize=7)
-    for ax in (viscous, ratio, load, wave, side):
-        ax.legend(fontsize=7)
-        ax.tick_params(axis="x", which="minor", labelbottom=False)
+    WORDS.dress(viscous, ratio, load, wave, side, over)
     return figure
 
 

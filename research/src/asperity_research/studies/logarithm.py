@@ -231,16 +231,13 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
         left.plot(own["time"], own["growth"], mark, color=color, markersize=3, label=words)
         left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
-    left.set(xscale="log", xlabel=r"time $t$", ylabel=r"area $A/A(0)$")
-    left.legend(fontsize=7, loc="upper left")
     rates = numbers[numbers["number"] == "B"]
     rates = rates.assign(kind=rates["relaxation"].str.partition("_")[0])
     style.families(right, rates, "kind", "at", "value", _KINDS, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
     right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
     right.axhline(WANTED, color="0.7", linewidth=0.8)
-    right.set(xscale="log", yscale="log", xlabel="share of each decade", ylabel=r"$B$")
-    right.legend(fontsize=7)
+    WORDS.dress(left, right)
     return figure
 
 

@@ -314,23 +314,15 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             own["size"], own["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
         )
     sizes.axvline(SMALLEST, color="0.7", linewidth=0.8)
-    sizes.set(xscale="log", yscale="log", xlabel="size $s$ (sites)", ylabel="share of $s$ sites or more")
-    sizes.legend(title="load a site", fontsize=7, title_fontsize=7)
     for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
         color = style.INK if hurst == HURST[-1] else style.VERMILION
         style.points(
             exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}"
         )
-    exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
-    exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
-    exponent.tick_params(axis="x", which="minor", labelbottom=False)
-    exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
     grown = tables["growth"][tables["growth"]["from"] > 0]
     style.families(held, grown, "solid", "from", "growth", _LOOKS)
     held.axhline(0.0, color="0.7", linewidth=0.8)
-    held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
-    held.set_yscale("symlog", linthresh=0.5)
-    held.legend(fontsize=7)
+    WORDS.dress(sizes, exponent, held)
     return figure
 
 

@@ -169,17 +169,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     for hardness, (_, course), mark in marks:
         words = f"{1e-9 * hardness:g} GPa"
         left.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)
-    left.set(xscale="log", yscale="log", xlabel="time, s", ylabel="contact, % of the nominal area")
-    left.yaxis.set_major_formatter("{x:g}")
-    left.yaxis.set_minor_formatter("{x:g}")
-    left.legend(title="hardness", fontsize=7, title_fontsize=7)
     numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
     style.families(right, numbers, "family", "x", "B", _LOOKS, linewidth=None)
     ends = np.array([0.0, 1.1 * numbers["x"].max()])
     right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
     right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")
-    right.set(xlabel=r"$s_0/s$", ylabel=r"$B$", xlim=(0, None), ylim=(0, None))
-    right.legend(fontsize=7)
+    WORDS.dress(left, right)
+    left.yaxis.set_major_formatter("{x:g}")
+    left.yaxis.set_minor_formatter("{x:g}")
     return figure
 
 

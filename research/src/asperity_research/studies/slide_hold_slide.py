@@ -260,10 +260,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
     figure, (rest, steady, memory, resolved) = style.panels(7.6, 6.0, 2, 2)
     values, slips = tables["points"], tables["slips"]
-    for axis, what, label in (
-        (rest, "rest", "hold time (sites / velocity 1)"),
-        (steady, "steady", "velocity (sites / time)"),
-    ):
+    for axis, what in ((rest, "rest"), (steady, "steady")):
         shown = values[values["what"] == what].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
@@ -271,14 +268,11 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             look: dict[str, Any] = {"label": f"{str(solid).replace('_', '-')}, load {load:g}"}
             look["markerfacecolor"] = None if heavy else "white"
             style.points(axis, part, "at", "value", f"{_MARKS[str(solid)]}-", color, **look)
-        axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
-    rest.legend(fontsize=7)
     looks = {name: (f"{_MARKS[name]}-", _COLORS[name], words) for name, words in FAMILIES.items()}
     style.families(memory, slips, "family", "length", "slip", looks)
-    memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
-    memory.legend(fontsize=6)
-    sliding.draw_lines(resolved, tables["lines"])
+    style.families(resolved, tables["lines"], "family", "length", "slip", sliding.LINE_LOOKS)
+    WORDS.dress(rest, steady, memory, resolved)
     return figure
 
 

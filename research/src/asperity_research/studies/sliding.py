@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 
 from asperity.analysis import patches
 from asperity.fits import Estimate, jackknife
@@ -107,6 +106,7 @@ LINES: Mapping[str, tuple[str, str, Waves, str]] = {
     "line_lattice": ("all waves longer, lattice of springs", "lattice", _ALL, "o-"),
 }
 """By name: words, solid, longest and shortest wavelengths, and marks."""
+LINE_LOOKS = {name: (mark, _ON_LINES[solid][2], words) for name, (words, solid, _, mark) in LINES.items()}
 
 
 def line_campaigns(surfaces: int) -> Iterator[Campaign]:
@@ -195,16 +195,3 @@ def numbers_on_lines(every: list[Lines]) -> dict[str, dict[str, Estimate]]:
             ("contact", "mean length of a contact", Lines.of_patch),
         )
     }
-
-
-def draw_lines(ax: Axes, table: pd.DataFrame) -> None:
-    """Draw D_c against the correlation length."""
-    looks = {name: (mark, _ON_LINES[solid][2], words) for name, (words, solid, _, mark) in LINES.items()}
-    style.families(ax, table, "family", "length", "slip", looks)
-    ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
-    for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
-        axis.set_ticks(marks, [f"{mark}" for mark in marks])
-        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
-    ax.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
-    ax.set_title("on lines", fontsize=9)
-    ax.legend(fontsize=6)

@@ -16,6 +16,7 @@ from typing import Any
 
 import pandas as pd
 import tomli_w
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
@@ -32,17 +33,25 @@ class Words:
     """What a study says: its name, question, caption and page; and its claims, by key.
 
     A claim has a place in the literature, a sentence, the range (``ends``) that its numbers share if they do,
-    and a note or several by key. Sentences have facts in braces.
+    and a note or several by key. Sentences have facts in braces. The axes of the figure have their scales,
+    labels and legends: methods of `Axes`, each with what it is given.
     """
 
     study: Mapping[str, str]
+    axes: Sequence[Mapping[str, Mapping[str, Any]]]
     claims: Mapping[str, Mapping[str, Any]]
 
     @classmethod
     def beside(cls, module: str) -> Words:
         """Read them from the text file beside a module."""
         found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
-        return cls(found.pop("study", {}), found)
+        return cls(found.pop("study", {}), found.pop("axes", ()), found)
+
+    def dress(self, *axes: Axes) -> None:
+        """Give axes, all of the figure in order, their scales, labels and legends."""
+        for ax, looks in zip(axes, self.axes, strict=True):
+            for method, how in looks.items():
+                getattr(ax, method)(**how)
 
     def judge(
         self,

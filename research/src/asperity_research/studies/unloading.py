@@ -179,12 +179,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     waits = np.unique(dips["waiting_time"])
     time.plot(waits, waits, ":", color="black", linewidth=1)
     time.annotate("equal", (waits[-1], waits[-1]), fontsize=8, ha="right", va="bottom")
-    area.set(xscale="log", yscale="log", xlabel="time since the step", ylabel="area / area after the step")
-    area.set_title(f"longest waiting time, load × {ratio:g}", fontsize=9)
-    area.legend(fontsize=8)
-    depth.set(xscale="log", xlabel="waiting time", ylabel="depth of the dip (%)")
-    depth.set_title("filled: load × 0.2, open: × 0.5", fontsize=9)
-    time.set(xscale="log", yscale="log", xlabel="waiting time", ylabel="time of the minimum")
+    WORDS.dress(area, depth, time)
     return figure
 
 

@@ -40,10 +40,6 @@ def figure_3(evidence: Evidence) -> PaperFigure:
         row = {"k1": k1, "load": load, "load_per_site": load / sites, **found}
         fits.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
     tables = {"growth": growth, "fits": pd.DataFrame(fits)}
-    return captioned(3, _draw_3(tables), tables, {"sites": sites, "slope": _SLOPE})
-
-
-def _draw_3(tables: Mapping[str, pd.DataFrame]) -> Figure:
     growth, fits = tables["growth"].query("time > 0"), tables["fits"]
     looks = curves.looks(growth["load_per_site"].unique())
     figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
@@ -66,7 +62,7 @@ def _draw_3(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.legend(inset, "lower right")
     last = f"({'abcdefgh'[len(panels)]})"
     curves.dress(inset, r"$F_N\,/\,(N_0 k_0\sigma)$", r"exponent  $q$", panel=last)
-    return figure
+    return captioned(3, figure, tables, {"sites": sites, "slope": _SLOPE})
 
 
 def figure_6(evidence: Evidence) -> PaperFigure:
@@ -90,10 +86,6 @@ def figure_6(evidence: Evidence) -> PaperFigure:
         "fits": pd.DataFrame(fits),
         "fitted": pd.concat(fitted, ignore_index=True),
     }
-    return captioned(6, _draw_6(tables), tables, {"last": _LAST})
-
-
-def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
     area, growth = tables["area"].query("time > 0"), tables["growth"].query("time > 0")
     looks = _looks(area)
     figure = Figure(figsize=(PAGE, 3.0), layout="constrained")
@@ -131,7 +123,7 @@ def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
             )
             together.setdefault(name.format(load=load, size=size), []).append(mark)
     curves.legend(scaled, "upper left", together=together)
-    return figure
+    return captioned(6, figure, tables, {"last": _LAST})
 
 
 def _looks(table: pd.DataFrame) -> dict[tuple[float, float], curves.Look]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from itertools import product
 
 import numpy as np
@@ -92,10 +92,6 @@ def figure_8(evidence: Evidence) -> PaperFigure:
     forms = {"x2": late, "G": compliance_asymptote(late), "paper": compliance_asymptote_paper(late)}
     tables = {"theory": theory, "asymptotes": pd.DataFrame(forms), "simulated": simulated}
     rounding = float(np.abs(forms["paper"] - forms["G"]).max())
-    return captioned(8, _draw_8(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
-
-
-def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     above.set_xscale("log")
@@ -110,7 +106,7 @@ def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
     curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
-    return figure
+    return captioned(8, figure, tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
 def figure_9(evidence: Evidence) -> PaperFigure:
@@ -123,10 +119,6 @@ def figure_9(evidence: Evidence) -> PaperFigure:
     ratios = (*_MOBILITY_RATIOS, *simulated["R_viscous"])
     theory = _closed("R_viscous", ratios, lambda r: compliance(_STIFFNESS_RATIO, _TIMES, r), "depth")
     tables = {"theory": theory, "simulated": simulated}
-    return captioned(9, _draw_9(tables), tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
-
-
-def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
     axes = figure.add_subplot(xscale="log")
     theory, simulated = tables["theory"], tables["simulated"].query("drawn")
@@ -143,4 +135,4 @@ def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
-    return figure
+    return captioned(9, figure, tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
