@@ -25,13 +25,12 @@ from asperity.theory import (
     torus_compliance,
 )
 from asperity_research.arrays import Field
-from asperity_research.paper.claims.claim import claim
-from asperity_research.paper.claims.measures import (
+from asperity_research.paper.claims.claim import (
     LOGARITHMIC,
     ROUGHLY,
     Number,
     Numbers,
-    between,
+    claim,
     exponent,
     growth_slope,
     slope,
@@ -39,7 +38,7 @@ from asperity_research.paper.claims.measures import (
 )
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import exact
-from asperity_research.studies.numbers import mean_of, ratio
+from asperity_research.studies.numbers import mean_of, ratio, within
 
 DILUTE = (10.0, 1e3)
 """Reduced times, under conserving creep, when growth is late but the dips around contacts have not met."""
@@ -93,7 +92,7 @@ def number_at_start(evidence: Evidence, k1: float) -> Numbers:
 def growth_of_contacts(evidence: Evidence, k1: float) -> Numbers:
     """N(t)/N(0) over Eq. (ndet), and over G(t)/G(0)."""
     time = evidence["exponential"]["time"].values
-    here = between(time, 1.0, 100.0)
+    here = within(time, 1.0, 100.0)
 
     def over(growth: Field) -> Estimate:
         def statistic(mean: Field) -> float:
@@ -178,7 +177,7 @@ def line_contact(evidence: Evidence, k1: float) -> Numbers:
     time, late = evidence["line_point"]["time"].values, np.geomspace(1e12, 1e15, 7)
     depth = evidence["line_point"]["approach"].sel(k1=k1).values
     first = float(1 / site_stiffness(k1, dimension=1))
-    here = between(time, 1e4, time[-1])
+    here = within(time, 1e4, time[-1])
     yield Number("simulated", exact(exponent(time[here], first + depth[here])), {"last": time[-1]})
     yield Number("closed", exact(exponent(late, compliance(k1, late, dimension=1))))
 

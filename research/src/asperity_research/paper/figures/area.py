@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from asperity.theory import GaussianHeights, compliance, dilute_area
 from asperity_research import style
 from asperity_research.paper.figures import curves
-from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
 _FAR_APART = 3.0
@@ -21,7 +20,7 @@ _EXPONENT = 0.8  # The paper's, of the area against the load on self-affine surf
 _PARTIAL = 0.1  # Contact fraction up to which a contact counts as far from full
 
 
-def figure_2(evidence: Evidence) -> PaperFigure:
+def figure_2(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
 
     Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
@@ -51,7 +50,7 @@ def figure_2(evidence: Evidence) -> PaperFigure:
     axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
     curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
     curves.legend(axes, "lower right", r"$k_1/k_0$")
-    return captioned(2, figure, tables, facts)
+    return curves.captioned(2, figure, tables, facts)
 
 
 def _areas(evidence: Evidence, study: str) -> dict[str, pd.DataFrame]:
@@ -73,11 +72,11 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
 
 
 def _panel() -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
     return figure, figure.add_subplot(xscale="log", yscale="log")
 
 
-def figure_5(evidence: Evidence) -> PaperFigure:
+def figure_5(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(F_N) of self-affine surfaces, in sites.
 
     Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
@@ -98,7 +97,7 @@ def figure_5(evidence: Evidence) -> PaperFigure:
     axes.set_ylim(areas["area"].min() / 3, 3 * sizes.max() ** 2)
     curves.dress(axes, r"normal load  $F_N\,/\,k_0$", r"contact area  $A$  (sites)")
     curves.legend(axes, "lower right")
-    return captioned(5, figure, tables, {"exponent": _EXPONENT})
+    return curves.captioned(5, figure, tables, {"exponent": _EXPONENT})
 
 
 def _power_law(axes: Axes, areas: pd.DataFrame) -> None:
