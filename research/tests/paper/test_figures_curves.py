@@ -1,7 +1,5 @@
 """The curves: what is drawn is what the tables say, and the tables are what was simulated."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from itertools import pairwise, product

@@ -6,8 +6,6 @@ that is asked with its error bar (``_bar``) and the parts of which the bar is ma
 solver (``_solver``), and lattice (``_lattice``).
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import tomllib

@@ -1,7 +1,5 @@
 """Anybody's answer to a reference problem, held against the certified one; a score as a figure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

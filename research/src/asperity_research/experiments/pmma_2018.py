@@ -13,8 +13,6 @@ the experiment, on which the ratios of areas of the first two do not depend.
   the modulus at once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any

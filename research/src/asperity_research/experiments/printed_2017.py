@@ -5,8 +5,6 @@ there. The surface is one of the same statistics, not the same surface: self-aff
 roll-off down to eight sites, with its rms slope. It is periodic, where the print ends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

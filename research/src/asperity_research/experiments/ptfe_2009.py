@@ -6,8 +6,6 @@ Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960)): A(t)/A(0) = (E(0) J(t))^(2/
 The numbers of the experiment are missing, so that the form is all that is compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

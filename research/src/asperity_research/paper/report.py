@@ -1,7 +1,5 @@
 """The report of a reproduction: one page that needs no network, beside its figures, numbers and ledger."""
 
-from __future__ import annotations
-
 import base64
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Reproduce the paper: run the studies, draw the figures, judge the claims, write the report."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path

@@ -5,8 +5,6 @@ leaves some of its conditions unsaid (the loads, the stiffness ratios of its sec
 sizes of its fifth and sixth); those are chosen here to show what it describes.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

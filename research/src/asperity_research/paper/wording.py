@@ -5,8 +5,6 @@ of HTML; `studies.typeset` makes a page of them. Symbols and phrases of several 
 ``templates/phrases.j2``.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 import tomllib

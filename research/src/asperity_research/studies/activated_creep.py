@@ -17,9 +17,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,48 +29,17 @@ from asperity.base.words import power as power_of_ten
 from asperity.fits import Estimate, jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.studies.campaigns import Campaign, Solid, after_waits, hold, slide, waves, zipped
+from asperity_research.studies.campaigns import Campaign, after_waits, hold, slide, waves, zipped
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import all_columns, columns, crossing, mean, power, slope, vertex
 from asperity_research.studies.sliding import before_shifts, steady_area
 from asperity_research.studies.study import Outcome, Study, Words
 
 WORDS = Words.beside(__file__)
-_STEPS = (1e-6, 1e-4, 1e-2, 1.0)
-_DECADES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
-_LINEAR = (0.1, 1.0, 10.0, 100.0, 1e3)
 SIDE = 64  # Sites along a side
-LOAD = 0.05  # Load a site before the step
 ROUGH = waves(SIDE, 16.0)  # The table of the surface, without its height
-
-
-def _solid(words: str, waits: tuple[float, ...], *ratios: float, s0: float = 0.0, **table: Any) -> Solid:
-    """Return a solid; with s0 Eyring's law, whose linear limit relaxes a creeping spring in a time of 1."""
-    springs = {"k0": 1.0, "k1": 3.0, "R": 0.0}
-    table = {**({} if "kind" in table else springs), **table}
-    law = {"creep": "eyring", "creep_rate": s0 / table.get("k1", 1.0), "creep_stress": s0} if s0 else {}
-    return Solid(words, table | law, LOAD, waits, ratios)
-
-
-_HALF_SPACE: dict[str, Any] = {"kind": "half_space", "modulus": 1.0}
-_LOGARITHM: dict[str, Any] = {"branches": [[0.06, 10.0**decade] for decade in range(-7, 6)]}
-SOLIDS = {
-    "lattice": _solid("lattice of springs, s0 = 0.05", _DECADES, 0.2, 0.5, s0=0.05),
-    "lighter": _solid("lattice of springs, s0 = 0.05", _STEPS, 0.8, s0=0.05),
-    "cold": _solid("lattice of springs, s0 = 0.025", _STEPS, 0.5, s0=0.025),
-    "warm": _solid("lattice of springs, s0 = 0.1", _STEPS, 0.5, s0=0.1),
-    "bed": _solid("independent springs, s0 = 0.05", _STEPS, 0.5, s0=0.05, k0=0.0),
-    "half_space": _solid(
-        "half-space in series with creep, s0 = 0.05", _STEPS, 0.5, 0.8, s0=0.05, **_HALF_SPACE
-    ),
-    "viscous": _solid("linear lattice, R_viscous = 1/3", _LINEAR, 0.2, R_viscous=1 / 3),
-    "conserved": _solid("linear lattice, R = 1", _LINEAR, 0.2, R=1.0),
-    "logarithm": _solid(
-        "linear half-space, E(t) like ln t", (1e-3, 1e-2, 0.1, 1.0), 0.5, **_HALF_SPACE, **_LOGARITHM
-    ),
-}
-"""By the names of their campaigns. k1 = 3 k0 and E* = 1; M k1 = 1 in the linear limit of each lattice."""
-
+SOLIDS = WORDS.solids  # By the names of their campaigns
+LOAD = SOLIDS["lattice"].load  # Load a site before the step, of all
 IN_SERIES = ("bed", "half_space")  # Solids whose whole stiffness creeps
 
 
@@ -233,7 +201,8 @@ def _campaigns(surfaces: int, every: int) -> tuple[Campaign, ...]:
     """Return the campaigns, with so many surfaces each and every so many waiting times and temperatures."""
     temperatures = _TEMPERATURES[::every]
     slides = [slide(*one) for one in zip(_SLIDES, _VELOCITIES, strict=True)]
-    solid = _solid("lattice of springs", (), s0=temperatures[0])
+    law = {"creep_rate": temperatures[0] / 3.0, "creep_stress": temperatures[0]}
+    solid = replace(SOLIDS["lattice"], what="lattice of springs", table={**SOLIDS["lattice"].table, **law})
     rates = [_PREFACTOR * math.exp(-_BARRIER / kT) for kT in temperatures]
     sliding = solid.campaign(
         "sliding",

@@ -79,8 +79,8 @@ class Solid:
     what: str
     table: Tables
     load: float
-    waits: tuple[float, ...] = ()
-    steps: tuple[float, ...] = ()
+    waits: Sequence[float] = ()
+    steps: Sequence[float] = ()
 
     @property
     def rough(self) -> dict[str, float]:

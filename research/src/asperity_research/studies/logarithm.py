@@ -11,8 +11,6 @@ exponential approach to a limit. Equal parts of compliance in each decade give J
 and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

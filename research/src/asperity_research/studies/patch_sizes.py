@@ -45,7 +45,7 @@ from asperity_research.arrays import Field, Mask
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
-from asperity_research.studies.numbers import columns
+from asperity_research.studies.numbers import all_columns, columns
 from asperity_research.studies.study import Outcome, Study, Words
 
 WORDS = Words.beside(__file__)
@@ -202,7 +202,9 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
         numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
         for at, head in enumerate(heads):
             counted = {"area": samples[:, at, 4].mean() / sites, "patches": int(samples[:, at, 0].sum())}
-            rows.append(head | counted | _columns(numbers.part(at)) | {"runs": len(seeds)})
+            ends = all_columns(**{name: numbers.part(at).part(n) for n, name in enumerate(_COLUMNS)})
+            ends |= {name: math.exp(ends[name]) for name in ends if name.startswith("mean_size")}
+            rows.append(head | counted | ends | {"runs": len(seeds)})
         if kind == "overlap":
             continue
         about = f"half-space, Hurst exponent {hurst:g}"
@@ -237,13 +239,6 @@ def _numbers(samples: Field, loads: Field, largest: int) -> Field:
         better = (laws.cut.likelihood - other.likelihood for other in (laws.lognormal, laws.power))
         rows.append((laws.cut.exponent, math.log(squares / area), *better, laws.cut.second))
     return np.vstack([rows, np.polyfit(np.log(loads), np.array(rows), 1)[0]])
-
-
-def _columns(found: Estimate) -> dict[str, float]:
-    row: dict[str, float] = {}
-    for column, name in enumerate(_COLUMNS):
-        row |= columns(name, found.part(column))
-    return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
 
 
 def _survival(sizes: Sizes, head: Mapping[str, object]) -> pd.DataFrame:

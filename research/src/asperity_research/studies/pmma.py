@@ -7,8 +7,6 @@ of activation Q is such that the surface sinks by 1 nm/s under a hardness H at r
 Q = kT ln(prefactor/(2 nm/s)) + H Omega.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -16,8 +16,6 @@ maximum. A rough contact loses contacts in the release and wins some again, so t
 it: the tables have its maximum beside the measured one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -221,7 +221,8 @@ def analyse(evidence: Evidence) -> Outcome:
     length = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
     numbers = {
         "logarithm": each(
-            "growth in the last decade over that in the first", lambda one: mean_of(_bend, one.rest)
+            "growth in the last decade over that in the first",
+            lambda one: mean_of(lambda rest: (rest[-1] - rest[-2]) / (rest[1] - rest[0]), one.rest),
         ),
         "explained": each("explained part of the variance", Records.explained),
         "same_b": each("b of steps over b of rests", Records.ratio_of_b),
@@ -233,11 +234,6 @@ def analyse(evidence: Evidence) -> Outcome:
         **sliding.numbers_on_lines(on_lines),
     }
     return Outcome(tuple(WORDS.judge(claim, some) for claim, some in numbers.items()), tables)
-
-
-def _bend(rest: Field) -> float:
-    """Growth in the last decade of hold time over that in the first."""
-    return float((rest[-1] - rest[-2]) / (rest[1] - rest[0]))
 
 
 def _slips(name: str, data: xr.Dataset) -> Slips:

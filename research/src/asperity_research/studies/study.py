@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 import asperity_research.studies.campaigns as campaigns
 from asperity.base.checks import instance
 from asperity.fits import Estimate
-from asperity_research.studies.campaigns import Campaign, Home, Prepared
+from asperity_research.studies.campaigns import Campaign, Home, Prepared, Solid
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.report import About, write_drawing, write_report, write_table, write_text
@@ -34,18 +34,20 @@ class Words:
 
     A claim has a place in the literature, a sentence, the range (``ends``) that its numbers share if they do,
     and a note or several by key. Sentences have facts in braces. The axes of the figure have their scales,
-    labels and legends: methods of `Axes`, each with what it is given.
+    labels and legends: methods of `Axes`, each with what it is given. Solids have the fields of `Solid`.
     """
 
     study: Mapping[str, str]
     axes: Sequence[Mapping[str, Mapping[str, Any]]]
+    solids: Mapping[str, Solid]
     claims: Mapping[str, Mapping[str, Any]]
 
     @classmethod
     def beside(cls, module: str) -> Words:
         """Read them from the text file beside a module."""
         found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
-        return cls(found.pop("study", {}), found.pop("axes", ()), found)
+        solids = {name: Solid(**one) for name, one in found.pop("solids", {}).items()}
+        return cls(found.pop("study", {}), found.pop("axes", ()), solids, found)
 
     def dress(self, *axes: Axes) -> None:
         """Give axes, all of the figure in order, their scales, labels and legends."""

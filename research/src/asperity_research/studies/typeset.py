@@ -3,8 +3,6 @@
 Texts of studies are plain, with the tags i, sub and sup; whatever else they hold is shown as it is.
 """
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -4,8 +4,6 @@ A contact is held under a load for a waiting time; then the load falls at once t
 Lost contact is counted from the state just after the step, so that what the step itself takes does not count.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -17,7 +15,7 @@ from matplotlib.figure import Figure
 
 from asperity.fits import Estimate
 from asperity_research.arrays import Field, Mask
-from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
+from asperity_research.studies.campaigns import Campaign, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, estimate, proportion
 from asperity_research.studies.numbers import mean, slope
@@ -26,35 +24,7 @@ from asperity_research.studies.study import Outcome, Study, Words
 WORDS = Words.beside(__file__)
 WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
 RATIOS = (0.2, 0.5)  # Load after the step over that before
-_BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
-_COATED = {
-    "kind": "coated_half_space",
-    "modulus": 1.0,
-    "poisson": 0.4,
-    "thickness": 4.0,
-    "base_modulus": 1.0,
-    "base_poisson": 0.4,
-    "base_branches": _BRANCHES,
-}
-_SPRINGS, _WAITS = {"k0": 1.0, "k1": 3.0}, (5.0, 30.0, 200.0)
-
-SOLIDS = {
-    "half_space": Solid(
-        "half-space, three relaxation times",
-        {"kind": "half_space", "modulus": 1.0, "branches": _BRANCHES},
-        0.05,
-        (10.0,),
-    ),
-    "coated": Solid("elastic film on a half-space that relaxes", _COATED, 0.05, (10.0,)),
-    "conserved": Solid(
-        "lattice of springs, creep that conserves the mean (R)", _SPRINGS | {"R": 1.0}, 0.2, _WAITS
-    ),
-    "viscous": Solid(
-        "lattice of springs, viscous creep (R_viscous)", _SPRINGS | {"R": 0.0, "R_viscous": 1.0}, 0.2, _WAITS
-    ),
-}
-"""The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
-
+SOLIDS = WORDS.solids  # By the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness
 SEPARABLE = ("half_space",)  # Those whose spectra are all proportional
 
 

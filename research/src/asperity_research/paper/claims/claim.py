@@ -7,8 +7,6 @@ the statistic's, and the facts of the numbers: each sentence on a number its own
 ``numbers``. What several claims ask for is here too: exponents, slopes and crossovers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace

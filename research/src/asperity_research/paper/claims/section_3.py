@@ -1,7 +1,5 @@
 """Section 3 of the paper, independent heights: area against load, its growth, and how the load drifts."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Section 4 of the paper, self-affine surfaces: area and load, growth, and what becomes of the spots."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np

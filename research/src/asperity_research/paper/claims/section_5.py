@@ -1,7 +1,5 @@
 """Sections 5, 6 and 2 of the paper: few contacts, the response to a force at one point, and the model."""
 
-from __future__ import annotations
-
 import math
 from math import inf, pi
 
@@ -126,18 +124,13 @@ def gaussian_like_exponential(evidence: Evidence) -> Numbers:
             gaussian = slope(np.log(x2), area[1:] / area[0])
             same = slope(np.log(x2), exponential_growth(k1, x2))
             yield Number("closed", exact(gaussian / same), {"load": load, "k1": k1})
-    for k1 in evidence.values("aging", "k1"):
-        yield _gaussian_growth(evidence, k1)
-
-
-def _gaussian_growth(evidence: Evidence, k1: float) -> Number:
-    """Simulated growth of the lightest contacts of Gaussian heights over the theory of few contacts."""
-    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0
-    start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
-    area = evidence.samples("aging", "area", k1=k1, load=load)
+    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0  # the lightest
     at = int(np.argmin(np.abs(evidence["aging"]["time"].values - until)))
-    found = mean_of(lambda mean: float(mean[at] / mean[0] * start / end), area)
-    return Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
+    for k1 in evidence.values("aging", "k1"):
+        start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
+        area = evidence.samples("aging", "area", k1=k1, load=load)
+        found = mean_of(lambda mean, a=start, b=end: float(mean[at] / mean[0] * a / b), area)
+        yield Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
 
 
 @claim("even-forces", spread=(-inf, 0.2))

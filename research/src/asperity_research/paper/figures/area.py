@@ -1,7 +1,5 @@
 """Figures 2 and 5: the area against the load, before creep and relaxed, on white and self-affine surfaces."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Figures 3 and 6: the growth of the area at constant load, with the laws that are fitted to it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -30,16 +28,16 @@ def figure_3(evidence: Evidence) -> curves.PaperFigure:
     sites = evidence.sites("aging")
     growth = curves.over_seeds(evidence, "aging", "area", "area_ratio", curves.growth)
     growth.insert(2, "load_per_site", growth["load"] / sites)
-    fits = []
+    rows = []
     for (k1, load), part in curves.parts(growth, ["k1", "load"]):
         areas = evidence.samples("aging", "area", k1=k1, load=load)
         fit = ensemble(saturation, part["time"].to_numpy(), areas)
         growth.loc[part.index, "fitted"] = fit.mean.area_ratio(part["time"])
         found = all_columns(**{name: fit.parameters[name] for name in ("a", "q", "t0", "C")})
         row = {"k1": k1, "load": load, "load_per_site": load / sites, **found}
-        fits.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
-    tables = {"growth": growth, "fits": pd.DataFrame(fits)}
-    growth, fits = tables["growth"].query("time > 0"), tables["fits"]
+        rows.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
+    fits = pd.DataFrame(rows)
+    tables, growth = {"growth": growth, "fits": fits}, growth.query("time > 0")
     looks = curves.looks(growth["load_per_site"].unique())
     figure = Figure(figsize=(curves.PAGE, 2.7), layout="constrained")
     *panels, inset = figure.subplots(1, growth["k1"].nunique() + 1)
@@ -71,19 +69,19 @@ def figure_6(evidence: Evidence) -> curves.PaperFigure:
     """
     study = "self_affine_aging"
     growth = curves.over_seeds(evidence, study, "area", "area_ratio", curves.growth)
-    fits, fitted, times = [], [], np.unique(growth.query("time > 0")["time"])
+    fits, laws, times = [], [], np.unique(growth.query("time > 0")["time"])
     for k1, part in growth.query("0 < time <= @_LAST").groupby("k1"):
         # One logarithm for all loads and sizes of a stiffness ratio.
         fit = logarithm(np.append(0.0, part["time"]), np.append(1.0, part["area_ratio"]))
         last = part["time"].max()
         fits.append({"k1": k1, "C": fit.C, "t0": fit.t0, "last": last, "rms_misfit": fit.rms_residual})
         law = 1 + fit.C * np.log1p(times / fit.t0)
-        fitted.append(pd.DataFrame({"k1": k1, "time": times, "area_ratio": law}))
+        laws.append(pd.DataFrame({"k1": k1, "time": times, "area_ratio": law}))
     tables = {
         "area": curves.over_seeds(evidence, study, "area", "area"),
         "growth": growth,
         "fits": pd.DataFrame(fits),
-        "fitted": pd.concat(fitted, ignore_index=True),
+        "fitted": pd.concat(laws, ignore_index=True),
     }
     area, growth = tables["area"].query("time > 0"), tables["growth"].query("time > 0")
     looks = _looks(area)

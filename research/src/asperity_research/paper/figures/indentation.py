@@ -1,7 +1,5 @@
 """Figures 8 and 9: the compliance G of one site, also with viscous creep, closed form and simulation."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from itertools import product
@@ -87,15 +85,15 @@ def figure_8(evidence: Evidence) -> curves.PaperFigure:
     simulated = indentation(evidence).query("R_viscous == 0").reset_index(drop=True)
     ratios = (*_STIFFNESS_RATIOS, *simulated["k1"])
     theory = _closed("x1", ratios, lambda x1: compliance(x1, _TIMES), "G")
-    late = _TIMES[_TIMES >= _LATE]
-    forms = {"x2": late, "G": compliance_asymptote(late), "paper": compliance_asymptote_paper(late)}
+    times = _TIMES[_TIMES >= _LATE]
+    forms = {"x2": times, "G": compliance_asymptote(times), "paper": compliance_asymptote_paper(times)}
     tables = {"theory": theory, "asymptotes": pd.DataFrame(forms), "simulated": simulated}
     rounding = float(np.abs(forms["paper"] - forms["G"]).max())
     figure = Figure(figsize=(curves.COLUMN, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     above.set_xscale("log")
     below.set_yscale("log")
-    theory, simulated, late = tables["theory"], tables["simulated"].query("time > 0"), tables["asymptotes"]
+    simulated, late = simulated.query("time > 0"), tables["asymptotes"]
     marks = _family(above, theory, simulated.query("drawn"), ("x1", "k1"), "G")
     for x1, look in curves.looks(theory["x1"].unique()).items():
         run = simulated[simulated["k1"] == x1]
@@ -120,8 +118,7 @@ def figure_9(evidence: Evidence) -> curves.PaperFigure:
     tables = {"theory": theory, "simulated": simulated}
     figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
     axes = figure.add_subplot(xscale="log")
-    theory, simulated = tables["theory"], tables["simulated"].query("drawn")
-    marks = _family(axes, theory, simulated, ("R_viscous", "R_viscous"), "depth")
+    marks = _family(axes, theory, simulated.query("drawn"), ("R_viscous", "R_viscous"), "depth")
     for mobility, shift, slope, text, factor, lift in (
         (theory["R_viscous"].max(), 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$", 1 / 2, 0.03),
         (theory["R_viscous"].min(), -0.12, LATE_SLOPE, r"slope $1/(8\pi)$", 3, -0.05),

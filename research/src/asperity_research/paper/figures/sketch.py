@@ -1,7 +1,5 @@
 """Figure 1: a sketch of the model, drawn to scale from a simulation of a line contact."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
