@@ -83,14 +83,11 @@ def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[F
     lightest, heaviest = MEASURED.series["area"]["fraction"].values.tolist()
     pressures = np.log(PRESSURES)
     found = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
-    numbers = {"pressure over <i>E</i> at which 0.1 % touch": found}
-    yield WORDS.judge("lightest", numbers, ends=(0.0, MEASURED["least_pressure"]))
-    what = f"part of the nominal area, at a pressure of {PRESSURES[-1]:g} <i>E</i>"
-    yield WORDS.judge("heaviest", {what: mean(layer[:, -1])}, ends=(heaviest, 1.0))
-    over = "layer over half-space, at {:g} <i>E</i>".format
-    numbers = {over(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
+    yield WORDS.judge("lightest", found, ends=(0.0, MEASURED["least_pressure"]))
+    yield WORDS.judge("heaviest", mean(layer[:, -1]), ends=(heaviest, 1.0))
+    numbers = {f"{pressure:g}": one for pressure, one in zip(PRESSURES, ratios, strict=True)}
     yield WORDS.judge("area", numbers, ends=near)
-    yield WORDS.judge("gap", {over(GAPS_AT): gap}, ends=near)
+    yield WORDS.judge("gap", {f"{GAPS_AT:g}": gap}, ends=near)
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:

@@ -235,20 +235,18 @@ def analyse(evidence: Evidence) -> Outcome:
 def _after_steps(every: list[Steps]) -> dict[str, dict[str, Estimate]]:
     """Return what decides the claims on the area after a fall of the load, by claim."""
 
-    def known(what: str, number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
-        return {f"{what}: {one.words}": found for one in every if (found := number(one)) is not None}
+    def known(number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+        return {one.words: found for one in every if (found := number(one)) is not None}
 
     def deepest(one: Steps, *, in_series: bool) -> Estimate | None:
         return one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None
 
-    lost = "largest mean of lost area over that after the step"
-    time = "power of the waiting time in the time of"
     return {
-        "series": known(lost, partial(deepest, in_series=True)),
-        "falls": known(lost, partial(deepest, in_series=False)),
-        "minimum": known(f"{time} the minimum", lambda one: one.power(time_of_minimum)),
-        "growth": known(f"{time} growth", lambda one: one.power(time_of_growth)),
-        "estimate": known("power less d s_2/d s_1", Steps.excess),
+        "series": known(partial(deepest, in_series=True)),
+        "falls": known(partial(deepest, in_series=False)),
+        "minimum": known(lambda one: one.power(time_of_minimum)),
+        "growth": known(lambda one: one.power(time_of_growth)),
+        "estimate": known(Steps.excess),
     }
 
 
@@ -294,11 +292,8 @@ def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, dict[str, Estima
     fall = jackknife(lambda rest, steady: (fall_with_velocity(steady) / growth(rest)).mean(), both)
     head = {"kT": at, "s0_over_s": stress(*both), "surfaces": len(rests)}
     found = {"rest": jackknife(growth, both[0]), "steady": jackknife(fall_with_velocity, both[1])}
-    return pd.DataFrame(head | all_columns(**found)), {
-        "temperature": {"power of <i>T</i> in B": temperature},
-        "slope": {"B s/s0, mean over temperatures": slope},
-        "steady": {"b of steady sliding over B, mean over temperatures": fall},
-    }
+    judged = {"temperature": {"": temperature}, "slope": {"": slope}, "steady": {"": fall}}
+    return pd.DataFrame(head | all_columns(**found)), judged
 
 
 _BROAD = 1e3  # Upper over lower end of an interval from which on a time is not drawn

@@ -277,10 +277,6 @@ def _row(key: Key, found: Grown) -> dict[str, Any]:
     }
 
 
-_B, _K = "<i>B</i>", "<i>k</i><sub>1</sub>/<i>k</i><sub>0</sub>"
-_BEND = f"{_B} in the second decade over that in the first"
-
-
 class Sets(dict[Key, Grown]):
     """All sets of parameters."""
 
@@ -310,68 +306,50 @@ class Sets(dict[Key, Grown]):
         return {at: one for at, one in own.items() if low <= at <= high}
 
 
-def _closed(words: str, some: Mapping[float, Grown]) -> dict[str, Estimate]:
-    """B over that of the closed form; the same whether both are of these surfaces or of those without end."""
-    head = f"{_B} over that of the closed form: {words}"
-    return {f"{head} {at:g}": _over(one, one.limit) for at, one in some.items()}
-
-
-def _on_solids(sets: Sets) -> dict[str, dict[str, Estimate]]:
-    """Return what decides the claims on stiffness and mobility, under light loads."""
+def _numbers(sets: Sets) -> dict[str, Estimate | dict[str, Estimate]]:
+    """Return what decides the claims, by claim; under light loads, where nothing else is said."""
     viscous = {load: sets.along("R_viscous/R", by_load(load)) for load in (LIGHTEST, LIGHT)}
-    head = f"d ln {_B}/d ln({_K}), {_K}"
-    relative = f"d ln(d ln <i>A</i>/d ln <i>t</i>)/d ln({_K}), {_K} from 1 on"
+    loads, law = sets.along("load"), sets["law", EXPONENTIAL, 1.0]
+    waves = {hurst: sets.along("cutoff", by_hurst(hurst)) for hurst in HURST}
+    sides = {GAUSSIAN: sets.along("side"), "waves from 4 sites": sets.along("side", by_hurst(0.8))}
+
+    def closed(some: Mapping[float, Grown]) -> dict[str, Estimate]:
+        """B over that of the closed form; the same whether both are of these surfaces or without end."""
+        return {f"{at:g}": _over(one, one.limit) for at, one in some.items()}
+
     return {
-        "ratio": _closed(_K, sets.along("k1/k0")),
+        "ratio": closed(sets.along("k1/k0")),
         "proportional": {
-            f"{head} up to 1": _exponent(sets.along("k1/k0", high=1.0)),
-            f"{head} from 3 on": _exponent(sets.along("k1/k0", low=3.0)),
+            "up to 1": _exponent(sets.along("k1/k0", high=1.0)),
+            "from 3 on": _exponent(sets.along("k1/k0", low=3.0)),
         },
-        "relative": {relative: _exponent(sets.along("k1/k0", low=1.0), relative_rate)},
-        **{f"viscous {load:g}": _closed("R_viscous/R", some) for load, some in viscous.items()},
+        "relative": _exponent(sets.along("k1/k0", low=1.0), relative_rate),
+        **{f"viscous {load:g}": closed(some) for load, some in viscous.items()},
         "doubles": {
-            f"{_B} at R_viscous/R {r:g} over that at 0, load a site {load:g}": _over(one, some[0.0])
+            f"{r:g} over that at 0, load a site {load:g}": _over(one, some[0.0])
             for load, some in viscous.items()
             for r, one in some.items()
             if r >= 1.0
         },
-    }
-
-
-def _on_surfaces(sets: Sets) -> dict[str, dict[str, Estimate]]:
-    """Return what decides the claims on loads and heights."""
-    loads, bend = sets.along("load"), straightness
-    waves = {hurst: sets.along("cutoff", by_hurst(hurst)) for hurst in HURST}
-    law = sets["law", EXPONENTIAL, 1.0]
-    sides = {GAUSSIAN: sets.along("side"), "waves from 4 sites": sets.along("side", by_hurst(0.8))}
-    end = f"d ln (time at which the area is {END:g} of that of the closed form)"
-    rms = f"{_B} at heights and load times {RMS:g} over that before"
-    head = f"d ln {_B}/d ln (shortest wavelength)"
-    hurst_over = f"{_B} at the Hurst exponent 0.8 over that at 0.2, waves from"
-    over = f"sites along a side over that at {SIDE}"
-    of_load, closed = f"d ln {_B}/d ln <i>F</i>, load a site", float(theory.late_slope(RATIO))
-    return {
-        "load": _closed("load a site", loads),
+        "load": closed(loads),
         "load_free": {
-            f"{of_load} from {low:g} to {high:g}": _exponent(sets.along("load", low=low, high=high))
+            f"{low:g} to {high:g}": _exponent(sets.along("load", low=low, high=high))
             for low, high in ((LIGHTEST, LIGHT), (SIZE_LOAD, 0.3))
         },
-        "logarithm": {f"{_BEND}: load a site {load:g}": _over(one, of=bend) for load, one in loads.items()},
+        "logarithm": {f"{load:g}": _over(one, of=straightness) for load, one in loads.items()},
         "logarithm_waves": {
-            f"{_BEND}: {by_hurst(hurst)}": _over(some[4.0], of=bend) for hurst, some in waves.items()
+            by_hurst(hurst): _over(some[4.0], of=straightness) for hurst, some in waves.items()
         },
-        "end": {f"{end}/d ln (contact fraction then)": _exponent_of_end([loads[at] for at in ENDING])},
-        "rms": {rms: _over(sets["rms", GAUSSIAN, RMS], loads[LIGHT])},
+        "end": _exponent_of_end([loads[at] for at in ENDING]),
+        "rms": _over(sets["rms", GAUSSIAN, RMS], loads[LIGHT]),
         "law": {
-            f"{_B} over <i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)": _over(law, closed),
-            **_closed("exponential heights, rms", {1.0: law}),
+            "<i>k</i><sub>eff</sub>/(8 pi <i>k</i><sub>0</sub>)": _over(law, float(theory.late_slope(RATIO))),
+            "that of the closed form: exponential heights, rms 1": _over(law, law.limit),
         },
-        "waves": {f"{head}: {by_hurst(hurst)}": _exponent(some) for hurst, some in waves.items()},
-        "hurst": {
-            f"{hurst_over} {wave:g} sites": _over(waves[0.8][wave], waves[0.2][wave]) for wave in CUTOFFS
-        },
+        "waves": {by_hurst(hurst): _exponent(some) for hurst, some in waves.items()},
+        "hurst": {f"{wave:g}": _over(waves[0.8][wave], waves[0.2][wave]) for wave in CUTOFFS},
         "size": {
-            f"{_B} at {side} {over}: {words}": _over(some[side], some[SIDE])
+            f"{side} sites along a side over that at {SIDE}: {words}": _over(some[side], some[SIDE])
             for words, some in sides.items()
             for side in SIZES[:-1]
         },
@@ -392,7 +370,7 @@ def analyse(evidence: Evidence) -> Outcome:
         "courses": pd.concat(courses, ignore_index=True),
     }
     findings = []
-    for key, numbers in (_on_solids(sets) | _on_surfaces(sets)).items():
+    for key, numbers in _numbers(sets).items():
         claim, _, at = key.partition(" ")
         findings.append(WORDS.judge(claim, numbers, key=key.replace(" ", "_"), load=float(at or 0)))
     return Outcome(tuple(findings), tables)

@@ -190,9 +190,9 @@ def analyse(evidence: Evidence) -> Outcome:
 
 
 def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> Iterator[Finding]:
-    def of(number: str, what: str, start: str = "") -> dict[str, Estimate]:
+    def of(number: str, start: str = "") -> dict[str, Estimate]:
         own = {name: one for (kind, name), one in found.items() if kind == number and name.startswith(start)}
-        return {f"{what}: {RELAXATIONS[name].what}": one for name, one in own.items()}
+        return {RELAXATIONS[name].what: one for name, one in own.items()}
 
     for key, words in (
         ("one_time", "one relaxation time"),
@@ -200,15 +200,12 @@ def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> 
         ("modulus", "equal parts of the modulus in each decade"),
         ("compliance", "equal parts of compliance in each decade"),
     ):
-        numbers = of("straightness", "slope in the last two decades over that in the first two", key)
-        yield WORDS.judge("straight", numbers, key=key, words=words)
+        yield WORDS.judge("straight", of("straightness", key), key=key, words=words)
     ends = [factor * (math.log(10) * WANTED) for factor in (0.8, 1.2)]
-    share = "share of {} in each decade that gives <i>B</i> = 0.01".format
-    numbers = {share(kind): found["share for B = 0.01", kind] for kind in ("compliance", "modulus")}
+    numbers = {kind: found["share for B = 0.01", kind] for kind in ("compliance", "modulus")}
     yield WORDS.judge("share", numbers, ends=ends)
-    yield WORDS.judge("prediction", of("B over prediction", "<i>B</i> over that from <i>J</i>(<i>t</i>)"))
-    what = f"<i>B</i> at the load 0.04 over that at 0.0025: {RELAXATIONS[_OF_LOADS].what}"
-    yield WORDS.judge("load", {what: of_loads})
+    yield WORDS.judge("prediction", of("B over prediction"))
+    yield WORDS.judge("load", {RELAXATIONS[_OF_LOADS].what: of_loads})
 
 
 _LOOKS = {

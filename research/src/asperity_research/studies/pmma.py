@@ -137,16 +137,14 @@ def analyse(evidence: Evidence) -> Outcome:
     )
     rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])
     flow = {
-        f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
+        f"{1e-9 * hardness:g}": shares["hardness", at]
         for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
     }
-    slopes = f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}"
-    friction = {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": both.part(0)}
     findings = (
-        WORDS.judge("friction", friction, ends=WANTED),
+        WORDS.judge("friction", both.part(0), ends=WANTED),
         WORDS.judge("flow", flow),
-        WORDS.judge("temperature", {"power of <i>T</i> in <i>B</i>, 250 to 350 K": rates}),
-        WORDS.judge("roughness", {slopes: rough}),
+        WORDS.judge("temperature", rates),
+        WORDS.judge("roughness", rough),
     )
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
 

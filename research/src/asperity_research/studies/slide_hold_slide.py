@@ -215,23 +215,19 @@ def analyse(evidence: Evidence) -> Outcome:
         "lines": pd.concat([one.contacts() for one in on_lines], ignore_index=True),
     }
 
-    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
-        return {f"{what}: {one.words}": number(one) for one in every}
+    def each(number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
+        return {one.words: number(one) for one in every}
 
-    length = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
     numbers = {
         "logarithm": each(
-            "growth in the last decade over that in the first",
-            lambda one: mean_of(lambda rest: (rest[-1] - rest[-2]) / (rest[1] - rest[0]), one.rest),
+            lambda one: mean_of(lambda rest: (rest[-1] - rest[-2]) / (rest[1] - rest[0]), one.rest)
         ),
-        "explained": each("explained part of the variance", Records.explained),
-        "same_b": each("b of steps over b of rests", Records.ratio_of_b),
-        "law": each(
-            "ln of the squares of the aging law over those of the slip law",
-            lambda one: friction.compare_state_laws(one.records).log_ratio,
-        ),
-        "length": {f"{length}: {words}": slips[name].of_length() for name, words in FAMILIES.items()},
-        **sliding.numbers_on_lines(on_lines),
+        "explained": each(Records.explained),
+        "same_b": each(Records.ratio_of_b),
+        "law": each(lambda one: friction.compare_state_laws(one.records).log_ratio),
+        "length": {words: slips[name].of_length() for name, words in FAMILIES.items()},
+        "resolved": {sliding.LINES[one.name][0]: one.of_length() for one in on_lines},
+        "contact": {sliding.LINES[one.name][0]: one.of_patch() for one in on_lines},
     }
     return Outcome(tuple(WORDS.judge(claim, some) for claim, some in numbers.items()), tables)
 

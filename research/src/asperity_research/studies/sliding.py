@@ -181,17 +181,3 @@ class Lines(Slips):
     def contacts(self) -> pd.DataFrame:
         """Return the contacts and D_c, a row each length."""
         return self.table(patch=[one.mean() for one in self.patch])
-
-
-def numbers_on_lines(every: list[Lines]) -> dict[str, dict[str, Estimate]]:
-    """Return what decides the claims on D_c, by claim."""
-    return {
-        claim: {
-            f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines: {LINES[one.name][0]}": of(one)
-            for one in every
-        }
-        for claim, what, of in (
-            ("resolved", "correlation length", Lines.of_length),
-            ("contact", "mean length of a contact", Lines.of_patch),
-        )
-    }

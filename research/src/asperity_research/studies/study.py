@@ -32,9 +32,10 @@ from asperity_research.studies.report import About, write_drawing, write_report,
 class Words:
     """What a study says: its name, question, caption and page; and its claims, by key.
 
-    A claim has a place in the literature, a sentence, the range (``ends``) that its numbers share if they do,
-    and a note or several by key. Sentences have facts in braces. The axes of the figure have their scales,
-    labels and legends: methods of `Axes`, each with what it is given. Solids have the fields of `Solid`.
+    A claim has a place in the literature, a sentence, what its numbers are (with braces for which), the range
+    (``ends``) that they share if they do, and a note or several by key. Sentences have facts in braces. The
+    axes of the figure have their scales, labels and legends: methods of `Axes`, each with what it is given.
+    Solids have the fields of `Solid`.
     """
 
     study: Mapping[str, str]
@@ -58,7 +59,7 @@ class Words:
     def judge(
         self,
         claim: str,
-        numbers: Mapping[str, Estimate] | Sequence[Measurement],
+        numbers: Estimate | Mapping[str, Estimate] | Sequence[Measurement],
         *,
         key: str = "",
         ends: Sequence[float] = (),
@@ -66,9 +67,11 @@ class Words:
     ) -> Finding:
         """Put numbers into a claim: by what they are, within the ends of the claim or others, or measured."""
         said, key = self.claims[claim], key or claim
+        numbers = {"": numbers} if isinstance(numbers, Estimate) else numbers
         if isinstance(numbers, Mapping):
             low, high = ends or said["ends"]
-            numbers = [Measurement(what, one, low, high) for what, one in numbers.items()]
+            what = said.get("what", "{}").format
+            numbers = [Measurement(what(which), one, low, high) for which, one in numbers.items()]
         note = said.get("note", "")
         note = note if isinstance(note, str) else note.get(key, "")
         sentences = (said["claim"].format(**facts), tuple(numbers))

@@ -88,18 +88,12 @@ def _findings(
 ) -> Iterator[Finding]:
     for key, separable in (("separable", True), ("any-linear-solid", False)):
         lose = {name: np.any(some, axis=0) for name, some in lost.items() if (name in SEPARABLE) is separable}
-        shares = {
-            f"share of surfaces that lose contact: {SOLIDS[name].what}": proportion(int(one.sum()), one.size)
-            for name, one in lose.items()
-        }
+        shares = {SOLIDS[name].what: proportion(int(one.sum()), one.size) for name, one in lose.items()}
         yield WORDS.judge(key, shares)
     early = [*times[RATIOS[0]]]
     waits = f"waits from {early[0]:g} to {early[-1]:g}" if early else "no wait is short enough"
-    what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
-    numbers = {
-        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(some)
-        for ratio, some in times.items()
-    }
+    which = f"{waits}: {SOLIDS['conserved'].what}"
+    numbers = {f"{ratio:g}, {which}": _exponent(some) for ratio, some in times.items()}
     yield WORDS.judge("time-of-minimum", numbers)
 
 
