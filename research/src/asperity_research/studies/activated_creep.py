@@ -13,12 +13,11 @@ flow again once s0 ln(2/t) has come down to s_2, that is, at the time t_r with
 a number below 1 where s_2 is a fixed part of s_1. This is an estimate from mean forces, not a theorem.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -99,7 +98,7 @@ class Steps:
     area: Field
 
     @classmethod
-    def of(cls, evidence: Evidence, name: str, ratio: float) -> Steps:
+    def of(cls, evidence: Evidence, name: str, ratio: float) -> Self:
         """Read them from a campaign."""
         wait, some = zip(*evidence.waits(f"{name}_{ratio:g}"), strict=True)
         before = np.stack([one.before for one in some], axis=1)
@@ -218,10 +217,23 @@ def _campaigns(surfaces: int, every: int) -> tuple[Campaign, ...]:
 
 def analyse(evidence: Evidence) -> Outcome:
     """Judge what becomes of the area after a fall of the load, and of friction at rest."""
-    solids = SOLIDS.items()
-    every = [Steps.of(evidence, name, ratio) for name, solid in solids for ratio in solid.steps]
+    every = [Steps.of(evidence, name, ratio) for name, solid in SOLIDS.items() for ratio in solid.steps]
     rests, at_rest = _rests(evidence)
-    numbers = {**_after_steps(every), **at_rest}
+
+    def known(number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
+        return {one.words: found for one in every if (found := number(one)) is not None}
+
+    def deepest(one: Steps, *, in_series: bool) -> Estimate | None:
+        return one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None
+
+    numbers: dict[str, Estimate | dict[str, Estimate]] = {
+        "series": known(partial(deepest, in_series=True)),
+        "falls": known(partial(deepest, in_series=False)),
+        "minimum": known(lambda one: one.power(time_of_minimum)),
+        "growth": known(lambda one: one.power(time_of_growth)),
+        "estimate": known(Steps.excess),
+        **at_rest,
+    }
     tables = {
         "steps": pd.concat([one.rows() for one in every], ignore_index=True),
         "powers": pd.DataFrame([one.powers() for one in every]),
@@ -230,24 +242,6 @@ def analyse(evidence: Evidence) -> Outcome:
     }
     findings = (WORDS.judge(claim, some) for claim, some in numbers.items() if some)  # few waits: no power
     return Outcome(tuple(findings), tables)
-
-
-def _after_steps(every: list[Steps]) -> dict[str, dict[str, Estimate]]:
-    """Return what decides the claims on the area after a fall of the load, by claim."""
-
-    def known(number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
-        return {one.words: found for one in every if (found := number(one)) is not None}
-
-    def deepest(one: Steps, *, in_series: bool) -> Estimate | None:
-        return one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None
-
-    return {
-        "series": known(partial(deepest, in_series=True)),
-        "falls": known(partial(deepest, in_series=False)),
-        "minimum": known(lambda one: one.power(time_of_minimum)),
-        "growth": known(lambda one: one.power(time_of_growth)),
-        "estimate": known(Steps.excess),
-    }
 
 
 def growth_at_rest(time: Field, rest: Field) -> Field:
@@ -267,7 +261,7 @@ def fall_with_velocity(steady: Field) -> Field:
     return np.asarray(-np.polyfit(np.log(_VELOCITIES[1:]), (mean / mean[:, :1]).T, 1)[0])
 
 
-def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, dict[str, Estimate]]]:
+def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, Estimate]]:
     """Return B at rest and in steady sliding at each temperature; and what decides the claims, by claim."""
     data = evidence["sliding"]
     at = data["creep_stress"].values.astype(np.float64)
@@ -292,7 +286,7 @@ def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, dict[str, Estima
     fall = jackknife(lambda rest, steady: (fall_with_velocity(steady) / growth(rest)).mean(), both)
     head = {"kT": at, "s0_over_s": stress(*both), "surfaces": len(rests)}
     found = {"rest": jackknife(growth, both[0]), "steady": jackknife(fall_with_velocity, both[1])}
-    judged = {"temperature": {"": temperature}, "slope": {"": slope}, "steady": {"": fall}}
+    judged = {"temperature": temperature, "slope": slope, "steady": fall}
     return pd.DataFrame(head | all_columns(**found)), judged
 
 

@@ -21,14 +21,12 @@ of the closed form on a surface without end (a ratio estimator). B of waves is t
 and a larger rms height is a smaller load.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import product
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -281,11 +279,11 @@ class Sets(dict[Key, Grown]):
     """All sets of parameters."""
 
     @classmethod
-    def of(cls, evidence: Evidence) -> Sets:
+    def of(cls, evidence: Evidence) -> Self:
         """Read them."""
         grown, waves = partial(_grown, evidence), by_hurst(0.8)
         sets = cls({("k1/k0", GAUSSIAN, x1): grown("ratio", k1=x1) for x1 in RATIOS})
-        sets |= {("load", GAUSSIAN, load): grown("load", load=load) for load in LOADS}
+        sets.update({("load", GAUSSIAN, load): grown("load", load=load) for load in LOADS})
         for load, r in product((LIGHTEST, LIGHT), VISCOUS):
             sets["R_viscous/R", by_load(load), r] = grown("viscous", load=load, R_viscous=r)
         for hurst, cutoff in product(HURST, CUTOFFS):

@@ -21,14 +21,12 @@ contact at the end, and shares the new sites of a later patch with the other pat
 the sites that each has in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -135,7 +133,7 @@ class Laws(NamedTuple):
     lognormal: Law
 
     @classmethod
-    def of(cls, sums: Field, largest: int) -> Laws:
+    def of(cls, sums: Field, largest: int) -> Self:
         """Fit them to rows of `sums_of`, for sizes from SMALLEST to a largest that can be."""
         count, *moments = sums.sum(axis=0)[:4]
         means, support = np.array(moments) / count, _moments(np.arange(SMALLEST, largest + 1.0))

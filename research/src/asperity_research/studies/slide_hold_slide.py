@@ -15,12 +15,10 @@ law and by the slip law. Other slides, with one rest, give the slip that forgets
 wavelengths.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 import pandas as pd
@@ -121,7 +119,7 @@ class Records:
     steady: Field
 
     @classmethod
-    def of(cls, data: xr.Dataset, solid: str, load: float) -> Records:
+    def of(cls, data: xr.Dataset, solid: str, load: float) -> Self:
         """Read them from the campaign of the solid."""
         records, steady = [], []
         last = 1 + 2 * len(HOLDS)

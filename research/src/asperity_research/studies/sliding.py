@@ -6,11 +6,10 @@ the same slip leaves out what differs from place to place, and D_c is the slip a
 to 1/e of that at the end of the rest.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import pandas as pd
@@ -149,7 +148,7 @@ class Lines(Slips):
     patch: tuple[Field, ...] = ()
 
     @classmethod
-    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
+    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Self:
         """Read them from the campaigns of the family, or of some of its wavelengths."""
         _, solid, all_of_it, _ = LINES[name]
         every = every or all_of_it

@@ -5,14 +5,12 @@ Its words stand in a text file beside its module. The report lies in its folder,
     report.md  ledger.csv  figure.svg .pdf .png  data/TABLE.csv  origin.toml  NAME/CAMPAIGN/campaign.toml
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pandas as pd
 import tomli_w
@@ -44,7 +42,7 @@ class Words:
     claims: Mapping[str, Mapping[str, Any]]
 
     @classmethod
-    def beside(cls, module: str) -> Words:
+    def beside(cls, module: str) -> Self:
         """Read them from the text file beside a module."""
         found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
         solids = {name: Solid(**one) for name, one in found.pop("solids", {}).items()}

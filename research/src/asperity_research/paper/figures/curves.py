@@ -1,11 +1,9 @@
 """What the figures of the reproduction share: words, ensembles with their intervals, and looks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -74,7 +72,7 @@ class Look(NamedTuple):
         """The color of the marker's face."""
         return self.color if self.filled else "none"
 
-    def open(self) -> Look:
+    def open(self) -> Self:
         """Return the same, open."""
         return self._replace(filled=False)
 
