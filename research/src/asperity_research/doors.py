@@ -1,7 +1,5 @@
 """What is given from outside is looked at here."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import TypeVar

@@ -3,8 +3,6 @@
 The hues are of the set of M. Okabe and K. Ito, "Color Universal Design" (2008), as in Asperity.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

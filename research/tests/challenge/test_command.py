@@ -1,7 +1,5 @@
 """``asperity challenge``: the list, the inputs, and scores, also of the command's own run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

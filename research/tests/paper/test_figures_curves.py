@@ -1,7 +1,5 @@
 """The curves: what is drawn is what the tables say, and the tables are what was simulated."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from itertools import pairwise, product
@@ -20,9 +18,9 @@ from scipy import stats
 import asperity as asp
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.area import figure_2, figure_5
+from asperity_research.paper.figures.curves import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.figures.growth import figure_3, figure_6
 from asperity_research.paper.figures.indentation import figure_8, figure_9, indentation
-from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.typeset import rich

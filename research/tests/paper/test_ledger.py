@@ -7,9 +7,9 @@ import pytest
 from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
-from asperity_research.paper.claims.measures import between, crossing, exponent, growth_slope
+from asperity_research.paper.claims.claim import crossing, exponent, growth_slope
 from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact
-from asperity_research.studies.numbers import mean_of
+from asperity_research.studies.numbers import mean_of, within
 
 
 def estimate(value, half, runs=4):
@@ -89,7 +89,7 @@ def test_measures_on_known_curves():
     time = np.append(0.0, x)
     area = np.append(10.0, 10 + 10 * 0.3 * np.log(x))
     assert growth_slope(time, area, 1.0, 100.0) == pytest.approx(0.3, abs=1e-13)
-    assert between(x, 1.0, 100.0).sum() == 5
+    assert within(x, 1.0, 100.0).sum() == 5
 
 
 def test_intervals_cover_the_truth():

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity_research.studies.activated_creep import fall_with_velocity, growth_at_rest
-from asperity_research.studies.activated_steps import RISE, Steps, time_of_growth, time_of_minimum
+from asperity_research.studies.activated_creep import (
+    RISE,
+    Steps,
+    fall_with_velocity,
+    growth_at_rest,
+    time_of_growth,
+    time_of_minimum,
+)
 
 P = asp.protocols
 TIME = np.append(0.0, np.geomspace(1e-2, 1e5, 29))

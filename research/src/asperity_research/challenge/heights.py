@@ -20,8 +20,6 @@ surface is known between the sites, and a finer lattice holds the sites of a coa
 successive random additions, in *The Science of Fractal Images*, Springer 1988, with a spline.)
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -6,8 +6,6 @@ that is asked with its error bar (``_bar``) and the parts of which the bar is ma
 solver (``_solver``), and lattice (``_lattice``).
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import tomllib
@@ -29,9 +27,7 @@ from asperity_research.challenge.heights import independent, waves
 from asperity_research.doors import named
 
 _DATA = files("asperity_research.challenge") / "data"
-
-Table = Mapping[str, Any]
-"""A table of a TOML file."""
+Table = Mapping[str, Any]  # A table of a TOML file
 
 
 def _with_unit(name: str, unit: str) -> str:
@@ -96,8 +92,7 @@ class Answer:
     origin: tuple[str, ...]
 
 
-PARTS = ("time", "solver", "lattice")
-"""What error bars are made of."""
+PARTS = ("time", "solver", "lattice")  # What error bars are made of
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,7 +1,5 @@
 """A reference problem solved by the engine's verbs, at any tolerance, with any solver, on a finer lattice."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The input files of the reference problems, which anybody's code can read."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path

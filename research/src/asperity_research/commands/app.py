@@ -1,7 +1,5 @@
 """The commands ``reproduce``, ``study`` and ``challenge``; what computes is imported inside them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 
@@ -56,11 +54,13 @@ def study(
     """
     work.check()
     from asperity_research.commands import study as studying
+    from asperity_research.studies import named
 
     if name is None:
         studying.say_studies()
     else:
-        studying.study(name, out or Path(f"asperity-study-{name}"), ensembles, work)
+        folder = out or Path(f"asperity-study-{name}")
+        studying.answer(named(name), ["study", name], folder, ensembles, work)
 
 
 references = App(name="challenge", help="Reference problems with certified answers, for any code.")

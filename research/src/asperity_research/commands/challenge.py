@@ -1,7 +1,5 @@
 """The commands ``asperity challenge``: reference problems, their inputs, and scores of answers."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Flags that a reproduction and a study share."""
 
-from __future__ import annotations
-
 from asperity.app.cli.flags import Switch, Whole
 from asperity.app.cli.options import flags_of_fields
 

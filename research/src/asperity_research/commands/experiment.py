@@ -1,7 +1,5 @@
 """The command ``asperity experiment``: what is known of measured contacts, and simulations beside them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The command ``asperity reproduce``."""
 
-from __future__ import annotations
-
 import sys
 import time as clock
 from collections import Counter

@@ -1,7 +1,5 @@
 """The command ``asperity study``, and the words that go with campaigns of a study."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 import tempfile
@@ -16,7 +14,7 @@ from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
 from asperity.base.words import data_size
 from asperity_research.commands.ensembles import Ensembles
-from asperity_research.studies import STUDIES, Concluded, Study, conclude, named
+from asperity_research.studies import STUDIES, Concluded, Study, conclude
 from asperity_research.studies.campaigns import Home, Prepared, run_campaigns
 from asperity_research.studies.typeset import interval, plain
 
@@ -47,11 +45,6 @@ def say_estimate(home: Home, out: Path, prepare: Callable[[Path], Preparing]) ->
 
 def _total(judged: Sequence[campaign.Estimate]) -> tuple[str, str]:
     return f"{sum(one.runs for one in judged)} runs", f"about {data_size(sum(one.bytes for one in judged))}"
-
-
-def study(name: str, out: Path, ensembles: Ensembles, work: Work) -> None:
-    """Answer a study; `AsperityError` if there is none of the name, or as `answer`."""
-    answer(named(name), ["study", name], out, ensembles, work)
 
 
 def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: Work) -> Concluded | None:

@@ -1,7 +1,5 @@
 """Simulations beside measured contacts: each comparison is a study, with one more table of its verdicts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -13,8 +13,6 @@ the experiment, on which the ratios of areas of the first two do not depend.
   the modulus at once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -158,31 +156,27 @@ def _findings(evidence: Evidence) -> Iterator[Finding]:
 
     start, end, fallen = (_KEPT[0], 1), (_KEPT[1], 1), (_KEPT[1], 2)
     growth = {name: over_that(name, end, start) for name in HYPOTHESES}
-    number = exact(growth_of_effective_load())
-    yield WORDS.judge("effective", {"(<i>J</i> * d<i>F</i>)(1000 s) over that at 10 s": number})
-    yield WORDS.judge("light", {"<i>A</i>(1000 s)/<i>A</i>(10 s)": growth["fit"]})
+    yield WORDS.judge("effective", exact(growth_of_effective_load()))
+    yield WORDS.judge("light", growth["fit"])
     pressed = evidence.samples("elastic", _AREA)[..., 0]
-    numbers = {
-        f"<i>A</i> over that of the elastic solid at {time:g} s": mean(_at(evidence, "fit", time, 1) / areas)
-        for time, areas in zip(_KEPT, pressed.T, strict=True)
-    }
+    times = zip(_KEPT, pressed.T, strict=True)
+    numbers = {f"{time:g}": mean(_at(evidence, "fit", time, 1) / areas) for time, areas in times}
     yield WORDS.judge("elastic", numbers)
     grown, error = _measured_ratio("growth", _DROP)
     for name, words in HYPOTHESES.items():
         one = growth[name]
         one = Estimate(one.value - 1, one.stderr, one.low - 1, one.high - 1, one.runs)
-        numbers = {"part of the measured growth from 10 to 1000 s": over(one, grown - 1, error)}
-        yield WORDS.judge("growth", numbers, key=f"growth {name}", words=words, grown=grown, error=error)
+        part = over(one, grown - 1, error)
+        yield WORDS.judge("growth", part, key=f"growth {name}", words=words, grown=grown, error=error)
     dropped, error = _measured_ratio("drop", _DROP + 1)
     flatness = 0.015 / float(MEASURED.series["drop"]["area"][0])
-    for claim, what, (middle, half), times in (
-        ("drop", "just after the drop, over <i>A</i>(10 s)", (dropped, 2 * error), (fallen, start)),
-        ("memory", "4000 s later, over that", (1.0, flatness), ((_END, 3), fallen)),
+    for claim, (middle, half), moments in (
+        ("drop", (dropped, 2 * error), (fallen, start)),
+        ("memory", (1.0, flatness), ((_END, 3), fallen)),
     ):
         for name, words in HYPOTHESES.items():
-            numbers = {f"<i>A</i> {what}": over_that(name, *times)}
-            ends = middle - half, middle + half
-            yield WORDS.judge(claim, numbers, key=f"{claim} {name}", ends=ends, words=words)
+            kept, ends = over_that(name, *moments), (middle - half, middle + half)
+            yield WORDS.judge(claim, kept, key=f"{claim} {name}", ends=ends, words=words)
 
 
 def _measured() -> pd.DataFrame:
@@ -215,8 +209,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         style.points(
             ax, rows.assign(time=rows["time"] - shift), "time", "area", "o", style.VERMILION, label="measured"
         )
-    left.set(xscale="log", xlabel="time since first contact, s", ylabel="area over that after 10 s")
-    right.set(xscale="log", xlabel="time since the drop to a quarter + 1 s, s", ylim=(0.2, 0.4))
+    WORDS.dress(left, right)
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
 

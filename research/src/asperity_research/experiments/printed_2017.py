@@ -5,8 +5,6 @@ there. The surface is one of the same statistics, not the same surface: self-aff
 roll-off down to eight sites, with its rms slope. It is periodic, where the print ends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -85,14 +83,11 @@ def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[F
     lightest, heaviest = MEASURED.series["area"]["fraction"].values.tolist()
     pressures = np.log(PRESSURES)
     found = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
-    numbers = {"pressure over <i>E</i> at which 0.1 % touch": found}
-    yield WORDS.judge("lightest", numbers, ends=(0.0, MEASURED["least_pressure"]))
-    what = f"part of the nominal area, at a pressure of {PRESSURES[-1]:g} <i>E</i>"
-    yield WORDS.judge("heaviest", {what: mean(layer[:, -1])}, ends=(heaviest, 1.0))
-    over = "layer over half-space, at {:g} <i>E</i>".format
-    numbers = {over(pressure): one for pressure, one in zip(PRESSURES, ratios, strict=True)}
+    yield WORDS.judge("lightest", found, ends=(0.0, MEASURED["least_pressure"]))
+    yield WORDS.judge("heaviest", mean(layer[:, -1]), ends=(heaviest, 1.0))
+    numbers = {f"{pressure:g}": one for pressure, one in zip(PRESSURES, ratios, strict=True)}
     yield WORDS.judge("area", numbers, ends=near)
-    yield WORDS.judge("gap", {over(GAPS_AT): gap}, ends=near)
+    yield WORDS.judge("gap", {f"{GAPS_AT:g}": gap}, ends=near)
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
@@ -106,14 +101,10 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     known = {"s": 60, "color": style.VERMILION, "zorder": 3}
     left.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
     left.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
-    left.set(xscale="log", yscale="log", ylabel="part of the area that touches")
     error = MEASURED["gap_error"]
     style.points(right, rows, "pressure", "ratio", "o-", style.INK)
     right.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="a tenth")
-    right.set(xscale="log", ylabel="area, layer over half-space")
-    for ax in (left, right):
-        ax.set_xlabel("pressure over Young's modulus")
-        ax.legend(fontsize=7)
+    WORDS.dress(left, right)
     return figure
 
 

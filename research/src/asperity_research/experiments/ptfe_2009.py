@@ -6,8 +6,6 @@ Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960)): A(t)/A(0) = (E(0) J(t))^(2/
 The numbers of the experiment are missing, so that the form is all that is compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
@@ -81,8 +79,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             one, words = own[own["load"] == newtons], f"{1e3 * radius:g} mm, {newtons:.2g} N"
             ax.plot(one["time"], one["area"], mark, markersize=3.5, color=color, label=words)
     ax.plot(one["time"], one["form"], "-", color=style.INK, linewidth=0.9, label="Lee and Radok")
-    ax.set(xscale="log", xlabel="time, s", ylabel="area over that at first")
-    ax.legend(fontsize=7)
+    WORDS.dress(ax)
     return figure
 
 

@@ -1,13 +1,11 @@
 """What was measured: numbers with unit, uncertainty, source and how each was read, from one TOML file."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import xarray as xr
@@ -61,7 +59,7 @@ class _Series(BaseModel):
     what: Words
 
     @model_validator(mode="after")
-    def _rises(self) -> _Series:
+    def _rises(self) -> Self:
         if len(self.columns) < 2:
             raise ValueError("expected a column that rises and one against it")
         (first, along), *others = self.columns.items()
@@ -89,7 +87,7 @@ class _File(BaseModel):
     series: dict[str, _Series] = {}
 
     @model_validator(mode="after")
-    def _sources_are_told(self) -> _File:
+    def _sources_are_told(self) -> Self:
         told = {f"input.{name}": one.source for name, one in self.input.items()}
         for name, series in self.series.items():
             told |= {f"series.{name}.{column}": one.source for column, one in series.columns.items()}

@@ -5,8 +5,6 @@ has each proof in full. Source: E. A. Jagla, *Towards a modeling of the time dep
 between solid bodies*, J. Stat. Mech. P06006 (2010), doi:10.1088/1742-5468/2010/06/P06006.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

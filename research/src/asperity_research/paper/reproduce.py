@@ -1,7 +1,5 @@
 """Reproduce the paper: run the studies, draw the figures, judge the claims, write the report."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -16,8 +14,7 @@ from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.report import About
 from asperity_research.studies.study import Concluded, Outcome
 
-HOME = Home("a reproduction", "studies")
-"""Whose folder it is."""
+HOME = Home("a reproduction", "studies")  # Whose folder it is
 
 
 def prepared_in(

@@ -1,7 +1,5 @@
 """Studies: open questions, each with the campaigns that answer it, a verdict and a figure."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from asperity_research import doors

@@ -1,13 +1,11 @@
 """The campaigns of a study: ordinary files of ``asperity sweep`` in one folder, and the running of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import tomli_w
@@ -52,7 +50,7 @@ class Campaign:
             raise OutputError(f"cannot write {folder}: {error.strerror or error}") from error
         return asp.campaign.read_plan(path)
 
-    def seeded(self, first: int) -> Campaign:
+    def seeded(self, first: int) -> Self:
         """Return the same campaign with as many surfaces, whose seeds go on from a first one.
 
         `InputError` for a negative seed, and where the seeds are a list already, not a number of surfaces.
@@ -79,8 +77,8 @@ class Solid:
     what: str
     table: Tables
     load: float
-    waits: tuple[float, ...] = ()
-    steps: tuple[float, ...] = ()
+    waits: Sequence[float] = ()
+    steps: Sequence[float] = ()
 
     @property
     def rough(self) -> dict[str, float]:

@@ -1,16 +1,37 @@
 """What the simulations found, campaign by campaign, for the figures and the ledger to read."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 import xarray as xr
 
 from asperity import campaign
 from asperity_research.arrays import Field
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """A quantity around a step, which is the second leg, on all surfaces.
+
+    Time since the step, 0 just after it, shape (n,); the quantity at the beginning and just before the step,
+    shape (surfaces,); and after it, (surfaces, n).
+    """
+
+    time: Field
+    first: Field
+    before: Field
+    after: Field
+
+    @classmethod
+    def step(cls, runs: xr.Dataset, name: str = "area") -> Self:
+        """Read it from runs that differ in their seeds only."""
+        values = _seeds_first(runs[name])
+        leg, time = (runs[key].values.reshape(-1, values.shape[1])[0] for key in ("leg", "time"))
+        since, held = leg >= 1, np.flatnonzero(leg == 0)[-1]
+        return cls(time[since] - time[held], values[:, 0], values[:, held], values[:, since])
 
 
 @dataclass(frozen=True)
@@ -56,28 +77,6 @@ class Evidence:
         for point in range(data.sizes["point"]):
             runs = data.isel(point=point)
             yield float(runs["protocol.0.mobility"]), Around.step(runs, name)
-
-
-@dataclass(frozen=True, eq=False)
-class Around:
-    """A quantity around a step, which is the second leg, on all surfaces.
-
-    Time since the step, 0 just after it, shape (n,); the quantity at the beginning and just before the step,
-    shape (surfaces,); and after it, (surfaces, n).
-    """
-
-    time: Field
-    first: Field
-    before: Field
-    after: Field
-
-    @classmethod
-    def step(cls, runs: xr.Dataset, name: str = "area") -> Around:
-        """Read it from runs that differ in their seeds only."""
-        values = _seeds_first(runs[name])
-        leg, time = (runs[key].values.reshape(-1, values.shape[1])[0] for key in ("leg", "time"))
-        since, held = leg >= 1, np.flatnonzero(leg == 0)[-1]
-        return cls(time[since] - time[held], values[:, 0], values[:, held], values[:, since])
 
 
 def _seeds_first(values: xr.DataArray) -> Field:

@@ -4,8 +4,6 @@ A verdict is never typed in. A claim states the range in which a number would be
 computed from the simulations with a 95 % interval, and the two are compared: inside, outside, or undecided.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

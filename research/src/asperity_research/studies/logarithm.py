@@ -11,8 +11,6 @@ exponential approach to a limit. Equal parts of compliance in each decade give J
 and B near n j/ln 10. Equal parts g of the modulus give J near 1/(1 - g log10(t/t_0)), which bends up.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -192,9 +190,9 @@ def analyse(evidence: Evidence) -> Outcome:
 
 
 def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> Iterator[Finding]:
-    def of(number: str, what: str, start: str = "") -> dict[str, Estimate]:
+    def of(number: str, start: str = "") -> dict[str, Estimate]:
         own = {name: one for (kind, name), one in found.items() if kind == number and name.startswith(start)}
-        return {f"{what}: {RELAXATIONS[name].what}": one for name, one in own.items()}
+        return {RELAXATIONS[name].what: one for name, one in own.items()}
 
     for key, words in (
         ("one_time", "one relaxation time"),
@@ -202,15 +200,12 @@ def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> 
         ("modulus", "equal parts of the modulus in each decade"),
         ("compliance", "equal parts of compliance in each decade"),
     ):
-        numbers = of("straightness", "slope in the last two decades over that in the first two", key)
-        yield WORDS.judge("straight", numbers, key=key, words=words)
+        yield WORDS.judge("straight", of("straightness", key), key=key, words=words)
     ends = [factor * (math.log(10) * WANTED) for factor in (0.8, 1.2)]
-    share = "share of {} in each decade that gives <i>B</i> = 0.01".format
-    numbers = {share(kind): found["share for B = 0.01", kind] for kind in ("compliance", "modulus")}
+    numbers = {kind: found["share for B = 0.01", kind] for kind in ("compliance", "modulus")}
     yield WORDS.judge("share", numbers, ends=ends)
-    yield WORDS.judge("prediction", of("B over prediction", "<i>B</i> over that from <i>J</i>(<i>t</i>)"))
-    what = f"<i>B</i> at the load 0.04 over that at 0.0025: {RELAXATIONS[_OF_LOADS].what}"
-    yield WORDS.judge("load", {what: of_loads})
+    yield WORDS.judge("prediction", of("B over prediction"))
+    yield WORDS.judge("load", {RELAXATIONS[_OF_LOADS].what: of_loads})
 
 
 _LOOKS = {
@@ -231,16 +226,13 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
         left.plot(own["time"], own["growth"], mark, color=color, markersize=3, label=words)
         left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
-    left.set(xscale="log", xlabel=r"time $t$", ylabel=r"area $A/A(0)$")
-    left.legend(fontsize=7, loc="upper left")
     rates = numbers[numbers["number"] == "B"]
     rates = rates.assign(kind=rates["relaxation"].str.partition("_")[0])
     style.families(right, rates, "kind", "at", "value", _KINDS, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
     right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
     right.axhline(WANTED, color="0.7", linewidth=0.8)
-    right.set(xscale="log", yscale="log", xlabel="share of each decade", ylabel=r"$B$")
-    right.legend(fontsize=7)
+    WORDS.dress(left, right)
     return figure
 
 

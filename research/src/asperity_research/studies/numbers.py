@@ -1,7 +1,5 @@
 """What studies compute of their runs, as columns of tables: means, powers, slopes and times of extremes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

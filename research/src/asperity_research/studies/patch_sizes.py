@@ -21,14 +21,12 @@ contact at the end, and shares the new sites of a later patch with the other pat
 the sites that each has in it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -45,7 +43,7 @@ from asperity_research.arrays import Field, Mask
 from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
-from asperity_research.studies.numbers import columns
+from asperity_research.studies.numbers import all_columns, columns
 from asperity_research.studies.study import Outcome, Study, Words
 
 WORDS = Words.beside(__file__)
@@ -135,7 +133,7 @@ class Laws(NamedTuple):
     lognormal: Law
 
     @classmethod
-    def of(cls, sums: Field, largest: int) -> Laws:
+    def of(cls, sums: Field, largest: int) -> Self:
         """Fit them to rows of `sums_of`, for sizes from SMALLEST to a largest that can be."""
         count, *moments = sums.sum(axis=0)[:4]
         means, support = np.array(moments) / count, _moments(np.arange(SMALLEST, largest + 1.0))
@@ -202,7 +200,9 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
         numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
         for at, head in enumerate(heads):
             counted = {"area": samples[:, at, 4].mean() / sites, "patches": int(samples[:, at, 0].sum())}
-            rows.append(head | counted | _columns(numbers.part(at)) | {"runs": len(seeds)})
+            ends = all_columns(**{name: numbers.part(at).part(n) for n, name in enumerate(_COLUMNS)})
+            ends |= {name: math.exp(ends[name]) for name in ends if name.startswith("mean_size")}
+            rows.append(head | counted | ends | {"runs": len(seeds)})
         if kind == "overlap":
             continue
         about = f"half-space, Hurst exponent {hurst:g}"
@@ -237,13 +237,6 @@ def _numbers(samples: Field, loads: Field, largest: int) -> Field:
         better = (laws.cut.likelihood - other.likelihood for other in (laws.lognormal, laws.power))
         rows.append((laws.cut.exponent, math.log(squares / area), *better, laws.cut.second))
     return np.vstack([rows, np.polyfit(np.log(loads), np.array(rows), 1)[0]])
-
-
-def _columns(found: Estimate) -> dict[str, float]:
-    row: dict[str, float] = {}
-    for column, name in enumerate(_COLUMNS):
-        row |= columns(name, found.part(column))
-    return {name: math.exp(value) if name.startswith("mean_size") else value for name, value in row.items()}
 
 
 def _survival(sizes: Sizes, head: Mapping[str, object]) -> pd.DataFrame:
@@ -314,23 +307,15 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             own["size"], own["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
         )
     sizes.axvline(SMALLEST, color="0.7", linewidth=0.8)
-    sizes.set(xscale="log", yscale="log", xlabel="size $s$ (sites)", ylabel="share of $s$ sites or more")
-    sizes.legend(title="load a site", fontsize=7, title_fontsize=7)
     for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
         color = style.INK if hurst == HURST[-1] else style.VERMILION
         style.points(
             exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}"
         )
-    exponent.set(xscale="log", xlabel="load a site", ylabel=r"exponent $\tau$")
-    exponent.set_xticks(PRESSURES, [f"{p:g}" for p in PRESSURES])
-    exponent.tick_params(axis="x", which="minor", labelbottom=False)
-    exponent.legend(title="Hurst exponent", fontsize=7, title_fontsize=7)
     grown = tables["growth"][tables["growth"]["from"] > 0]
     style.families(held, grown, "solid", "from", "growth", _LOOKS)
     held.axhline(0.0, color="0.7", linewidth=0.8)
-    held.set(xscale="log", xlabel="size at first, from (sites)", ylabel="growth at constant area")
-    held.set_yscale("symlog", linthresh=0.5)
-    held.legend(fontsize=7)
+    WORDS.dress(sizes, exponent, held)
     return figure
 
 

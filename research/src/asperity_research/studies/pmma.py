@@ -7,8 +7,6 @@ of activation Q is such that the surface sinks by 1 nm/s under a hardness H at r
 Q = kT ln(prefactor/(2 nm/s)) + H Omega.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -139,16 +137,14 @@ def analyse(evidence: Evidence) -> Outcome:
     )
     rough = jackknife(lambda one, other: rate(time, one) / rate(time, other), grown["roughness"][::-1][:2])
     flow = {
-        f"<i>B s</i>/<i>s</i><sub>0</sub>, hardness {1e-9 * hardness:g} GPa": shares["hardness", at]
+        f"{1e-9 * hardness:g}": shares["hardness", at]
         for hardness, at in zip(_HARDNESSES, _FAMILIES["hardness"][1], strict=True)
     }
-    slopes = f"<i>B</i> at the rms slope {_SLOPES[-1]:g} over that at {_SLOPES[-2]:g}"
-    friction = {f"<i>B</i> at a mean contact pressure of {HARDNESS} GPa": both.part(0)}
     findings = (
-        WORDS.judge("friction", friction, ends=WANTED),
+        WORDS.judge("friction", both.part(0), ends=WANTED),
         WORDS.judge("flow", flow),
-        WORDS.judge("temperature", {"power of <i>T</i> in <i>B</i>, 250 to 350 K": rates}),
-        WORDS.judge("roughness", {slopes: rough}),
+        WORDS.judge("temperature", rates),
+        WORDS.judge("roughness", rough),
     )
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(courses, ignore_index=True)})
 
@@ -169,17 +165,14 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     for hardness, (_, course), mark in marks:
         words = f"{1e-9 * hardness:g} GPa"
         left.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)
-    left.set(xscale="log", yscale="log", xlabel="time, s", ylabel="contact, % of the nominal area")
-    left.yaxis.set_major_formatter("{x:g}")
-    left.yaxis.set_minor_formatter("{x:g}")
-    left.legend(title="hardness", fontsize=7, title_fontsize=7)
     numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
     style.families(right, numbers, "family", "x", "B", _LOOKS, linewidth=None)
     ends = np.array([0.0, 1.1 * numbers["x"].max()])
     right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
     right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")
-    right.set(xlabel=r"$s_0/s$", ylabel=r"$B$", xlim=(0, None), ylim=(0, None))
-    right.legend(fontsize=7)
+    WORDS.dress(left, right)
+    left.yaxis.set_major_formatter("{x:g}")
+    left.yaxis.set_minor_formatter("{x:g}")
     return figure
 
 

@@ -16,8 +16,6 @@ maximum. A rough contact loses contacts in the release and wins some again, so t
 it: the tables have its maximum beside the measured one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 
@@ -218,7 +216,6 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             textcoords="offset points",
             fontsize=7,
         )
-    left.set(xscale="log", xlabel=r"time since the release $t$", ylabel="force over that at first")
     for (name, move), part in ratios.groupby(["solid", "move"], sort=False):
         if name not in _LOOKS or part["ratio"].isna().all():
             continue
@@ -228,10 +225,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         style.points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
         if not part["superposed_ratio"].isna().any():
             right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
-    right.set(xscale="log", yscale="log", xlabel=r"waiting time $t_\mathrm{w}$")
-    right.set_ylabel(r"time of the maximum over $t_\mathrm{w}$")
-    right.set_ylim(0.02, 3)
-    right.legend(fontsize=7, loc="lower left", ncols=2)
+    WORDS.dress(left, right)
     return figure
 
 

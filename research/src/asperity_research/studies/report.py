@@ -1,7 +1,5 @@
 """Reports of studies and of the reproduction: pages from templates, drawings, tables and ledgers."""
 
-from __future__ import annotations
-
 import datetime
 import math
 import re
@@ -9,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import jinja2
 import matplotlib as mpl
@@ -72,7 +70,7 @@ class About:
     @classmethod
     def of(
         cls, evidence: Evidence, prepared: Sequence[Prepared], effort: str, command: str, **more: Any
-    ) -> About:
+    ) -> Self:
         """Say it of campaigns that are finished; `AsperityError` if one is not."""
         runs = finished(evidence, prepared)
         simulated = tuple(

@@ -15,12 +15,10 @@ law and by the slip law. Other slides, with one rest, give the slip that forgets
 wavelengths.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 import pandas as pd
@@ -121,7 +119,7 @@ class Records:
     steady: Field
 
     @classmethod
-    def of(cls, data: xr.Dataset, solid: str, load: float) -> Records:
+    def of(cls, data: xr.Dataset, solid: str, load: float) -> Self:
         """Read them from the campaign of the solid."""
         records, steady = [], []
         last = 1 + 2 * len(HOLDS)
@@ -215,29 +213,21 @@ def analyse(evidence: Evidence) -> Outcome:
         "lines": pd.concat([one.contacts() for one in on_lines], ignore_index=True),
     }
 
-    def each(what: str, number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
-        return {f"{what}: {one.words}": number(one) for one in every}
+    def each(number: Callable[[Records], Estimate]) -> dict[str, Estimate]:
+        return {one.words: number(one) for one in every}
 
-    length = "d ln <i>D</i><sub>c</sub> / d ln (correlation length)"
     numbers = {
         "logarithm": each(
-            "growth in the last decade over that in the first", lambda one: mean_of(_bend, one.rest)
+            lambda one: mean_of(lambda rest: (rest[-1] - rest[-2]) / (rest[1] - rest[0]), one.rest)
         ),
-        "explained": each("explained part of the variance", Records.explained),
-        "same_b": each("b of steps over b of rests", Records.ratio_of_b),
-        "law": each(
-            "ln of the squares of the aging law over those of the slip law",
-            lambda one: friction.compare_state_laws(one.records).log_ratio,
-        ),
-        "length": {f"{length}: {words}": slips[name].of_length() for name, words in FAMILIES.items()},
-        **sliding.numbers_on_lines(on_lines),
+        "explained": each(Records.explained),
+        "same_b": each(Records.ratio_of_b),
+        "law": each(lambda one: friction.compare_state_laws(one.records).log_ratio),
+        "length": {words: slips[name].of_length() for name, words in FAMILIES.items()},
+        "resolved": {sliding.LINES[one.name][0]: one.of_length() for one in on_lines},
+        "contact": {sliding.LINES[one.name][0]: one.of_patch() for one in on_lines},
     }
     return Outcome(tuple(WORDS.judge(claim, some) for claim, some in numbers.items()), tables)
-
-
-def _bend(rest: Field) -> float:
-    """Growth in the last decade of hold time over that in the first."""
-    return float((rest[-1] - rest[-2]) / (rest[1] - rest[0]))
 
 
 def _slips(name: str, data: xr.Dataset) -> Slips:
@@ -260,10 +250,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
     figure, (rest, steady, memory, resolved) = style.panels(7.6, 6.0, 2, 2)
     values, slips = tables["points"], tables["slips"]
-    for axis, what, label in (
-        (rest, "rest", "hold time (sites / velocity 1)"),
-        (steady, "steady", "velocity (sites / time)"),
-    ):
+    for axis, what in ((rest, "rest"), (steady, "steady")):
         shown = values[values["what"] == what].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
@@ -271,14 +258,11 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             look: dict[str, Any] = {"label": f"{str(solid).replace('_', '-')}, load {load:g}"}
             look["markerfacecolor"] = None if heavy else "white"
             style.points(axis, part, "at", "value", f"{_MARKS[str(solid)]}-", color, **look)
-        axis.set(xscale="log", yscale="log", xlabel=label, ylabel="friction over that steady at $V = 1$")
-    rest.legend(fontsize=7)
     looks = {name: (f"{_MARKS[name]}-", _COLORS[name], words) for name, words in FAMILIES.items()}
     style.families(memory, slips, "family", "length", "slip", looks)
-    memory.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
     memory.set(xlim=(0, None), ylim=(0, memory.get_ylim()[1] * 1.3))
-    memory.legend(fontsize=6)
-    sliding.draw_lines(resolved, tables["lines"])
+    style.families(resolved, tables["lines"], "family", "length", "slip", sliding.LINE_LOOKS)
+    WORDS.dress(rest, steady, memory, resolved)
     return figure
 
 

@@ -6,16 +6,14 @@ the same slip leaves out what differs from place to place, and D_c is the slip a
 to 1/e of that at the end of the rest.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 
 from asperity.analysis import patches
 from asperity.fits import Estimate, jackknife
@@ -107,6 +105,7 @@ LINES: Mapping[str, tuple[str, str, Waves, str]] = {
     "line_lattice": ("all waves longer, lattice of springs", "lattice", _ALL, "o-"),
 }
 """By name: words, solid, longest and shortest wavelengths, and marks."""
+LINE_LOOKS = {name: (mark, _ON_LINES[solid][2], words) for name, (words, solid, _, mark) in LINES.items()}
 
 
 def line_campaigns(surfaces: int) -> Iterator[Campaign]:
@@ -149,7 +148,7 @@ class Lines(Slips):
     patch: tuple[Field, ...] = ()
 
     @classmethod
-    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Lines:
+    def of(cls, evidence: Evidence, name: str, every: Waves | None = None) -> Self:
         """Read them from the campaigns of the family, or of some of its wavelengths."""
         _, solid, all_of_it, _ = LINES[name]
         every = every or all_of_it
@@ -181,30 +180,3 @@ class Lines(Slips):
     def contacts(self) -> pd.DataFrame:
         """Return the contacts and D_c, a row each length."""
         return self.table(patch=[one.mean() for one in self.patch])
-
-
-def numbers_on_lines(every: list[Lines]) -> dict[str, dict[str, Estimate]]:
-    """Return what decides the claims on D_c, by claim."""
-    return {
-        claim: {
-            f"d ln <i>D</i><sub>c</sub> / d ln ({what}), lines: {LINES[one.name][0]}": of(one)
-            for one in every
-        }
-        for claim, what, of in (
-            ("resolved", "correlation length", Lines.of_length),
-            ("contact", "mean length of a contact", Lines.of_patch),
-        )
-    }
-
-
-def draw_lines(ax: Axes, table: pd.DataFrame) -> None:
-    """Draw D_c against the correlation length."""
-    looks = {name: (mark, _ON_LINES[solid][2], words) for name, (words, solid, _, mark) in LINES.items()}
-    style.families(ax, table, "family", "length", "slip", looks)
-    ax.set(xscale="log", yscale="log", xlim=(10, 70), ylim=(2, 20))
-    for axis, marks in ((ax.xaxis, (10, 20, 50)), (ax.yaxis, (2, 5, 10, 20))):
-        axis.set_ticks(marks, [f"{mark}" for mark in marks])
-        axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
-    ax.set(xlabel="correlation length (sites)", ylabel=r"slip $D_\mathrm{c}$ (sites)")
-    ax.set_title("on lines", fontsize=9)
-    ax.legend(fontsize=6)

@@ -5,23 +5,22 @@ Its words stand in a text file beside its module. The report lies in its folder,
     report.md  ledger.csv  figure.svg .pdf .png  data/TABLE.csv  origin.toml  NAME/CAMPAIGN/campaign.toml
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pandas as pd
 import tomli_w
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
 from asperity.base.checks import instance
 from asperity.fits import Estimate
-from asperity_research.studies.campaigns import Campaign, Home, Prepared
+from asperity_research.studies.campaigns import Campaign, Home, Prepared, Solid
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.report import About, write_drawing, write_report, write_table, write_text
@@ -31,23 +30,34 @@ from asperity_research.studies.report import About, write_drawing, write_report,
 class Words:
     """What a study says: its name, question, caption and page; and its claims, by key.
 
-    A claim has a place in the literature, a sentence, the range (``ends``) that its numbers share if they do,
-    and a note or several by key. Sentences have facts in braces.
+    A claim has a place in the literature, a sentence, what its numbers are (with braces for which), the range
+    (``ends``) that they share if they do, and a note or several by key. Sentences have facts in braces. The
+    axes of the figure have their scales, labels and legends: methods of `Axes`, each with what it is given.
+    Solids have the fields of `Solid`.
     """
 
     study: Mapping[str, str]
+    axes: Sequence[Mapping[str, Mapping[str, Any]]]
+    solids: Mapping[str, Solid]
     claims: Mapping[str, Mapping[str, Any]]
 
     @classmethod
-    def beside(cls, module: str) -> Words:
+    def beside(cls, module: str) -> Self:
         """Read them from the text file beside a module."""
         found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
-        return cls(found.pop("study", {}), found)
+        solids = {name: Solid(**one) for name, one in found.pop("solids", {}).items()}
+        return cls(found.pop("study", {}), found.pop("axes", ()), solids, found)
+
+    def dress(self, *axes: Axes) -> None:
+        """Give axes, all of the figure in order, their scales, labels and legends."""
+        for ax, looks in zip(axes, self.axes, strict=True):
+            for method, how in looks.items():
+                getattr(ax, method)(**how)
 
     def judge(
         self,
         claim: str,
-        numbers: Mapping[str, Estimate] | Sequence[Measurement],
+        numbers: Estimate | Mapping[str, Estimate] | Sequence[Measurement],
         *,
         key: str = "",
         ends: Sequence[float] = (),
@@ -55,9 +65,11 @@ class Words:
     ) -> Finding:
         """Put numbers into a claim: by what they are, within the ends of the claim or others, or measured."""
         said, key = self.claims[claim], key or claim
+        numbers = {"": numbers} if isinstance(numbers, Estimate) else numbers
         if isinstance(numbers, Mapping):
             low, high = ends or said["ends"]
-            numbers = [Measurement(what, one, low, high) for what, one in numbers.items()]
+            what = said.get("what", "{}").format
+            numbers = [Measurement(what(which), one, low, high) for which, one in numbers.items()]
         note = said.get("note", "")
         note = note if isinstance(note, str) else note.get(key, "")
         sentences = (said["claim"].format(**facts), tuple(numbers))

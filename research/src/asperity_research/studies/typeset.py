@@ -3,8 +3,6 @@
 Texts of studies are plain, with the tags i, sub and sup; whatever else they hold is shown as it is.
 """
 
-from __future__ import annotations
-
 import math
 import re
 
@@ -27,17 +25,13 @@ def rich(text: str) -> Markup:
     """
     pieces, opened = [], list[str]()
     for index, piece in enumerate(_TAG.split(text)):
-        if index % 2 == 0:
-            pieces.append(_words(piece))
-            continue
-        name = piece.strip("</>")
-        if not piece.startswith("</"):
-            opened.append(name)
-        elif not opened or opened.pop() != name:
-            raise _unbalanced(text)
-        pieces.append(Markup(piece))
+        if index % 2 and piece.startswith("</") and opened[-1:] == [piece.strip("</>")]:
+            opened.pop()
+        elif index % 2:
+            opened.append(piece.strip("<>"))  # a tag that closes nothing stays, with its slash
+        pieces.append(Markup(piece) if index % 2 else _words(piece))
     if opened:
-        raise _unbalanced(text)
+        raise InputError("text", expected="tags i, sub and sup that are closed in turn", got=repr(text))
     return Markup("").join(pieces)
 
 
@@ -112,7 +106,3 @@ def _signed(digits: str) -> Markup:
 
 def _ten_to(exponent: int) -> Markup:
     return Markup("10<sup>{}</sup>").format(_signed(str(exponent)))
-
-
-def _unbalanced(text: str) -> InputError:
-    return InputError("text", expected="tags i, sub and sup that are closed in turn", got=repr(text))

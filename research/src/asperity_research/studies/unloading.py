@@ -4,8 +4,6 @@ A contact is held under a load for a waiting time; then the load falls at once t
 Lost contact is counted from the state just after the step, so that what the step itself takes does not count.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -17,7 +15,7 @@ from matplotlib.figure import Figure
 
 from asperity.fits import Estimate
 from asperity_research.arrays import Field, Mask
-from asperity_research.studies.campaigns import Campaign, Solid, hold, waves
+from asperity_research.studies.campaigns import Campaign, hold, waves
 from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, estimate, proportion
 from asperity_research.studies.numbers import mean, slope
@@ -26,35 +24,7 @@ from asperity_research.studies.study import Outcome, Study, Words
 WORDS = Words.beside(__file__)
 WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
 RATIOS = (0.2, 0.5)  # Load after the step over that before
-_BRANCHES = [[0.25, 1.0], [0.25, 10.0], [0.25, 100.0]]
-_COATED = {
-    "kind": "coated_half_space",
-    "modulus": 1.0,
-    "poisson": 0.4,
-    "thickness": 4.0,
-    "base_modulus": 1.0,
-    "base_poisson": 0.4,
-    "base_branches": _BRANCHES,
-}
-_SPRINGS, _WAITS = {"k0": 1.0, "k1": 3.0}, (5.0, 30.0, 200.0)
-
-SOLIDS = {
-    "half_space": Solid(
-        "half-space, three relaxation times",
-        {"kind": "half_space", "modulus": 1.0, "branches": _BRANCHES},
-        0.05,
-        (10.0,),
-    ),
-    "coated": Solid("elastic film on a half-space that relaxes", _COATED, 0.05, (10.0,)),
-    "conserved": Solid(
-        "lattice of springs, creep that conserves the mean (R)", _SPRINGS | {"R": 1.0}, 0.2, _WAITS
-    ),
-    "viscous": Solid(
-        "lattice of springs, viscous creep (R_viscous)", _SPRINGS | {"R": 0.0, "R_viscous": 1.0}, 0.2, _WAITS
-    ),
-}
-"""The solids by the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness."""
-
+SOLIDS = WORDS.solids  # By the names of their campaigns; k0 = 1 and E* = 1 set the unit of stiffness
 SEPARABLE = ("half_space",)  # Those whose spectra are all proportional
 
 
@@ -118,18 +88,12 @@ def _findings(
 ) -> Iterator[Finding]:
     for key, separable in (("separable", True), ("any-linear-solid", False)):
         lose = {name: np.any(some, axis=0) for name, some in lost.items() if (name in SEPARABLE) is separable}
-        shares = {
-            f"share of surfaces that lose contact: {SOLIDS[name].what}": proportion(int(one.sum()), one.size)
-            for name, one in lose.items()
-        }
+        shares = {SOLIDS[name].what: proportion(int(one.sum()), one.size) for name, one in lose.items()}
         yield WORDS.judge(key, shares)
     early = [*times[RATIOS[0]]]
     waits = f"waits from {early[0]:g} to {early[-1]:g}" if early else "no wait is short enough"
-    what = "d ln (time of the minimum)/d ln (waiting time), load ratio"
-    numbers = {
-        f"{what} {ratio:g}, {waits}: {SOLIDS['conserved'].what}": _exponent(some)
-        for ratio, some in times.items()
-    }
+    which = f"{waits}: {SOLIDS['conserved'].what}"
+    numbers = {f"{ratio:g}, {which}": _exponent(some) for ratio, some in times.items()}
     yield WORDS.judge("time-of-minimum", numbers)
 
 
@@ -179,12 +143,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     waits = np.unique(dips["waiting_time"])
     time.plot(waits, waits, ":", color="black", linewidth=1)
     time.annotate("equal", (waits[-1], waits[-1]), fontsize=8, ha="right", va="bottom")
-    area.set(xscale="log", yscale="log", xlabel="time since the step", ylabel="area / area after the step")
-    area.set_title(f"longest waiting time, load × {ratio:g}", fontsize=9)
-    area.legend(fontsize=8)
-    depth.set(xscale="log", xlabel="waiting time", ylabel="depth of the dip (%)")
-    depth.set_title("filled: load × 0.2, open: × 0.5", fontsize=9)
-    time.set(xscale="log", yscale="log", xlabel="waiting time", ylabel="time of the minimum")
+    WORDS.dress(area, depth, time)
     return figure
 
 

@@ -1,7 +1,5 @@
 """The claims of the paper, section by section, each with what decides it."""
 
-from __future__ import annotations
-
 from asperity_research.paper.claims import section_3, section_4, section_5
 from asperity_research.paper.claims.claim import CLAIMS
 from asperity_research.studies.evidence import Evidence

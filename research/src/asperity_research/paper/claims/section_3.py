@@ -1,7 +1,5 @@
 """Section 3 of the paper, independent heights: area against load, its growth, and how the load drifts."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np
@@ -20,12 +18,11 @@ from asperity.theory import (
     winkler_area,
 )
 from asperity_research.arrays import Field
-from asperity_research.paper.claims.claim import claim
-from asperity_research.paper.claims.measures import (
+from asperity_research.paper.claims.claim import (
     EVEN,
     Number,
     Numbers,
-    between,
+    claim,
     crossing,
     evenness,
     exponent,
@@ -33,12 +30,10 @@ from asperity_research.paper.claims.measures import (
 )
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import exact
-from asperity_research.studies.numbers import mean, mean_of
+from asperity_research.studies.numbers import mean, mean_of, within
 
-LIGHT = (1e-3, 3e-2)
-"""Contact fractions called light, before creep."""
-LOW = (1e-3, 1e-1)
-"""Contact fractions of relaxed states called low."""
+LIGHT = (1e-3, 3e-2)  # Contact fractions called light, before creep
+LOW = (1e-3, 1e-1)  # Contact fractions of relaxed states called low
 EARLY = (1.0, 100.0)
 """Reduced times when growth is late for one contact, and contacts do not feel each other yet."""
 
@@ -47,7 +42,7 @@ EARLY = (1.0, 100.0)
 def proportional_to_load(evidence: Evidence, k1: float) -> Numbers:
     """Slope d ln A / d ln F at low load; where k1 >= k0, beside that of independent asperities."""
     area, sites = evidence.samples("load", "initial_area", k1=k1), evidence.sites("load")
-    light = between(area.mean(axis=0) / sites, *LIGHT)
+    light = within(area.mean(axis=0) / sites, *LIGHT)
     load, area = evidence["load"]["load"].values[light], area[:, light]
     theory = exponent(load, dilute_area(load / sites, float(1 / site_stiffness(k1)), GaussianHeights()))
     yield Number("slope", mean_of(lambda mean: exponent(load, mean), area))
@@ -79,7 +74,7 @@ def independent_springs(evidence: Evidence) -> Numbers:
     load, sites = evidence["load"]["load"].values, evidence.sites("load")
     stiff = evidence.values("load", "k1")[-1]
     springs = winkler_area(load / sites, stiff, GaussianHeights())
-    partial = between(springs, 0.1, 0.99)
+    partial = within(springs, 0.1, 0.99)
     full = [full_contact_load(heights, k0=1.0, k1=stiff) / (sites * stiff) for heights in _surfaces(evidence)]
     yield Number("full", mean(np.array(full)), {"stiff": stiff})
     area = evidence.samples("load", "initial_area", k1=stiff)
@@ -132,7 +127,7 @@ def relaxed_exponent(evidence: Evidence) -> Numbers:
     """Exponent p of A(infinity) ~ F^p, and how it drifts."""
     load, sites = evidence["load"]["load"].values, evidence.sites("load")
     area = evidence.samples("load", "relaxed_area", k1=evidence.values("load", "k1")[0])
-    low = np.flatnonzero(between(area.mean(axis=0) / sites, *LOW))
+    low = np.flatnonzero(within(area.mean(axis=0) / sites, *LOW))
     lower, upper = low[: (low.size + 1) // 2], low[low.size // 2 :]
 
     def drift(mean: Field) -> float:
@@ -221,6 +216,6 @@ def _loads(evidence: Evidence, count: int | None = None) -> dict[str, object]:
 def _law_exponent(evidence: Evidence, mean: Field, parameter: str, last: float = inf) -> float:
     """Exponent of the load in a parameter of the saturation law, fitted up to a last time."""
     time, load = (evidence["aging"][name].values for name in ("time", "load"))
-    here = between(time, 0.0, last)
+    here = within(time, 0.0, last)
     fitted = [getattr(saturation(time[here], curve[here]), parameter) for curve in mean]
     return exponent(load, np.array(fitted))

@@ -1,21 +1,18 @@
 """Section 4 of the paper, self-affine surfaces: area and load, growth, and what becomes of the spots."""
 
-from __future__ import annotations
-
 from math import inf
 
 import numpy as np
 
 from asperity.analysis import clustering, turnover
 from asperity_research.arrays import Field, Mask
-from asperity_research.paper.claims.claim import claim
-from asperity_research.paper.claims.measures import (
+from asperity_research.paper.claims.claim import (
     EVEN,
     LOGARITHMIC,
     ROUGHLY,
     Number,
     Numbers,
-    between,
+    claim,
     evenness,
     exponent,
     growth_slope,
@@ -23,10 +20,9 @@ from asperity_research.paper.claims.measures import (
 )
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.numbers import mean, mean_of, ratio
+from asperity_research.studies.numbers import mean, mean_of, ratio, within
 
-PARTIAL = (1e-4, 5e-2)
-"""Contact fractions away from full contact, before creep."""
+PARTIAL = (1e-4, 5e-2)  # Contact fractions away from full contact, before creep
 BOXES = (64, 16, MAP_BOXES)
 """Boxes along a side of the lattice in which contacts are counted; the last is that of Figure 7."""
 
@@ -35,7 +31,7 @@ BOXES = (64, 16, MAP_BOXES)
 def load_exponent(evidence: Evidence, size: float) -> Numbers:
     """Slope d ln A / d ln F before creep."""
     area = evidence.samples("self_affine_load", "initial_area", size=size)
-    here = between(area.mean(axis=0) / size**2, *PARTIAL)
+    here = within(area.mean(axis=0) / size**2, *PARTIAL)
     load = evidence["self_affine_load"]["load"].values[here]
     yield Number("slope", mean_of(lambda mean: exponent(load, mean), area[:, here]))
 
@@ -45,7 +41,7 @@ def area_and_size(evidence: Evidence) -> Numbers:
     """A at the same load on larger systems, over that on the smallest, mean over loads."""
     smallest, *larger = evidence.values("self_affine_load", "size")
     area = evidence.samples("self_affine_load", "initial_area")
-    partial = between(area.mean(axis=0)[0] / smallest**2, *PARTIAL)
+    partial = within(area.mean(axis=0)[0] / smallest**2, *PARTIAL)
 
     def grown(small: Field, large: Field) -> float:
         return float(np.exp(np.mean(np.log(large / small))))

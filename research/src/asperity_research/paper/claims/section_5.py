@@ -1,7 +1,5 @@
 """Sections 5, 6 and 2 of the paper: few contacts, the response to a force at one point, and the model."""
 
-from __future__ import annotations
-
 import math
 from math import inf, pi
 
@@ -25,13 +23,12 @@ from asperity.theory import (
     torus_compliance,
 )
 from asperity_research.arrays import Field
-from asperity_research.paper.claims.claim import claim
-from asperity_research.paper.claims.measures import (
+from asperity_research.paper.claims.claim import (
     LOGARITHMIC,
     ROUGHLY,
     Number,
     Numbers,
-    between,
+    claim,
     exponent,
     growth_slope,
     slope,
@@ -39,14 +36,12 @@ from asperity_research.paper.claims.measures import (
 )
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import exact
-from asperity_research.studies.numbers import mean_of, ratio
+from asperity_research.studies.numbers import mean_of, ratio, within
 
 DILUTE = (10.0, 1e3)
 """Reduced times, under conserving creep, when growth is late but the dips around contacts have not met."""
-WITHIN = (0.8, 1.25)
-"""Contacts and slopes over those of the theory."""
-RATIOS = (0.3, 1.0, 3.0, 10.0)
-"""Stiffness ratios of the closed forms."""
+WITHIN = (0.8, 1.25)  # Contacts and slopes over those of the theory
+RATIOS = (0.3, 1.0, 3.0, 10.0)  # Stiffness ratios of the closed forms
 
 
 @claim("a0", slope=(0.035, 0.045))
@@ -95,7 +90,7 @@ def number_at_start(evidence: Evidence, k1: float) -> Numbers:
 def growth_of_contacts(evidence: Evidence, k1: float) -> Numbers:
     """N(t)/N(0) over Eq. (ndet), and over G(t)/G(0)."""
     time = evidence["exponential"]["time"].values
-    here = between(time, 1.0, 100.0)
+    here = within(time, 1.0, 100.0)
 
     def over(growth: Field) -> Estimate:
         def statistic(mean: Field) -> float:
@@ -129,18 +124,13 @@ def gaussian_like_exponential(evidence: Evidence) -> Numbers:
             gaussian = slope(np.log(x2), area[1:] / area[0])
             same = slope(np.log(x2), exponential_growth(k1, x2))
             yield Number("closed", exact(gaussian / same), {"load": load, "k1": k1})
-    for k1 in evidence.values("aging", "k1"):
-        yield _gaussian_growth(evidence, k1)
-
-
-def _gaussian_growth(evidence: Evidence, k1: float) -> Number:
-    """Simulated growth of the lightest contacts of Gaussian heights over the theory of few contacts."""
-    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0
-    start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
-    area = evidence.samples("aging", "area", k1=k1, load=load)
+    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0  # the lightest
     at = int(np.argmin(np.abs(evidence["aging"]["time"].values - until)))
-    found = mean_of(lambda mean: float(mean[at] / mean[0] * start / end), area)
-    return Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
+    for k1 in evidence.values("aging", "k1"):
+        start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
+        area = evidence.samples("aging", "area", k1=k1, load=load)
+        found = mean_of(lambda mean, a=start, b=end: float(mean[at] / mean[0] * a / b), area)
+        yield Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
 
 
 @claim("even-forces", spread=(-inf, 0.2))
@@ -180,7 +170,7 @@ def line_contact(evidence: Evidence, k1: float) -> Numbers:
     time, late = evidence["line_point"]["time"].values, np.geomspace(1e12, 1e15, 7)
     depth = evidence["line_point"]["approach"].sel(k1=k1).values
     first = float(1 / site_stiffness(k1, dimension=1))
-    here = between(time, 1e4, time[-1])
+    here = within(time, 1e4, time[-1])
     yield Number("simulated", exact(exponent(time[here], first + depth[here])), {"last": time[-1]})
     yield Number("closed", exact(exponent(late, compliance(k1, late, dimension=1))))
 

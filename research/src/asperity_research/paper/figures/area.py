@@ -1,9 +1,5 @@
 """Figures 2 and 5: the area against the load, before creep and relaxed, on white and self-affine surfaces."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -12,23 +8,17 @@ from matplotlib.figure import Figure
 from asperity.theory import GaussianHeights, compliance, dilute_area
 from asperity_research import style
 from asperity_research.paper.figures import curves
-from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
 _FAR_APART = 3.0
 """Spacing of contacts, in widths of the dips around them, from which on they are drawn as independent."""
 
-_DILUTE = 0.1
-"""Largest contact fraction at which the dilute theory is drawn."""
-
-_EXPONENT = 0.8
-"""The paper's, of the area against the load on self-affine surfaces."""
-
-_PARTIAL = 0.1
-"""Contact fraction up to which a contact counts as far from full."""
+_DILUTE = 0.1  # Largest contact fraction at which the dilute theory is drawn
+_EXPONENT = 0.8  # The paper's, of the area against the load on self-affine surfaces
+_PARTIAL = 0.1  # Contact fraction up to which a contact counts as far from full
 
 
-def figure_2(evidence: Evidence) -> PaperFigure:
+def figure_2(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
 
     Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
@@ -42,7 +32,23 @@ def figure_2(evidence: Evidence) -> PaperFigure:
     tables["dilute"] = _dilute(tables["instantaneous"])
     spread = float(tables["relaxed"].groupby("load")["area"].agg(np.ptp).max())
     facts = {"sites": sites, "spread": spread, "far_apart": _FAR_APART, "dilute_fraction": _DILUTE}
-    return captioned(2, _draw_2(tables), tables, facts)
+    figure, axes = _panel()
+    areas, relaxed = tables["instantaneous"], tables["relaxed"]
+    columns = ("load_per_site", "contact_fraction")
+    for k1, look in curves.looks(areas["k1"].unique()).items():
+        theory = tables["dilute"].query("k1 == @k1")
+        axes.plot(*(theory[name] for name in columns), color=look.color, linewidth=0.8)
+        curves.points(axes, areas.query("k1 == @k1"), *columns, look, f"{k1:g}")
+    one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
+    curves.points(axes, one, *columns, curves.Look(style.INK, filled=False), "relaxed", size=5)
+    start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
+    span = np.array([1.0, max(1.0, 0.6 / level)])
+    curves.dotted(axes, start * span, level * span)
+    curves.note(axes, "slope 1", (start * 8, level * 15), where="right")
+    axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
+    curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
+    curves.legend(axes, "lower right", r"$k_1/k_0$")
+    return curves.captioned(2, figure, tables, facts)
 
 
 def _areas(evidence: Evidence, study: str) -> dict[str, pd.DataFrame]:
@@ -64,40 +70,16 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
 
 
 def _panel() -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
     return figure, figure.add_subplot(xscale="log", yscale="log")
 
 
-def _draw_2(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    figure, axes = _panel()
-    areas, relaxed = tables["instantaneous"], tables["relaxed"]
-    columns = ("load_per_site", "contact_fraction")
-    for k1, look in curves.looks(areas["k1"].unique()).items():
-        theory = tables["dilute"].query("k1 == @k1")
-        axes.plot(*(theory[name] for name in columns), color=look.color, linewidth=0.8)
-        curves.points(axes, areas.query("k1 == @k1"), *columns, look, f"{k1:g}")
-    one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
-    curves.points(axes, one, *columns, curves.Look(style.INK, filled=False), "relaxed", size=5)
-    start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
-    span = np.array([1.0, max(1.0, 0.6 / level)])
-    curves.dotted(axes, start * span, level * span)
-    curves.note(axes, "slope 1", (start * 8, level * 15), where="right")
-    axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
-    curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
-    curves.legend(axes, "lower right", r"$k_1/k_0$")
-    return figure
-
-
-def figure_5(evidence: Evidence) -> PaperFigure:
+def figure_5(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(F_N) of self-affine surfaces, in sites.
 
     Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
     """
     tables = _areas(evidence, "self_affine_load")
-    return captioned(5, _draw_5(tables), tables, {"exponent": _EXPONENT})
-
-
-def _draw_5(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure, axes = _panel()
     areas, relaxed = tables["instantaneous"], tables["relaxed"]
     sizes = areas["size"].unique()
@@ -113,7 +95,7 @@ def _draw_5(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes.set_ylim(areas["area"].min() / 3, 3 * sizes.max() ** 2)
     curves.dress(axes, r"normal load  $F_N\,/\,k_0$", r"contact area  $A$  (sites)")
     curves.legend(axes, "lower right")
-    return figure
+    return curves.captioned(5, figure, tables, {"exponent": _EXPONENT})
 
 
 def _power_law(axes: Axes, areas: pd.DataFrame) -> None:

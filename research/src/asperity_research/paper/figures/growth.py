@@ -1,7 +1,5 @@
 """Figures 3 and 6: the growth of the area at constant load, with the laws that are fitted to it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,20 +12,15 @@ from matplotlib.lines import Line2D
 from asperity.fits import ensemble, logarithm, saturation
 from asperity_research import style
 from asperity_research.paper.figures import curves
-from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import all_columns
 
-_SLOPE = 0.5
-"""The paper's beta, of q against the load."""
-
-_LAST = 1e4
-"""Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times."""
-
+_SLOPE = 0.5  # The paper's beta, of q against the load
+_LAST = 1e4  # Latest time (1/(k0 R)) to which the logarithm is fitted: the paper excepts very long times
 _TIME, _RATIO = r"hold time  $t\,k_0 R$", r"$A(t)\,/\,A(0)$"
 
 
-def figure_3(evidence: Evidence) -> PaperFigure:
+def figure_3(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(t)/A(0) for several loads and stiffness ratios with fits of Eq. (a), and their exponents q.
 
     Tables ``growth`` (with the fitted law at the same times) and ``fits``, of the study ``aging``.
@@ -35,22 +28,18 @@ def figure_3(evidence: Evidence) -> PaperFigure:
     sites = evidence.sites("aging")
     growth = curves.over_seeds(evidence, "aging", "area", "area_ratio", curves.growth)
     growth.insert(2, "load_per_site", growth["load"] / sites)
-    fits = []
+    rows = []
     for (k1, load), part in curves.parts(growth, ["k1", "load"]):
         areas = evidence.samples("aging", "area", k1=k1, load=load)
         fit = ensemble(saturation, part["time"].to_numpy(), areas)
         growth.loc[part.index, "fitted"] = fit.mean.area_ratio(part["time"])
         found = all_columns(**{name: fit.parameters[name] for name in ("a", "q", "t0", "C")})
         row = {"k1": k1, "load": load, "load_per_site": load / sites, **found}
-        fits.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
-    tables = {"growth": growth, "fits": pd.DataFrame(fits)}
-    return captioned(3, _draw_3(tables), tables, {"sites": sites, "slope": _SLOPE})
-
-
-def _draw_3(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    growth, fits = tables["growth"].query("time > 0"), tables["fits"]
+        rows.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
+    fits = pd.DataFrame(rows)
+    tables, growth = {"growth": growth, "fits": fits}, growth.query("time > 0")
     looks = curves.looks(growth["load_per_site"].unique())
-    figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
+    figure = Figure(figsize=(curves.PAGE, 2.7), layout="constrained")
     *panels, inset = figure.subplots(1, growth["k1"].nunique() + 1)
     inset.set(xscale="log", yscale="log")
     for at, (axes, (k1, here)) in enumerate(zip(panels, curves.parts(growth, "k1"), strict=True)):
@@ -70,37 +59,33 @@ def _draw_3(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.legend(inset, "lower right")
     last = f"({'abcdefgh'[len(panels)]})"
     curves.dress(inset, r"$F_N\,/\,(N_0 k_0\sigma)$", r"exponent  $q$", panel=last)
-    return figure
+    return curves.captioned(3, figure, tables, {"sites": sites, "slope": _SLOPE})
 
 
-def figure_6(evidence: Evidence) -> PaperFigure:
+def figure_6(evidence: Evidence) -> curves.PaperFigure:
     """Draw A(t), and A(t)/A(0), for several loads and sizes, with fits of Eq. (log).
 
     Tables ``area``, ``growth``, ``fits`` and ``fitted``, of the study ``self_affine_aging``.
     """
     study = "self_affine_aging"
     growth = curves.over_seeds(evidence, study, "area", "area_ratio", curves.growth)
-    fits, fitted, times = [], [], np.unique(growth.query("time > 0")["time"])
+    fits, laws, times = [], [], np.unique(growth.query("time > 0")["time"])
     for k1, part in growth.query("0 < time <= @_LAST").groupby("k1"):
         # One logarithm for all loads and sizes of a stiffness ratio.
         fit = logarithm(np.append(0.0, part["time"]), np.append(1.0, part["area_ratio"]))
         last = part["time"].max()
         fits.append({"k1": k1, "C": fit.C, "t0": fit.t0, "last": last, "rms_misfit": fit.rms_residual})
         law = 1 + fit.C * np.log1p(times / fit.t0)
-        fitted.append(pd.DataFrame({"k1": k1, "time": times, "area_ratio": law}))
+        laws.append(pd.DataFrame({"k1": k1, "time": times, "area_ratio": law}))
     tables = {
         "area": curves.over_seeds(evidence, study, "area", "area"),
         "growth": growth,
         "fits": pd.DataFrame(fits),
-        "fitted": pd.concat(fitted, ignore_index=True),
+        "fitted": pd.concat(laws, ignore_index=True),
     }
-    return captioned(6, _draw_6(tables), tables, {"last": _LAST})
-
-
-def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
     area, growth = tables["area"].query("time > 0"), tables["growth"].query("time > 0")
     looks = _looks(area)
-    figure = Figure(figsize=(PAGE, 3.0), layout="constrained")
+    figure = Figure(figsize=(curves.PAGE, 3.0), layout="constrained")
     raw, scaled = figure.subplots(1, 2)
     raw.set(xscale="log", yscale="log")
     stiff = float(area["k1"].max())
@@ -135,7 +120,7 @@ def _draw_6(tables: Mapping[str, pd.DataFrame]) -> Figure:
             )
             together.setdefault(name.format(load=load, size=size), []).append(mark)
     curves.legend(scaled, "upper left", together=together)
-    return figure
+    return curves.captioned(6, figure, tables, {"last": _LAST})
 
 
 def _looks(table: pd.DataFrame) -> dict[tuple[float, float], curves.Look]:

@@ -1,9 +1,7 @@
 """Figures 8 and 9: the compliance G of one site, also with viscous creep, closed form and simulation."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from itertools import product
 
 import numpy as np
@@ -21,22 +19,17 @@ from asperity.theory import (
 )
 from asperity_research.arrays import Field
 from asperity_research.paper.figures import curves
-from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 
 _STIFFNESS_RATIOS = (0.1, 1.0, 3.0, 10.0, 100.0)
-
-_STIFFNESS_RATIO, _MOBILITY_RATIOS = 3.0, (0.0, 0.01, 0.1, 1.0, 10.0)
-"""Of Figure 9."""
-
+_STIFFNESS_RATIO, _MOBILITY_RATIOS = 3.0, (0.0, 0.01, 0.1, 1.0, 10.0)  # Of Figure 9
 _TIMES = np.geomspace(1e-3, 1e8, 177)
 
 LARGE_LATTICE = 0.01
 """Relative difference of the closed forms up to which a finite lattice stands for an endless one."""
 
-_LATE = 1e-2
-"""From where on the late form is drawn."""
+_LATE = 1e-2  # From where on the late form is drawn
 
 
 def indentation(evidence: Evidence) -> pd.DataFrame:
@@ -84,7 +77,7 @@ def _family(
     return marks
 
 
-def figure_8(evidence: Evidence) -> PaperFigure:
+def figure_8(evidence: Evidence) -> curves.PaperFigure:
     """Draw G(x1, x2), its late form, and a simulated indentation; below, how far these are apart.
 
     Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
@@ -92,19 +85,15 @@ def figure_8(evidence: Evidence) -> PaperFigure:
     simulated = indentation(evidence).query("R_viscous == 0").reset_index(drop=True)
     ratios = (*_STIFFNESS_RATIOS, *simulated["k1"])
     theory = _closed("x1", ratios, lambda x1: compliance(x1, _TIMES), "G")
-    late = _TIMES[_TIMES >= _LATE]
-    forms = {"x2": late, "G": compliance_asymptote(late), "paper": compliance_asymptote_paper(late)}
+    times = _TIMES[_TIMES >= _LATE]
+    forms = {"x2": times, "G": compliance_asymptote(times), "paper": compliance_asymptote_paper(times)}
     tables = {"theory": theory, "asymptotes": pd.DataFrame(forms), "simulated": simulated}
     rounding = float(np.abs(forms["paper"] - forms["G"]).max())
-    return captioned(8, _draw_8(tables), tables, {"rounding": rounding, "large": LARGE_LATTICE})
-
-
-def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
+    figure = Figure(figsize=(curves.COLUMN, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     above.set_xscale("log")
     below.set_yscale("log")
-    theory, simulated, late = tables["theory"], tables["simulated"].query("time > 0"), tables["asymptotes"]
+    simulated, late = simulated.query("time > 0"), tables["asymptotes"]
     marks = _family(above, theory, simulated.query("drawn"), ("x1", "k1"), "G")
     for x1, look in curves.looks(theory["x1"].unique()).items():
         run = simulated[simulated["k1"] == x1]
@@ -114,10 +103,10 @@ def _draw_8(tables: Mapping[str, pd.DataFrame]) -> Figure:
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
     curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
-    return figure
+    return curves.captioned(8, figure, tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
-def figure_9(evidence: Evidence) -> PaperFigure:
+def figure_9(evidence: Evidence) -> curves.PaperFigure:
     """Draw the depth under a constant force for several ratios of the mobilities.
 
     Tables ``theory`` and ``simulated``, of the study ``point``; the latter has all times, also those at
@@ -127,14 +116,9 @@ def figure_9(evidence: Evidence) -> PaperFigure:
     ratios = (*_MOBILITY_RATIOS, *simulated["R_viscous"])
     theory = _closed("R_viscous", ratios, lambda r: compliance(_STIFFNESS_RATIO, _TIMES, r), "depth")
     tables = {"theory": theory, "simulated": simulated}
-    return captioned(9, _draw_9(tables), tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
-
-
-def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
+    figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
     axes = figure.add_subplot(xscale="log")
-    theory, simulated = tables["theory"], tables["simulated"].query("drawn")
-    marks = _family(axes, theory, simulated, ("R_viscous", "R_viscous"), "depth")
+    marks = _family(axes, theory, simulated.query("drawn"), ("R_viscous", "R_viscous"), "depth")
     for mobility, shift, slope, text, factor, lift in (
         (theory["R_viscous"].max(), 0.12, 2 * LATE_SLOPE, r"slope $1/(4\pi)$", 1 / 2, 0.03),
         (theory["R_viscous"].min(), -0.12, LATE_SLOPE, r"slope $1/(8\pi)$", 3, -0.05),
@@ -147,4 +131,4 @@ def _draw_9(tables: Mapping[str, pd.DataFrame]) -> Figure:
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
-    return figure
+    return curves.captioned(9, figure, tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})

@@ -1,7 +1,5 @@
 """Figures 4 and 7: where a self-affine surface touches as the load grows, and as the contact ages."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -18,8 +16,7 @@ from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, 
 from asperity.base.words import power, thousands
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.figures.curves import LABEL, SMALL, mark
-from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity_research.paper.figures.curves import LABEL, PAGE, SMALL, PaperFigure, captioned, mark
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
 
@@ -29,14 +26,11 @@ _COLORS = {SiteState.KEPT: style.INK, SiteState.NEW: style.VERMILION}
 _SMALLEST = 0.8
 """Smallest side of a mark that is drawn faithfully at 200 dots per inch, points: about two pixels."""
 
-_READABLE = 1.2
-"""The same where colors have to be told apart."""
-
+_READABLE = 1.2  # The same where colors have to be told apart
 _FAINT = LinearSegmentedColormap.from_list("faint", ["0.80", "1.0"])
 """A relief light enough that black sites stand out on it."""
 
-_COLUMNS = 3
-"""Maps of an aging contact side by side."""
+_COLUMNS = 3  # Maps of an aging contact side by side
 
 _PANELS = (
     ("number of patches", "log", ("patches",)),
@@ -104,8 +98,8 @@ def figure_4(evidence: Evidence) -> PaperFigure:
 def figure_7(evidence: Evidence) -> PaperFigure:
     """Draw the contact at all kept times, and the statistics of its patches over all seeds.
 
-    Tables ``contacts`` (every marked site of the first seed), ``patches`` and ``patches_ensemble``, of the
-    study ``maps``.
+    Tables ``contacts`` (every marked site of the first seed and time), ``patches``, and ``patches_ensemble``
+    (mean over the seeds, its standard error, and half its 95 % interval), of the study ``maps``.
     """
     dataset = evidence["maps"]
     every = {int(seed): contact_maps(evidence.fields("maps", seed=int(seed))) for seed in dataset["seed"]}
@@ -113,19 +107,17 @@ def figure_7(evidence: Evidence) -> PaperFigure:
     shape = first.heights.shape
     box = max(2, min(shape) // MAP_BOXES)
     samples = pd.concat([_statistics(seed, maps, box) for seed, maps in every.items()], ignore_index=True)
-    tables = {"contacts": _contacts(first), "patches": samples, "patches_ensemble": _ensemble(samples)}
+    grouped = samples.melt(["seed", "time"], var_name="quantity").groupby(["quantity", "time"])["value"]
+    ensemble = grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
+    ensemble = ensemble.assign(half_interval=ensemble["stderr"] * stdtrit(ensemble["seeds"] - 1, 0.975))
+    time, y, x = np.nonzero(first.states)
+    state = np.array([state.name.lower() for state in SiteState])[first.states[time, y, x]]
+    contacts = pd.DataFrame({"time": first.times[time], "state": state, "x": x, "y": y})
+    tables = {"contacts": contacts, "patches": samples, "patches_ensemble": ensemble}
     figure, width = _drawn(first, tables)
     load = float(dataset["load"].isel(seed=0, time=0))
     facts = {"shape": shape, "load": load, "width": width, "box": box, "seeds": len(every)}
     return captioned(7, figure, tables, facts)
-
-
-def _contacts(maps: ContactMaps) -> pd.DataFrame:
-    """One row a marked site and time."""
-    time, y, x = np.nonzero(maps.states)
-    names = np.array([state.name.lower() for state in SiteState])
-    state = names[maps.states[time, y, x]]
-    return pd.DataFrame({"time": maps.times[time], "state": state, "x": x, "y": y})
 
 
 def _statistics(seed: int, maps: ContactMaps, box: int) -> pd.DataFrame:
@@ -139,14 +131,6 @@ def _statistics(seed: int, maps: ContactMaps, box: int) -> pd.DataFrame:
         row |= {name: getattr(change, name) for name in ("gained_attached", "gained_detached", "lost")}
         rows.append(row | {"dispersion": clustering(now, box)})
     return pd.DataFrame(rows)
-
-
-def _ensemble(samples: pd.DataFrame) -> pd.DataFrame:
-    """One row a quantity and time: mean over the seeds, its standard error, and half its 95 % interval."""
-    long = samples.melt(id_vars=["seed", "time"], var_name="quantity")
-    grouped = long.groupby(["quantity", "time"], sort=True)["value"]
-    table = grouped.agg(mean="mean", stderr="sem", seeds="count").reset_index()
-    return table.assign(half_interval=table["stderr"] * stdtrit(table["seeds"] - 1, 0.975))
 
 
 def _drawn(maps: ContactMaps, tables: dict[str, pd.DataFrame]) -> tuple[Figure, str]:

@@ -1,7 +1,5 @@
 """Figure 1: a sketch of the model, drawn to scale from a simulation of a line contact."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -15,13 +13,11 @@ from matplotlib.patches import Patch
 from asperity.base.words import power
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.figures.curves import LABEL, mark
-from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
+from asperity_research.paper.figures.curves import LABEL, PAGE, PaperFigure, captioned, mark
 from asperity_research.studies.evidence import Evidence
 
 _BAR, _BULK, _LATERAL = "0.72", "0.90", "0.35"
-_ROOM = 4
-"""Sites to either side of the place where the symbols are named."""
+_ROOM = 4  # Sites to either side of the place where the symbols are named
 
 
 def figure_1(evidence: Evidence) -> PaperFigure:
