@@ -37,8 +37,9 @@ def explicit_history(heights, load_at, separation_at, times, dt, *, k0, k1, R, R
     return states
 
 
-def second_order(*history, **law):
+def second_order(heights, load_at, separation_at, times, **law):
     """The same, of two runs, in which the error of first order cancels."""
+    history = heights, load_at, separation_at, times
     runs = (explicit_history(*history, 1 / steps, **law) for steps in (100, 200))
     return [(2 * u_fine - u, 2 * u0_fine - u0) for (u, u0), (u_fine, u0_fine) in zip(*runs, strict=True)]
 

@@ -20,7 +20,8 @@ LATTICE = Lattice((32, 24), (0.7, 0.9))
 def stiffness_of_layers(q, thickness, film, base):
     """Pressure over displacement of a wave on a bonded film; the base has what decays below it."""
     decaying = np.linalg.matrix_power(elasticity(q, *base) + q * np.eye(4), 2)[:, :2]
-    return stiffness_of_a_wave(q, *film, thickness, decaying)
+    modulus, poisson = film
+    return stiffness_of_a_wave(q, modulus, poisson, thickness, decaying)
 
 
 @pytest.mark.parametrize(("film", "base"), [((2.0, 0.4), (0.5, 0.25)), ((0.1, 0.45), (3.0, 0.1))])

@@ -39,8 +39,8 @@ def piecewise(*corners):
 def explicit(corners, R_viscous, prescribed):
     """States at four times."""
     change, law = piecewise(*corners), {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": R_viscous}
-    change_of = (change, None) if prescribed == "load" else (None, change)
-    return second_order(uncorrelated(8), *change_of, (0.25, 0.5, 0.75, 1.0), **law)
+    load, separation = (change, None) if prescribed == "load" else (None, change)
+    return second_order(uncorrelated(8), load, separation, (0.25, 0.5, 0.75, 1.0), **law)
 
 
 HISTORIES: dict[str, tuple[list[asp.protocols.Leg], list[tuple[float, float]]]] = {

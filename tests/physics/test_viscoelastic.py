@@ -141,6 +141,28 @@ def test_equal_branches_are_one_and_branches_of_hardly_a_share_are_none(exact):
         assert final.energy == pytest.approx(one.energy, rel=1e-3)
 
 
+@pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
+def test_work_of_a_ramp_is_energy_and_dissipation(exact):
+    heights = rough(16)
+    contact = asp.press(heights, asp.solids.half_space(modulus=1.0, branches=THREE), load=5.0)
+    times = np.concatenate([[0.0], np.geomspace(1e-3, 0.02, 20), np.linspace(0.03, 2.0, 198)])
+    history = asp.age(
+        contact, times, protocol=P.Ramp(2.0, load=40.0), fields_at=times, rtol=1e-3, exact=exact
+    )
+    data = history.dataset
+    ny, nx = heights.shape
+    q = 2 * np.pi * np.hypot(np.fft.fftfreq(ny)[:, None], np.fft.fftfreq(nx)[None, :])
+    lost = np.zeros(len(times))
+    for branch, (share, time) in enumerate(THREE):
+        modes = np.fft.fft2((data["u"] - data["u0"].isel(branch=branch)).values)
+        lost += np.sum(share * q / 2 * np.abs(modes) ** 2, axis=(1, 2)) / heights.size / time
+    load, approach, energy = (data[name].values for name in ("load", "approach", "energy"))
+    worked = np.sum((load[1:] + load[:-1]) / 2 * np.diff(approach))
+    dissipated = np.sum((lost[1:] + lost[:-1]) / 2 * np.diff(times))
+    assert dissipated > 0.1 * worked
+    assert worked == pytest.approx(energy[-1] - energy[0] + dissipated, rel=5e-4)
+
+
 @pytest.mark.parametrize("apparatus", [None, np.inf])
 def test_one_site_has_no_waves_and_keeps_its_load(apparatus):
     solid = asp.solids.half_space(modulus=1.0, branches=THREE, apparatus=apparatus)

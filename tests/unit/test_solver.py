@@ -366,9 +366,7 @@ def test_displacements_are_those_of_dense_matrices():
             continue
         force, wanted = rng.normal(size=lattice.sites), np.zeros(lattice.sites)
         wanted[free] = np.linalg.solve(own, -force[free])
-        found = LineSites(lattice, law, in_contact).correct(
-            force, 1.0, Accuracy(goal=0.1, most=1)
-        )
+        found = LineSites(lattice, law, in_contact).correct(force, 1.0, Accuracy(goal=0.1, most=1))
         np.testing.assert_allclose(found.displacement, wanted, atol=1e-9 * abs(wanted).max())
         np.testing.assert_allclose(found.force, force + matrix @ wanted, atol=1e-8 * abs(force).max())
         tried += 1

@@ -37,7 +37,8 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
         return independent_asperities(problem)
     coarser = _coarsen(problem)
     try:
-        start = solver.solve(coarser, cold_start(coarser, solver), 0.1)  # any tolerance from 1e-4 to 1 costs as much
+        # Any tolerance from 1e-4 to 1 costs as much.
+        start = solver.solve(coarser, cold_start(coarser, solver), 0.1)
     except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
