@@ -12,8 +12,11 @@ from asperity.theory import (
     EmpiricalHeights,
     GaussianHeights,
     compliance,
+    dilute_area,
+    dilute_horizon,
     full_contact_load,
     full_contact_load_relaxed,
+    site_stiffness,
     torus_compliance,
     winkler_area,
 )
@@ -41,6 +44,13 @@ def test_one_contact_on_a_torus(shape, R_viscous):
     assert relax(contact).separation == pytest.approx(
         -load * torus_compliance(x1, np.inf, shape, viscous=R_viscous), rel=1e-11
     )
+
+
+def test_site_stiffness_on_a_large_lattice():
+    for x1 in (1.0, 10.0):
+        contact = press(spike((200, 200)), spring_lattice(k0=2.0, k1=2.0 * x1), load=1.0)
+        fall = -contact.separation
+        assert 1.0 / fall / 2.0 == pytest.approx(site_stiffness(x1), rel=2e-4)
 
 
 def test_line_contact_sinks_like_the_fourth_root_of_time():
@@ -129,3 +139,16 @@ def test_scaling_stiffness_load_and_mobility_together_changes_nothing():
     np.testing.assert_array_equal(areas(1e-9), areas(1.0))
     np.testing.assert_array_equal(areas(1.0, s=1e-9), areas(1.0))
     np.testing.assert_array_equal(areas(1.0, s=1e6), areas(1.0))
+
+
+def test_dilute_theory_where_it_claims_to_hold():
+    # The heights are the same on both sides, so that no sampling error enters; what is left is the
+    # influence of contacts on each other, of relative size area fraction times range squared.
+    rough = uncorrelated(256)
+    p, x1 = 1e-3, 3.0
+    contact = press(rough, spring_lattice(k0=1.0, k1=x1), load=p * rough.size)
+    times = np.array([1.0, 1e2, 1e4])
+    area = age(contact, times).dataset["area"].values
+    fraction = dilute_area(p, compliance(x1, np.concatenate([[0.0], times])), EmpiricalHeights(rough))
+    assert dilute_horizon(fraction[-1]) > times[-1]
+    np.testing.assert_allclose(area / rough.size, fraction, rtol=0.06)

@@ -150,6 +150,14 @@ def test_full_contact_forces_just_reach_zero(shape):
 # -- A load that changes -------------------------------------------------------------------------------------
 
 
+def test_growing_load_is_the_hereditary_integral():
+    load = 1e-5 * np.array([0, 10, 30, 30])
+    area = T.dilute_history([0, 10, 10, 50], load, k0=2.0, x1=1.0, heights=GAUSS)
+    ramp, _ = quad(lambda y: float(T.compliance(1.0, y)), 40, 50, epsrel=1e-12)
+    compression = 1e-5 * (ramp + 20 * T.compliance(1.0, 40.0)) / 2
+    assert area[-1] == pytest.approx(norm.sf(GAUSS.separation_for(compression)), rel=1e-10)
+
+
 @pytest.mark.parametrize(
     ("heights", "viscous", "dimension"),
     [(GAUSS, 0.0, 2), (T.ExponentialHeights(2.0), 0.3, 2), (T.GaussianHeights(0.7), 0.0, 1)],
