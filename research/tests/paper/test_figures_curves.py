@@ -18,9 +18,9 @@ from scipy import stats
 import asperity as asp
 from asperity_research.paper.figures import curves
 from asperity_research.paper.figures.area import figure_2, figure_5
-from asperity_research.paper.figures.curves import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.figures.growth import figure_3, figure_6
 from asperity_research.paper.figures.indentation import figure_8, figure_9, indentation
+from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
 from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.typeset import rich

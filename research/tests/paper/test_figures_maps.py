@@ -15,8 +15,8 @@ from asperity.analysis import clustering, contact_maps, patches, turnover, with_
 from asperity.figures import style
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian, self_affine
-from asperity_research.paper.figures.curves import PAGE
 from asperity_research.paper.figures.maps import figure_4, figure_7
+from asperity_research.paper.figures.paper_figure import PAGE
 from asperity_research.paper.figures.sketch import figure_1
 
 SIZE = 32

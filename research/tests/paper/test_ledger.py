@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ndtr
 
 from asperity.fits.resampling import Estimate
-from asperity_research.paper.claims.claim import crossing, exponent, growth_slope
+from asperity_research.paper.claims.measures import crossing, exponent, growth_slope
 from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact
 from asperity_research.studies.numbers import mean_of, within
 

@@ -18,10 +18,10 @@ from asperity.fits.resampling import Estimate
 from asperity.theory import GaussianHeights, compliance
 from asperity_research.paper import report
 from asperity_research.paper.corrections import corrections
-from asperity_research.paper.figures.curves import COLUMN, PAGE, PaperFigure
+from asperity_research.paper.figures.paper_figure import COLUMN, PAGE, PaperFigure
+from asperity_research.paper.places import EQUATIONS, section_of
 from asperity_research.paper.report import write_report
 from asperity_research.paper.studies import QUICK, studies
-from asperity_research.paper.wording import EQUATIONS, section_of
 from asperity_research.studies import typeset
 from asperity_research.studies.ledger import Finding, Measurement, Verdict, exact
 from asperity_research.studies.report import About, Simulated

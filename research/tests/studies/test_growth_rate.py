@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from asperity import fits, surfaces, theory
-from asperity_research.studies import growth_rate
+from asperity_research.studies import growth, growth_rate
 from asperity_research.studies.evidence import Evidence
 
 SEEDS, SIDE = (0, 1), 256
@@ -85,21 +85,21 @@ def test_the_verdicts_on_them(outcome):
 def test_an_end_by_hand():
     time = np.array([0.0, 1.0, 10.0, 100.0])
     closed = np.array([[1.0, 2.0, 3.0, 4.0]])
-    at, area = growth_rate.end(time, closed * [1.0, 1.0, 0.95, 0.85], closed)
+    at, area = growth.end(time, closed * [1.0, 1.0, 0.95, 0.85], closed)
     assert at == pytest.approx(10 * math.sqrt(10))
     assert area == pytest.approx((3 * 0.95 + 4 * 0.85) / 2)
-    assert np.isnan(growth_rate.end(time, closed, closed)).all()
-    assert np.isnan(growth_rate.end(time, closed * 0.5, closed)).all()
+    assert np.isnan(growth.end(time, closed, closed)).all()
+    assert np.isnan(growth.end(time, closed * 0.5, closed)).all()
 
 
 def test_rates_of_a_logarithm_and_of_one_that_bends():
     time = np.append(0.0, np.geomspace(1.0, 1e3, 13))
     area = np.array([[10.0], [30.0]]) * (1 + 0.2 * np.log1p(1e9 * time) / 2)
-    assert growth_rate.rate(time, area) == pytest.approx(0.1, rel=1e-6)
-    assert growth_rate.straightness(time, area) == pytest.approx(1.0, rel=1e-6)
+    assert growth.rate(time, area) == pytest.approx(0.1, rel=1e-6)
+    assert growth.straightness(time, area) == pytest.approx(1.0, rel=1e-6)
     measured = fits.growth_rate(time, area.mean(axis=0), 9.0, 1100.0)
-    assert growth_rate.rate(time, area) == pytest.approx(measured.B)
-    assert growth_rate.relative_rate(time, area) == pytest.approx(measured.relative)
+    assert growth.rate(time, area) == pytest.approx(measured.B)
+    assert growth.relative_rate(time, area) == pytest.approx(measured.relative)
     bent = np.exp(0.1 * np.log1p(time))[None]
-    assert growth_rate.relative_rate(time, bent) == pytest.approx(0.1, rel=0.02)
-    assert growth_rate.straightness(time, bent) > 1.2
+    assert growth.relative_rate(time, bent) == pytest.approx(0.1, rel=0.02)
+    assert growth.straightness(time, bent) > 1.2

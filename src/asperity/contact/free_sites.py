@@ -238,7 +238,7 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
 
 @lru_cache(maxsize=8)
 def _coarse_lattices(shape: tuple[int, ...], edges: Edges) -> list[Lattice]:
-    """Lattices coarser by four and four again."""
+    """Lattices coarser by four and four again, of three sites along an axis at least."""
     lattices = []
     while min(shape) // TUNING.coarser > 2:
         shape = tuple(_odd_length(n // TUNING.coarser) for n in shape)

@@ -258,7 +258,7 @@ class _Run(LocalRun):
         return lacking
 
     def move(self, law: LinearLaw, x: Fields, own: Field, change: Field, sites: Mask, ways: Fields) -> None:
-        """Put forces s by the law at some sites, the others as they are; p stays above 0."""
+        """Put forces s by the law at some sites, the others as they are; p is no tension."""
         found = law.found(own, change, sites)
         x[:, sites] += ways[:, sites] * (found - self.solver.creeping(x[:, sites]))
         x[0][sites] = np.maximum(x[0][sites], 0.0)

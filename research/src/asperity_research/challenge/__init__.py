@@ -1,7 +1,8 @@
 """Reference problems with certified answers, for any code that computes contact and its aging."""
 
+from asperity_research.challenge.picture import score_figure
 from asperity_research.challenge.posing import NAMES, Answer, Column, Problem, problem, problems
-from asperity_research.challenge.scoring import QuantityScore, Score, score, score_figure
+from asperity_research.challenge.scoring import QuantityScore, Score, score
 from asperity_research.challenge.solving import solve
 from asperity_research.challenge.writing import write
 

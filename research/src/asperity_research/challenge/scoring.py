@@ -1,21 +1,16 @@
-"""Anybody's answer to a reference problem, held against the certified one; a score as a figure."""
+"""Anybody's answer to a reference problem, held against the certified one."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from asperity.base.checks import instance
 from asperity.errors import InputError
-from asperity.figures import Drawing
 from asperity.results import read_table
-from asperity_research import style
 from asperity_research.arrays import Field
 from asperity_research.challenge.posing import Column, Problem, problem
 
@@ -186,41 +181,3 @@ def _rows(given: Field, wanted: Field) -> np.ndarray[tuple[int], np.dtype[np.int
     same = np.abs(given[None, :] - wanted[:, None]) <= _SAME * np.abs(wanted[:, None])
     last = given.size - 1 - np.argmax(same[:, ::-1], axis=1)
     return np.where(same.any(axis=1), last, -1)
-
-
-def score_figure(score: Score) -> Figure:
-    """Draw each quantity, and how far it deviates in percent, with error bars and tolerance.
-
-    Parameters
-    ----------
-    score
-        From `asperity_research.challenge.score`.
-    """
-    instance("score", score, Score, "asperity.challenge.score(result)")
-    count = len(score.quantities)
-    figure = Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
-    panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[2.2, 1])
-    for (upper, lower), one in zip(panels.T, score.quantities, strict=True):
-        _draw(upper, lower, one)
-        lower.set_xlabel(score.problem.abscissa.heading)
-    figure.suptitle(f"{score.problem.name}: {score.problem.title}", fontsize=10)
-    return figure
-
-
-def _draw(upper: Axes, lower: Axes, one: QuantityScore) -> None:
-    bars: dict[str, Any] = {"ecolor": style.INK, "capsize": 2.5}
-    rings: dict[str, Any] = {"color": style.BLUE, "markerfacecolor": "none", "markersize": 5}
-    x, zero = one.abscissa, one.certified == 0
-    upper.errorbar(x, one.certified, yerr=one.bar, fmt="-", color=style.GRAY, label="certified", **bars)
-    upper.plot(x, one.given, "o", label=f"given: {one.verdict}", **rings)
-    upper.set_ylabel(one.column.heading)
-    upper.legend(fontsize=8)
-    tolerance, reach = 100 * one.column.tolerance, 100 * one.bar / np.abs(one.certified + zero)
-    lower.axhspan(-tolerance, tolerance, color="0.92", label="tolerance")
-    lower.errorbar(x, 0 * x, yerr=np.where(zero, 0.0, reach), fmt="none", label="error bar", **bars)
-    lower.plot(x, 100 * one.relative, "o", **rings)
-    lower.set_ylabel("deviation [%]")
-    lower.legend(fontsize=7)
-    if (positive := x[x > 0]).size and positive.max() > 20 * positive.min():
-        # Logarithmic, but linear below the first place that is not 0.
-        lower.set_xscale("symlog", linthresh=float(positive.min()))

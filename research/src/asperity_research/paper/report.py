@@ -11,8 +11,8 @@ from markupsafe import Markup
 import asperity_research.studies.report as reporting
 from asperity.app.config import RunConfig
 from asperity_research.paper.corrections import corrections
-from asperity_research.paper.figures.curves import COLUMN, PaperFigure
-from asperity_research.paper.wording import SECTIONS, numbered, section_of
+from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure
+from asperity_research.paper.places import SECTIONS, numbered, section_of
 from asperity_research.studies.ledger import Finding, Measurement
 from asperity_research.studies.report import About, write_drawing, write_table
 from asperity_research.studies.typeset import interval, plain, rich

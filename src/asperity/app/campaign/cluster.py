@@ -48,7 +48,7 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
     }
     with dask.config.set(settings), ExitStack() as stack:
         # Silence what the library logs when workers or schedulers go: the tally says what matters.
-        # Its tasks log when they are collected, so they are before it may speak again.
+        # What a task of it failed by is logged as the task is collected: before logging is on again.
         stack.callback(logging.disable, logging.root.manager.disable)
         stack.callback(gc.collect)
         logging.disable(logging.CRITICAL)

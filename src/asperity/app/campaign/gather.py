@@ -117,9 +117,9 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         if name.endswith("_uncertainty"):
             long_name = f"{long_name}, standard error of the fit"
         dataset[name] = (dims, values, {"long_name": long_name, "units": units.get(unit, unit)})
-    of_maps = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
+    coordinate = {name: (one.long_name, one.dimension) for name, one in select("coordinate").items()}
     for name in map(str, dataset.coords):
-        long_name, unit = parameters.of_parameter(name) or (of_maps | described).get(name, ("", ""))
+        long_name, unit = parameters.of_parameter(name) or (coordinate | described).get(name, ("", ""))
         dataset[name].attrs.update(long_name=long_name, units=units.get(unit, unit))
     if "seed" in dims:
         dataset = _with_ensemble(dataset)

@@ -62,7 +62,7 @@ _ROUNDING = 20 * float(np.finfo(np.float32).eps)
 
 
 def working_stiffness(k0: float, k1: float) -> float:
-    """The k0 of corrections."""
+    """The k0 of corrections, which is above 0."""
     return max(k0, TUNING.softest * k1)
 
 

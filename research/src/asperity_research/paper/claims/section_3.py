@@ -18,11 +18,11 @@ from asperity.theory import (
     winkler_area,
 )
 from asperity_research.arrays import Field
-from asperity_research.paper.claims.claim import (
+from asperity_research.paper.claims.claim import claim
+from asperity_research.paper.claims.measures import (
     EVEN,
     Number,
     Numbers,
-    claim,
     crossing,
     evenness,
     exponent,

@@ -6,13 +6,13 @@ import numpy as np
 
 from asperity.analysis import clustering, turnover
 from asperity_research.arrays import Field, Mask
-from asperity_research.paper.claims.claim import (
+from asperity_research.paper.claims.claim import claim
+from asperity_research.paper.claims.measures import (
     EVEN,
     LOGARITHMIC,
     ROUGHLY,
     Number,
     Numbers,
-    claim,
     evenness,
     exponent,
     growth_slope,

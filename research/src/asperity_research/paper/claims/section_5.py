@@ -23,12 +23,12 @@ from asperity.theory import (
     torus_compliance,
 )
 from asperity_research.arrays import Field
-from asperity_research.paper.claims.claim import (
+from asperity_research.paper.claims.claim import claim
+from asperity_research.paper.claims.measures import (
     LOGARITHMIC,
     ROUGHLY,
     Number,
     Numbers,
-    claim,
     exponent,
     growth_slope,
     slope,
@@ -124,13 +124,18 @@ def gaussian_like_exponential(evidence: Evidence) -> Numbers:
             gaussian = slope(np.log(x2), area[1:] / area[0])
             same = slope(np.log(x2), exponential_growth(k1, x2))
             yield Number("closed", exact(gaussian / same), {"load": load, "k1": k1})
-    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0  # the lightest
-    at = int(np.argmin(np.abs(evidence["aging"]["time"].values - until)))
     for k1 in evidence.values("aging", "k1"):
-        start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
-        area = evidence.samples("aging", "area", k1=k1, load=load)
-        found = mean_of(lambda mean, a=start, b=end: float(mean[at] / mean[0] * a / b), area)
-        yield Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
+        yield _gaussian_growth(evidence, k1)
+
+
+def _gaussian_growth(evidence: Evidence, k1: float) -> Number:
+    """Simulated growth of the lightest contacts of Gaussian heights over the theory of few contacts."""
+    load, sites, until = evidence.values("aging", "load")[0], evidence.sites("aging"), 100.0
+    start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
+    area = evidence.samples("aging", "area", k1=k1, load=load)
+    at = int(np.argmin(np.abs(evidence["aging"]["time"].values - until)))
+    found = mean_of(lambda mean: float(mean[at] / mean[0] * start / end), area)
+    return Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
 
 
 @claim("even-forces", spread=(-inf, 0.2))

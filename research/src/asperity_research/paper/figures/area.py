@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from asperity.theory import GaussianHeights, compliance, dilute_area
 from asperity_research import style
 from asperity_research.paper.figures import curves
+from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
 _FAR_APART = 3.0
@@ -18,7 +19,7 @@ _EXPONENT = 0.8  # The paper's, of the area against the load on self-affine surf
 _PARTIAL = 0.1  # Contact fraction up to which a contact counts as far from full
 
 
-def figure_2(evidence: Evidence) -> curves.PaperFigure:
+def figure_2(evidence: Evidence) -> PaperFigure:
     """Draw A(F_N) for several stiffness ratios, and of the relaxed state.
 
     Tables ``instantaneous``, ``relaxed`` (for every k1, though all are the same) and ``dilute``, of the
@@ -48,7 +49,7 @@ def figure_2(evidence: Evidence) -> curves.PaperFigure:
     axes.set_ylim(areas["contact_fraction"].min() / 3, 2)
     curves.dress(axes, r"normal load  $F_N\,/\,(N_0 k_0 \sigma)$", r"contact area  $A\,/\,N_0$")
     curves.legend(axes, "lower right", r"$k_1/k_0$")
-    return curves.captioned(2, figure, tables, facts)
+    return captioned(2, figure, tables, facts)
 
 
 def _areas(evidence: Evidence, study: str) -> dict[str, pd.DataFrame]:
@@ -70,11 +71,11 @@ def _dilute(areas: pd.DataFrame) -> pd.DataFrame:
 
 
 def _panel() -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
     return figure, figure.add_subplot(xscale="log", yscale="log")
 
 
-def figure_5(evidence: Evidence) -> curves.PaperFigure:
+def figure_5(evidence: Evidence) -> PaperFigure:
     """Draw A(F_N) of self-affine surfaces, in sites.
 
     Tables ``instantaneous`` and ``relaxed``, of the study ``self_affine_load``.
@@ -95,7 +96,7 @@ def figure_5(evidence: Evidence) -> curves.PaperFigure:
     axes.set_ylim(areas["area"].min() / 3, 3 * sizes.max() ** 2)
     curves.dress(axes, r"normal load  $F_N\,/\,k_0$", r"contact area  $A$  (sites)")
     curves.legend(axes, "lower right")
-    return curves.captioned(5, figure, tables, {"exponent": _EXPONENT})
+    return captioned(5, figure, tables, {"exponent": _EXPONENT})
 
 
 def _power_law(axes: Axes, areas: pd.DataFrame) -> None:

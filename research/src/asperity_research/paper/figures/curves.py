@@ -1,7 +1,6 @@
-"""What the figures of the reproduction share: words, ensembles with their intervals, and looks."""
+"""What the curves of the reproduction share: ensembles with their intervals, and how these are drawn."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, Literal, NamedTuple, Self
 
@@ -10,7 +9,6 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
@@ -18,13 +16,9 @@ from numpy.typing import ArrayLike
 from asperity.fits import jackknife
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.studies import DELTA, HURST, SELF_AFFINE_RATIO
-from asperity_research.paper.wording import sentences, spelled
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import columns
 
-COLUMN = 3.4  # Width of a journal column, inches
-PAGE = 7.0  # Width of a journal page, inches
 LABEL = 8.0  # Font size of the labels of axes, points at final size
 SMALL = 7.0  # Font size of everything else
 _LIGHTEST = 0.82  # Where the color map is cut: beyond it, yellow vanishes on white
@@ -33,31 +27,6 @@ _NEAR_ZERO = 1e-6
 
 _MARKERS = "osD^vPX*"
 _DASHES = ((6, 1.5), (4, 1.5, 1, 1.5), (3, 1), (1.5, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class PaperFigure:
-    """One figure of the paper, reproduced: its number there, the drawing, and the words under it.
-
-    The caption is plain text with the tags i, sub and sup of HTML. Tables hold the numbers behind every
-    curve, one row a point.
-    """
-
-    number: int
-    title: str
-    caption: str
-    figure: Figure
-    tables: Mapping[str, pd.DataFrame]
-
-
-def captioned(
-    number: int, figure: Figure, tables: Mapping[str, pd.DataFrame], facts: Mapping[str, object]
-) -> PaperFigure:
-    """Give a drawing its title and caption, from ``captions.toml``, with the tables and other facts in it."""
-    words = sentences("figures/captions.toml")[f"figure-{number}"]
-    studied = {"HURST": HURST, "DELTA": DELTA, "SELF_AFFINE_RATIO": SELF_AFFINE_RATIO}
-    caption = spelled(words["caption"], {**studied, **tables, **facts})
-    return PaperFigure(number, words["title"], caption, figure, tables)
 
 
 class Look(NamedTuple):

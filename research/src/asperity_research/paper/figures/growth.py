@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from asperity.fits import ensemble, logarithm, saturation
 from asperity_research import style
 from asperity_research.paper.figures import curves
+from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.numbers import all_columns
 
@@ -20,7 +21,7 @@ _LAST = 1e4  # Latest time (1/(k0 R)) to which the logarithm is fitted: the pape
 _TIME, _RATIO = r"hold time  $t\,k_0 R$", r"$A(t)\,/\,A(0)$"
 
 
-def figure_3(evidence: Evidence) -> curves.PaperFigure:
+def figure_3(evidence: Evidence) -> PaperFigure:
     """Draw A(t)/A(0) for several loads and stiffness ratios with fits of Eq. (a), and their exponents q.
 
     Tables ``growth`` (with the fitted law at the same times) and ``fits``, of the study ``aging``.
@@ -39,7 +40,7 @@ def figure_3(evidence: Evidence) -> curves.PaperFigure:
     fits = pd.DataFrame(rows)
     tables, growth = {"growth": growth, "fits": fits}, growth.query("time > 0")
     looks = curves.looks(growth["load_per_site"].unique())
-    figure = Figure(figsize=(curves.PAGE, 2.7), layout="constrained")
+    figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     *panels, inset = figure.subplots(1, growth["k1"].nunique() + 1)
     inset.set(xscale="log", yscale="log")
     for at, (axes, (k1, here)) in enumerate(zip(panels, curves.parts(growth, "k1"), strict=True)):
@@ -59,10 +60,10 @@ def figure_3(evidence: Evidence) -> curves.PaperFigure:
     curves.legend(inset, "lower right")
     last = f"({'abcdefgh'[len(panels)]})"
     curves.dress(inset, r"$F_N\,/\,(N_0 k_0\sigma)$", r"exponent  $q$", panel=last)
-    return curves.captioned(3, figure, tables, {"sites": sites, "slope": _SLOPE})
+    return captioned(3, figure, tables, {"sites": sites, "slope": _SLOPE})
 
 
-def figure_6(evidence: Evidence) -> curves.PaperFigure:
+def figure_6(evidence: Evidence) -> PaperFigure:
     """Draw A(t), and A(t)/A(0), for several loads and sizes, with fits of Eq. (log).
 
     Tables ``area``, ``growth``, ``fits`` and ``fitted``, of the study ``self_affine_aging``.
@@ -85,7 +86,7 @@ def figure_6(evidence: Evidence) -> curves.PaperFigure:
     }
     area, growth = tables["area"].query("time > 0"), tables["growth"].query("time > 0")
     looks = _looks(area)
-    figure = Figure(figsize=(curves.PAGE, 3.0), layout="constrained")
+    figure = Figure(figsize=(PAGE, 3.0), layout="constrained")
     raw, scaled = figure.subplots(1, 2)
     raw.set(xscale="log", yscale="log")
     stiff = float(area["k1"].max())
@@ -120,7 +121,7 @@ def figure_6(evidence: Evidence) -> curves.PaperFigure:
             )
             together.setdefault(name.format(load=load, size=size), []).append(mark)
     curves.legend(scaled, "upper left", together=together)
-    return curves.captioned(6, figure, tables, {"last": _LAST})
+    return captioned(6, figure, tables, {"last": _LAST})
 
 
 def _looks(table: pd.DataFrame) -> dict[tuple[float, float], curves.Look]:

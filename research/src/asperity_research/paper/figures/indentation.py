@@ -19,6 +19,7 @@ from asperity.theory import (
 )
 from asperity_research.arrays import Field
 from asperity_research.paper.figures import curves
+from asperity_research.paper.figures.paper_figure import COLUMN, PaperFigure, captioned
 from asperity_research.paper.studies import PEAK
 from asperity_research.studies.evidence import Evidence
 
@@ -77,7 +78,7 @@ def _family(
     return marks
 
 
-def figure_8(evidence: Evidence) -> curves.PaperFigure:
+def figure_8(evidence: Evidence) -> PaperFigure:
     """Draw G(x1, x2), its late form, and a simulated indentation; below, how far these are apart.
 
     Tables ``theory``, ``asymptotes`` and ``simulated``, of the study ``point``.
@@ -89,7 +90,7 @@ def figure_8(evidence: Evidence) -> curves.PaperFigure:
     forms = {"x2": times, "G": compliance_asymptote(times), "paper": compliance_asymptote_paper(times)}
     tables = {"theory": theory, "asymptotes": pd.DataFrame(forms), "simulated": simulated}
     rounding = float(np.abs(forms["paper"] - forms["G"]).max())
-    figure = Figure(figsize=(curves.COLUMN, 4.2), layout="constrained")
+    figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=[3, 1])
     above.set_xscale("log")
     below.set_yscale("log")
@@ -103,10 +104,10 @@ def figure_8(evidence: Evidence) -> curves.PaperFigure:
     curves.dress(above, "", r"$G(x_1, x_2)$")
     curves.dress(below, r"reduced time  $x_2 = k_0 R\,t$", "deviation")
     curves.legend(above, "upper left", "$x_1 = k_1/k_0$", together={"simulated": marks})
-    return curves.captioned(8, figure, tables, {"rounding": rounding, "large": LARGE_LATTICE})
+    return captioned(8, figure, tables, {"rounding": rounding, "large": LARGE_LATTICE})
 
 
-def figure_9(evidence: Evidence) -> curves.PaperFigure:
+def figure_9(evidence: Evidence) -> PaperFigure:
     """Draw the depth under a constant force for several ratios of the mobilities.
 
     Tables ``theory`` and ``simulated``, of the study ``point``; the latter has all times, also those at
@@ -116,7 +117,7 @@ def figure_9(evidence: Evidence) -> curves.PaperFigure:
     ratios = (*_MOBILITY_RATIOS, *simulated["R_viscous"])
     theory = _closed("R_viscous", ratios, lambda r: compliance(_STIFFNESS_RATIO, _TIMES, r), "depth")
     tables = {"theory": theory, "simulated": simulated}
-    figure = Figure(figsize=(curves.COLUMN, 3.2), layout="constrained")
+    figure = Figure(figsize=(COLUMN, 3.2), layout="constrained")
     axes = figure.add_subplot(xscale="log")
     marks = _family(axes, theory, simulated.query("drawn"), ("R_viscous", "R_viscous"), "depth")
     for mobility, shift, slope, text, factor, lift in (
@@ -131,4 +132,4 @@ def figure_9(evidence: Evidence) -> curves.PaperFigure:
     axes.set_ylim(bottom=0)
     curves.dress(axes, r"reduced time  $k_0 R\,t$", r"indentation  $k_0\,u(0,t)\,/\,f_0$")
     curves.legend(axes, "upper left", r"$\tilde{R}/R$", together={"simulated": marks})
-    return curves.captioned(9, figure, tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})
+    return captioned(9, figure, tables, {"k1": _STIFFNESS_RATIO, "large": LARGE_LATTICE})

@@ -16,7 +16,8 @@ from asperity.analysis import ContactMaps, SiteState, clustering, contact_maps, 
 from asperity.base.words import power, thousands
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.figures.curves import LABEL, PAGE, SMALL, PaperFigure, captioned, mark
+from asperity_research.paper.figures.curves import LABEL, SMALL, mark
+from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.paper.studies import MAP_BOXES
 from asperity_research.studies.evidence import Evidence
 

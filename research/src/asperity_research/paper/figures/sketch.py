@@ -13,7 +13,8 @@ from matplotlib.patches import Patch
 from asperity.base.words import power
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.paper.figures.curves import LABEL, PAGE, PaperFigure, captioned, mark
+from asperity_research.paper.figures.curves import LABEL, mark
+from asperity_research.paper.figures.paper_figure import PAGE, PaperFigure, captioned
 from asperity_research.studies.evidence import Evidence
 
 _BAR, _BULK, _LATERAL = "0.72", "0.90", "0.35"
