@@ -43,7 +43,7 @@ lock: $(VENV)/.dev  ## Renew the lock file of the development environment
 
 release: $(VENV)/.dev  ## Check everything, build, and print the commands that publish
 	$(BIN)/python .ci/release.py ready
-	$(MAKE) check test test-all docs packages
+	CURVES=500 $(MAKE) check test test-all docs packages
 	$(BIN)/python .ci/release.py upload
 
 bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every case

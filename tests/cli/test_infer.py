@@ -127,6 +127,7 @@ def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity):
     assert not Path("F/solid.toml").exists()
 
 
+@pytest.mark.slow
 def test_an_interrupted_inference_goes_on(asperity, table, monkeypatch):
     words, whole = ("infer", "area.csv", *QUICK, "--out", "G"), asp.inference.sampling._advanced
     nine_times = itertools.chain(itertools.repeat(DEFAULT, 9), [KeyboardInterrupt], itertools.repeat(DEFAULT))

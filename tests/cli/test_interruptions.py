@@ -50,7 +50,7 @@ def stopped(running, stop, at):
     return running.communicate(timeout=60)
 
 
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("stop", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_run_that_is_stopped(tmp_path, stop):
     running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=LISTEN)
     out, error = stopped(running, stop, "  t = 0.001")

@@ -95,6 +95,7 @@ def test_other_surfaces_grow_within_the_band(kind):
     assert np.mean(high - low) == pytest.approx(2 * 1.96 * np.std(others, ddof=1), rel=0.35)
 
 
+@pytest.mark.slow
 def test_steps_in_time_add_little_to_the_band():
     for kind in ("eyring", "permanent", "hard"):
         ours = asp.predict(solids()[kind], rough(1), pressure="10 MPa", **SPAN)
@@ -273,7 +274,8 @@ def test_what_python_refuses():
             asp.predict(material, rough(0), pressure=1e7, **how)
 
 
-@pytest.mark.parametrize("ramp", [None, pytest.param("0.2 s", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ramp", [None, "0.2 s"])
 def test_the_band_is_that_of_a_prediction_for_each_draw(ramp):
     heights = asp.surfaces.spectral((256, 256), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
     units: dict[str, Any] = {"unit": "nm", "length_unit": "nm"}

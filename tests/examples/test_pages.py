@@ -148,7 +148,10 @@ def surface_file(path):
         Topography(heights, (1.0, 1.0), unit="um", periodic=False).to_netcdf(str(path))
 
 
-LONG = {f"docs/{name}.md" for name in ("friction", "histories", "inference", "predict", "solids", "start")}
+LONG = {
+    f"docs/{name}.md"
+    for name in ("campaigns", "friction", "histories", "inference", "predict", "solids", "start", "surfaces")
+}
 """Pages whose commands take more than five seconds."""
 
 

@@ -1,6 +1,7 @@
 """What a curve determines of a model: beside closed forms, theories, and curves of known parameters."""
 
 import math
+import os
 from dataclasses import replace
 from typing import Any
 
@@ -182,14 +183,19 @@ def ranks_of(model, count, walkers, steps):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1200)
+@pytest.mark.timeout(1800)
 @pytest.mark.parametrize("model", SBC)
-def test_ranks_of_five_hundred_curves_are_uniform_and_intervals_cover(model):
-    """S. Talts et al., arXiv:1804.06788. The exact posterior of these curves of healing covers 93.7 %."""
-    ranks = ranks_of(model, 500, walkers=400, steps=10)
+def test_ranks_of_curves_are_uniform_and_intervals_cover(model):
+    """S. Talts et al., arXiv:1804.06788. The exact posterior of 500 of these curves of healing covers 93.7 %.
+
+    A model takes minutes with 500 curves, which `make release` asks for.
+    """
+    curves = int(os.environ.get("CURVES", "100"))
+    ranks = ranks_of(model, curves, walkers=400, steps=10)
     for column in ranks.T:
         assert chisquare(np.histogram(column, np.linspace(0, 1, 11))[0]).pvalue > 0.01 / len(ranks.T)
-    assert abs(np.mean((ranks > 0.025) & (ranks < 0.975)) - 0.95) <= 0.02
+    covered = np.mean((ranks > 0.025) & (ranks < 0.975))
+    assert abs(covered - 0.95) <= 2 * math.sqrt(0.95 * 0.05 / curves)
 
 
 @pytest.mark.slow

@@ -283,7 +283,9 @@ def test_bodies_that_are_taken_apart_relax_beside_a_permanent_share(hardness):
     assert energy[-1] < 1e-12 * energy[0]
 
 
-@pytest.mark.parametrize(("softer", "reached"), [(100.0, True), (1000.0, False)])
+@pytest.mark.parametrize(
+    ("softer", "reached"), [(100.0, True), pytest.param(1000.0, False, marks=pytest.mark.slow)]
+)
 def test_a_law_too_stiff_for_a_step_is_followed_by_shorter_ones_or_refused(softer, reached):
     rough = np.round(np.random.default_rng(0).normal(size=(16, 16)))
     law = Norton(rate=1.0, stress=0.2 / softer, exponent=6.0)

@@ -97,6 +97,7 @@ def test_the_widest_times_that_are_taken(shape):
     assert history.final.area == pytest.approx(asp.relax(contact).area, abs=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "solid", "control", "last", "limit"),
     [
