@@ -251,9 +251,9 @@ def age(
         if (place := keeper.read()) is not None:
             resume, rows, snapshots = place.midway, place.rows, place.snapshots
 
-    def keep_place(here: LegMidway) -> None:
+    def keep_place(here: Callable[[], LegMidway]) -> None:
         if keeper is not None and keeper.is_due():
-            keeper.write(Place(here, rows, snapshots))
+            keeper.write(Place(here(), rows, snapshots))
 
     final = contact
     with listener(progress) as shown:

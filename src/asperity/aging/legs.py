@@ -63,13 +63,13 @@ def follow(
     solver: ContactSolver | None,
     exact: bool = True,
     resume: LegMidway | None = None,
-    after_step: Callable[[LegMidway], None] | None = None,
+    after_step: Callable[[Callable[[], LegMidway]], None] | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0, at each of the times, at the end of each leg and at shifts.
 
     At a step and at a shift there are two, before and after. Times are > 0, strictly increasing, and none is
-    after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`, ``resume``
-    and ``after_step`` as in `creep`.
+    after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`. ``resume``
+    is where to go on, and ``after_step`` is called after each step with what makes that.
     """
     way = _Way(contact, times, rtol, solver, exact, after_step)
     if resume is None:
@@ -101,7 +101,7 @@ class _Way:
     rtol: float
     solver: ContactSolver | None
     exact: bool
-    after_step: Callable[[LegMidway], None] | None
+    after_step: Callable[[Callable[[], LegMidway]], None] | None
 
     def __post_init__(self) -> None:
         start, at_rest = self.contact, (Fraction(0),) * self.contact.lattice.dimension
@@ -173,11 +173,11 @@ class _Way:
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
         told = None if here is None else here.pace
 
-        def keep(midway: Midway) -> None:
+        def keep(pace: Pace, midway: Callable[[], Midway]) -> None:
             nonlocal told
-            told = Pace(midway.controller.length if told is None else told.length, midway.deformation)
+            told = Pace(pace.length if told is None else told.length, pace.deformation)
             if self.after_step is not None:
-                self.after_step(LegMidway(number, control, approach, midway, shifts, told))
+                self.after_step(lambda: LegMidway(number, control, approach, midway(), shifts, told))
 
         frames = creep(
             self.now.contact,

@@ -67,7 +67,7 @@ def creep(
     exact: bool = True,
     pace: Pace | None = None,
     midway: Midway | None = None,
-    after_step: Callable[[Midway], None] | None = None,
+    after_step: Callable[[Pace, Callable[[], Midway]], None] | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0 and then at exactly each of the times, under one control.
 
@@ -95,7 +95,8 @@ def creep(
         Go on from here, with the frames after it; all other arguments as at first, but for the contact,
         which may be any above the same surface.
     after_step
-        Called after each step with the state from which to go on.
+        Called after each step with what it tells of the length of steps, and what makes the state from which
+        to go on.
 
     Raises
     ------
@@ -179,7 +180,7 @@ class _March:
         start: Contact,
         solver: ContactSolver,
         rtol: float,
-        after_step: Callable[[Midway], None] | None,
+        after_step: Callable[[Pace, Callable[[], Midway]], None] | None,
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
         self.controller = Controller(step_tolerance(rtol))
@@ -315,4 +316,4 @@ class _March:
             self.area.accept(time, contacts, control)
         self.raise_deformation()
         if self.after_step is not None:
-            self.after_step(self.midway())
+            self.after_step(Pace(self.controller.length, self.deformation), self.midway)

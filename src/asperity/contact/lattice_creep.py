@@ -22,7 +22,7 @@ from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, L
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Springs, Surface
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
-from asperity.contact.stencils import balanced, lattice_force
+from asperity.contact.stencils import balanced, lattice_force, tangents
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
@@ -127,13 +127,12 @@ class _Run(LocalRun):
 
     def even(self) -> float:
         """What all sites lack by the same under a load, which the changes of sites alone do not tell."""
-        work, unit = self.work, self.unit
+        work = self.work
         assert work.wanted is not None
-        force = abs(work.wanted) / self.u.size
-        if force <= work.force_error * work.known_stretch / self.u.size:
+        force = abs(work.wanted)
+        if force <= work.force_error * work.known_stretch:
             force = 0.0
-        taken = self.springs.drag * self.w + self.law.creep
-        return math.hypot(unit * force, float(np.mean(self.u - self.w - self.before - taken)) - self.position)
+        return math.hypot(self.unit * force, self.lacking) / self.u.size
 
     def linearize(self) -> tuple[float, float]:
         """Begin a correction to the stretches; rms changes that sites would make alone; what tangents err."""
@@ -147,25 +146,23 @@ class _Run(LocalRun):
             work.source.e[...] += work.backend.packed(
                 self.yielding * (self.solver.interface.high / scales.force)
             )
-        lacking = self.u - self.before - law.creep - self.position
-        lacking -= self.solver.combined(self.w, self.w, springs.spread, self.lagging)
-        slope = springs.k1 * law.drag
-        own = slope + (self.lagging + self.beside)
-        alone = lacking / own
-        bend = law.law.bend(law.force) / springs.k1
-        error = np.minimum(slope * alone * alone / (own * bend + 1e-300), np.abs(alone))
+        velocity, slope = (np.ascontiguousarray(field, dtype=float) for field in (law.velocity, law.slope))
+        curve = self.curve = np.array(np.broadcast_to(law.law.bend(law.force) / springs.k1, self.w.shape))
+        lacking, lag, sums = np.empty_like(self.w), np.empty_like(self.w), np.empty((len(self.w), 5))
+        numbers = springs.k1, springs.spread, self.lagging, self.position, self.stage.tau, _LARGEST_LAG
+        tangent = velocity, slope, curve
+        tangents(surface, self.before, tangent, numbers, self.solver.mirrored, lacking, lag, sums)
+        self.lacking, change, squares, bent, given = sums.sum(axis=0).tolist()
         work.source.f[...] = work.backend.packed(lacking / unit)
-        work.lag, work.even = work.backend.packed(np.minimum(own - self.beside, _LARGEST_LAG)), False
+        work.lag, work.even = work.backend.packed(lag), False
         for field in work.correction:
             field.fill(0.0)
         work.shift, work.known_stretch, work.wanted = 0.0, found.stretch / unit, None
-        squares = inner(alone, alone, np)
         if load is not None:  # the shift is at first what sites alone would need
-            change = float(alone.sum())
             work.wanted = (load / springs.k1 - found.stretch) / unit
-            work.shift = (work.wanted - change / unit) / (float((1.0 / own).sum()) or math.nan)
-            squares -= change * change / alone.size
-        return math.sqrt(max(squares, 0.0) / alone.size), math.sqrt(inner(error, error, np) / alone.size)
+            work.shift = (work.wanted - change / unit) / (given or math.nan)
+            squares -= change * change / lag.size
+        return math.sqrt(max(squares, 0.0) / lag.size), math.sqrt(bent / lag.size)
 
     def follow_law(self, noticed: float) -> None:
         """Where the tangent does not do, find the stretch of a site alone by the law."""
@@ -191,7 +188,7 @@ class _Run(LocalRun):
         np.maximum(self.u, self.heights, out=self.u)
         return math.sqrt(inner(far, far, np) / far.size)
 
-    def improve(self, allowed: float, noticed: float) -> int:
+    def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
         """See `LocalRun`."""
         if self.curved > noticed:
             self.follow_law(noticed)
@@ -203,7 +200,11 @@ class _Run(LocalRun):
         surface = Surface(self.u, self.w, self.heights)
         work.backend.settle(surface, work.correction, work.bound, self.unit, 0.0)
         self.position -= work.shift * self.unit
-        return cycles
+        if self.solver.interface.yields:
+            return cycles, math.inf
+        change = self.unit * work.backend.unpacked(work.correction.f, work.sites)
+        error = np.minimum(self.curve * change * change, np.abs(change))
+        return cycles, math.sqrt(inner(error, error, np) / error.size)
 
     def state(self) -> LocalState:
         """See `LocalRun`."""

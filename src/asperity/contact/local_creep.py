@@ -8,8 +8,9 @@ with a the area of a site, ``own`` its compliance for itself, and ``wanted`` wha
 rigid body and the rough surface leave for it. Newton's method linearizes v. Where the tangent errs too much
 the force of a site is found for itself, the rest staying as it is: there the equation has one root, which
 is bracketed, and no law overflows, however steep. Contacts are found on the way. (Newton's method for such
-problems: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).) A step is done when what the state
-lacks, measured afresh, is as little as it may be.
+problems: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).) A step is done when a linear one is
+solved over which the tangent errs too little to be noticed, or what the state lacks, measured afresh, is as
+little as it may be.
 """
 
 from __future__ import annotations
@@ -137,10 +138,12 @@ class LocalRun(ABC):
         """Linearize the law, and revise the contacts; what the state lacks, a length, rms over the sites."""
 
     @abstractmethod
-    def improve(self, allowed: float, noticed: float) -> int:
-        """Solve the linear step until no more than is allowed is left of it, or a small part; iterations.
+    def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
+        """Solve the linear step until no more than is allowed is left of it, or a small part.
 
-        Forces of sites at which the tangent errs by more than is noticed are found by the law.
+        Iterations; and by how much the tangent errs over what has changed, rms, where no more than is allowed
+        is left and the contacts are settled, else infinity. Forces of sites at which it errs by more than is
+        noticed are found by the law.
         """
 
     @abstractmethod
@@ -175,7 +178,11 @@ class ByLaw(ABC):
                 return run.state(), spent
             if not math.isfinite(left):
                 break
-            spent += run.improve(allowed, TUNING.unnoticed * allowed)
+            noticed = TUNING.unnoticed * allowed
+            more, bent = run.improve(allowed, noticed)
+            spent += more
+            if bent <= noticed:
+                return run.state(), spent
         raise ConvergenceError(
             f"creep: a step of {stage.tau:.1e} lacks {left:.1e} after {spent} iterations, "
             f"expected {allowed_error:.1e}; try a larger rtol"

@@ -220,7 +220,7 @@ class _Run(LocalRun):
             lack += solver.own(ways) * (lost / max(int(np.count_nonzero(touching)), 1))
         return math.sqrt(inner(lack, lack, np) / lack.size)
 
-    def improve(self, allowed: float, noticed: float) -> int:
+    def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
         """See `LocalRun`."""
         del allowed
         solver, touching, yielding, law = self.solver, self.touching, self.yielding, self.law
@@ -240,7 +240,7 @@ class _Run(LocalRun):
         if self.stage.load is not None and not (touching.any() or yielding.any()):
             raise ConvergenceError("creep: no contact is left to carry the load; try a larger rtol")
         self.x, self.levels = new, self.levels + rises
-        return spent
+        return spent, math.inf
 
     def tame(self, lacking: Fields) -> Fields:
         """Forces where the law overshoots, each for itself; what then lacks, but for creep."""

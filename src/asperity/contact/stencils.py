@@ -167,3 +167,43 @@ def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
         for j in range(u.shape[1]):
             force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
             row[j] += scale * force
+
+
+@compiled
+def tangents(
+    surface: tuple[Field, Field, Field],
+    before: Field,
+    tangent: tuple[Field, Field, Field],
+    numbers: tuple[float, ...],
+    mirrored: bool,
+    lacking: Field,
+    lag: Field,
+    sums: Field,
+) -> None:
+    """What stretches lack in an implicit step by a local law that is linear about them, and their lags.
+
+    ``tangent``: velocity, slope, and over how much of a stretch the law bends. The last becomes the error of
+    the tangent over the square of a change. ``sums``: of what is lacking; of the changes of sites alone, of
+    their squares, and of those of their errors; and of what a rise of 1 changes.
+    """
+    u, w, _ = surface
+    velocity, slope, curve = tangent
+    k1, spread, lagging, position, tau, most = numbers
+    for i in range(u.shape[0]):
+        row = lacking[i]
+        force_row(spread, w, lagging, w, i, mirrored, row)
+        total = changes = squares = errors = given = 0.0
+        for j in range(u.shape[1]):
+            row[j] = u[i, j] - before[i, j] - tau * velocity[i, j] - position - row[j]
+            rising = tau * k1 * slope[i, j]
+            lag[i, j] = min(lagging + rising, most)
+            own = lagging + rising + 4.0 * spread
+            change = row[j] / own
+            curve[i, j] = rising / (own * curve[i, j] + 1e-300)
+            error = min(curve[i, j] * change * change, abs(change))
+            total += row[j]
+            changes += change
+            squares += change * change
+            errors += error * error
+            given += 1.0 / own
+        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3], sums[i, 4] = total, changes, squares, errors, given
