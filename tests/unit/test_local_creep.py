@@ -15,6 +15,9 @@ from asperity.app.config.models import RunConfig
 from asperity.app.config.python import to_python
 from asperity.base.parameters import parameters_of
 from asperity.contact import local_creep
+from asperity.contact.lattice_creep import LatticeCreep
+from asperity.contact.local_creep import LocalState, Stage
+from asperity.contact.mechanics import SpringMechanics
 from asperity.creep import LAWS
 from asperity.errors import ConvergenceError
 from asperity.results.parameters import PARAMETERS
@@ -72,6 +75,25 @@ def test_a_step_that_is_not_solved_raises(monkeypatch):
     monkeypatch.setattr("asperity.contact.local_creep.TUNING", local_creep.Tuning(most_revisions=0))
     with pytest.raises(ConvergenceError, match=r"creep: a step of .* lacks .*; try a larger rtol"):
         asp.age(asp.press(ROUGH, LATTICE, load=8.0), [1.0])
+
+
+@pytest.mark.parametrize("R", [0.0, 0.5])
+@pytest.mark.parametrize("load", [15.0, None])
+def test_a_step_on_springs_lacks_no_more_than_is_allowed(R, load):
+    """What sites would have to change alone, by the equation of the step."""
+    law, tau = Eyring(rate=0.1, stress=1.0), 0.2
+    contact = asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, R=R, creep=law), load=15.0)
+    system = contact.system()
+    assert isinstance(system.mechanics, SpringMechanics)
+    solver = LatticeCreep(system.mechanics.springs, law, contact.lattice, ROUGH)
+    u, before = contact.u - system.datum, contact.anchors[0] - system.datum
+    for allowed in (1e-3, 1e-5, 1e-7):
+        end, _ = solver.solve(Stage(tau, before, load, 0.0), LocalState(u, 3.0 * (u - before), 0.0), allowed)
+        lacking = end.u - end.position - before - end.force / 3 - tau * solver.velocity(end.force)
+        own = 1 + 3 * tau * (law.velocity(end.force)[1] + 4 * R)
+        assert np.sqrt(np.mean((lacking / own) ** 2)) <= allowed
+        if load is not None:
+            assert end.force.sum() == pytest.approx(load, rel=2e-3)
 
 
 def configured(**solid):
