@@ -183,7 +183,7 @@ def ranks_of(model, count, walkers, steps):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1800)
+@pytest.mark.timeout(1200)
 @pytest.mark.parametrize("model", SBC)
 def test_ranks_of_curves_are_uniform_and_intervals_cover(model):
     """S. Talts et al., arXiv:1804.06788. The exact posterior of 500 of these curves of healing covers 93.7 %.
