@@ -40,6 +40,7 @@ def flag_of(section: str, key: str) -> str:
         ("solid", "branches"): "branch",
         ("solid", "base_branches"): "base-branch",
         ("solid", "per_decade"): "branches-per-decade",
+        ("solid", "table_kind"): "kind",
     }
     return "--" + names.get((section, key), key).replace("_", "-")
 
