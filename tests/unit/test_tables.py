@@ -212,6 +212,8 @@ def test_a_curve_keeps_its_units_and_says_them():
     assert read_measurements("t.csv", units={"Haltezeit": "h"}).time_unit == "h"
     with refuses("column 'time [furlong]' of t.csv"):
         read_measurements(written("time [furlong];area", FALLING))
+    with refuses("column 'stderr_um2' of t.csv"):
+        read_measurements(written("t;area_mm2;stderr_um2", numbers), stderr=2)
     with refuses("columns"):
         read_measurements(written("t;area", FALLING), columns="0,1", time=1)
 

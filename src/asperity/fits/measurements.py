@@ -105,6 +105,12 @@ def read_measurements(
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
     read = {name: _checked(found, at, name) for name, at in places.items()}
+    of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
+    if len(places) == 3 and of_errors not in ("", of_values):
+        expected = f"the unit of the values, {of_values or 'none'}"
+        raise InputError(
+            f"column {table.names[places['stderr']]!r} of {path}", expected=expected, got=of_errors
+        )
     time_name, value_name = table.names[places["time"]], table.names[places["value"]]
     remark = f"column 0, without a name, counts the lines: took {time_name!r} for the hold times"
     return Measurements(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +52,8 @@ class Record(views.Brief):
         Mean normal stress (Pa), if it is known; only passed on.
     source
         Where the record comes from.
+    read
+        What was read of which columns of a table.
 
     Raises
     ------
@@ -67,6 +69,7 @@ class Record(views.Brief):
     si: bool = field(default=True, kw_only=True)
     normal_stress: float | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True)
+    read: str = field(default="", kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
@@ -364,7 +367,7 @@ def read_record(
     make = Record if motion == "velocity" else Record.of_displacement
     how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": si, "normal_stress": normal_stress}
     try:
-        return make(time, moved, friction, **how, source=found.read)
+        return replace(make(time, moved, friction, **how, source=name), read=found.read)
     except InputError as error:
         raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
 

@@ -19,8 +19,8 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force|kraft"
-        r"|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force"
+        r"|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
@@ -36,7 +36,6 @@ _MODULI: dict[Modulus, tuple[str, str]] = {
 }
 """What each modulus is called, and the words that say it."""
 _LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
-_EXAMPLES = "time_s and E_MPa, time_s and J_1/GPa, or omega_rad_s, storage_MPa and loss_MPa"
 
 
 def read(
@@ -133,12 +132,9 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
         return kind, list(range(count))
     fitting = [one for one, names in wanted.items() if all(roles.count(role) == 1 for role in names)]
     if len(fitting) != 1:
-        if not any(table.names):
-            first = {2: "time_s,E_MPa", 3: "omega_rad_s,storage_MPa,loss_MPa"}
-            example = first.get(len(roles), _EXAMPLES)
-            raise _unclear(found, f"a first line that names them with their units, such as {example}")
-        what = 'kind="..." and ' if len(fitting) > 1 or kind is None else ""
-        raise _unclear(found, f'{what}columns="0 1" to choose, or names such as {_EXAMPLES}')
+        header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
+        choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
+        raise _unclear(found, choice if any(table.names) else f"a first line such as {header}")
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 

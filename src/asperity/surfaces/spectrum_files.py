@@ -10,7 +10,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 
 _ROLES = (
-    Role("wave number", "1/m", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
+    Role("wave number", "", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
     Role("power", "", r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr|spektr|leistungsdichte"),
 )
 

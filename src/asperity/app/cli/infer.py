@@ -149,7 +149,7 @@ def _data(
         peaks = hold_peaks(record)
         order = peaks.duration.argsort(kind="stable")
         time, value = peaks.duration[order], peaks.peak[order]
-        return time, value, _error(error, value, 1.0), (), record.source
+        return time, value, _error(error, value, 1.0), (), record.read
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         chosen["stderr"] = _errors_beside(names)
     table = read_measurements(file, **chosen, **reading)

@@ -49,7 +49,7 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
     fit = found.fits[found.preferred]
     fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
     rows = [
-        ("record", (record.source or first) if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
+        ("record", (record.read or first) if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
         ("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
     ]
     for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
