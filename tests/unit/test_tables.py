@@ -1,22 +1,27 @@
 """One reader of tables: what laboratories write above their numbers, and what is not understood."""
 
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
+from asperity.app.config import config_from
+from asperity.app.config.solids import HalfSpace
+from asperity.errors import ConfigError, InputError
 from asperity.fits import read_measurements
 from asperity.friction import read_record
-from asperity.relaxation import Creep, Dynamic, Relaxation, read
+from asperity.relaxation import Creep, Dynamic, Relaxation, fit, read
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("here")
 FALLING = np.array([[1, 50], [2, 40], [4, 30], [8, 25], [16, 22.5]])
 RISING = np.array([[1, 20, 6], [2, 25, 5], [4, 30, 4], [8, 40, 3], [16, 50, 2.5]])
 TURN = 2 * math.pi
+SURFACE = {"kind": "spectral", "shape": [8, 8], "rms_height": 0.2, "unit": "um"}
 
 
 def written(header: str, numbers: Any, decimal: str = ",") -> str:
@@ -224,3 +229,42 @@ def test_units_beside_names_in_brackets_between_blanks():
         np.savetxt(stream, FALLING)
     data = read("t.txt")
     np.testing.assert_allclose(data.columns[0], 3600 * FALLING[:, 0])
+
+
+def test_a_run_takes_a_table_of_any_names_and_of_a_shear_modulus():
+    def contact_modulus(**keys: Any) -> float:
+        solid = {"kind": "half_space", "relaxation": "t.csv", "poisson": 0.3} | keys
+        section = config_from(
+            {"surface": SURFACE, "solid": solid, "contact": {"pressure": "1 MPa"}}, {}, None
+        ).solid
+        assert isinstance(section, HalfSpace)
+        return section.contact_modulus
+
+    numbers = np.column_stack([FALLING[:, 0], 40 + 10 * np.exp(-FALLING[:, 0] / 5)])
+    how: dict[str, Any] = {"table_kind": "relaxation", "columns": [0, "b"], "units": ["a=min", "1=MPa"]}
+    written("a;b", numbers)
+    stiffness = {name: contact_modulus(modulus=name, **how) for name in ("young", "shear", "contact")}
+    at_once = fit(Relaxation(60 * numbers[:, 0], 1e6 * numbers[:, 1])).series.modulus
+    assert stiffness["contact"] == pytest.approx(at_once)
+    assert stiffness["young"] == pytest.approx(stiffness["contact"] / (1 - 0.3**2))
+    assert stiffness["shear"] == pytest.approx(stiffness["young"] * 2 * 1.3)
+    written("t [min];G [MPa]", numbers)
+    assert contact_modulus() == pytest.approx(stiffness["shear"])
+    with pytest.raises(ConfigError):
+        contact_modulus(units="0=kg")
+
+
+def test_a_table_is_refused_before_the_engine_is_imported():
+    written("time [furlong];E [MPa]", FALLING)
+    words = [
+        ["predict", "t.csv", "--surface", "x", "--pressure", "1MPa"],
+        ["fit", "t.csv"],
+        ["infer", "t.csv"],
+    ]
+    code = f"import sys\nfrom asperity.app.cli import main\nprint([main(words) for words in {words}])\n"
+    code += "print({'numba', 'xarray', 'matplotlib'} & set(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "[2, 2, 2]\nset()\n"
+    assert done.stderr.count("asperity: column 'time [furlong]' of t.csv: ") == 3

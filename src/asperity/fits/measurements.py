@@ -154,6 +154,7 @@ def _checked(found: Columns, column: int, name: str) -> Floats:
     cell = table.cell(row, column)
     is_missing = cell.lower() in MISSING
     fault = "missing" if is_missing else "infinite" if np.isinf(values[row]) else "not a number"
+    fault = "too large for a logarithm" if np.isfinite(table.values[row, column]) else fault
     raise InputError(
         table.name,
         expected=f"{what} to be a number {where}",
