@@ -52,14 +52,15 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("t/H;E/pa", 3600, 1, "young"),
         # Which modulus it is.
         ("t [min];shear modulus [MPa]", 60, 1e6, "shear"),
-        ("t [s];G(t) [MPa]", 1, 1e6, "shear"),
+        ("t [s];G(t) [MPa];G_std [MPa];T", 1, 1e6, "shear"),
         ("t [s];Schubmodul/MPa", 1, 1e6, "shear"),
         ("temps (s);module de cisaillement (MPa)", 1, 1e6, "shear"),
         ("t [s];plane strain modulus [GPa]", 1, 1e9, "contact"),
     ],
 )
 def test_headers_of_relaxation(header, second, pascals, measured):
-    data = read(written(header, FALLING))
+    others = np.zeros((5, header.count(";T") + header.count(";G_std")))
+    data = read(written(header, np.hstack([FALLING, others])))
     assert isinstance(data, Relaxation)
     np.testing.assert_allclose(data.time, second * FALLING[:, 0], rtol=1e-12)
     np.testing.assert_allclose(data.modulus, pascals * FALLING[:, 1], rtol=1e-12)

@@ -147,13 +147,10 @@ class Columns:
         text = self._stated.get(at) or below or beside
         if not text or not role.unit:
             return text, 1.0
-        is_angular = _ANGULAR.search(normal(label)) is not None
-        if at in self._stated:
-            factor = _in(text, role.unit, is_angular, is_stated=True)
-        else:
-            factor = (
-                None if below and beside and below != beside else _in(si.spelled(text), role.unit, is_angular)
-            )
+        is_angular, is_stated = _ANGULAR.search(normal(label)) is not None, at in self._stated
+        factor = _in(text, role.unit, is_angular, is_stated=True) if is_stated else None
+        if factor is None and (is_stated or not below or beside in ("", below)):  # not two units
+            factor = _in(si.spelled(text), role.unit, is_angular)
         if factor is None:
             raise self._no_unit(role, at, repr(text))
         return text.removeprefix("in "), factor
@@ -161,10 +158,10 @@ class Columns:
     def _no_unit(self, role: Role, at: int, got: str) -> InputError:
         example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
         column = name if re.fullmatch(r"\w[\w ]*", name) else at
-        about, advice = (
-            ("units", "") if at in self._stated else (self._about(at), f'units="{column}={example}"')
-        )
-        return InputError(about, expected=f"a unit of {role.name}, such as {example}", got=got, advice=advice)
+        expected, advice = f"a unit of {role.name}, such as {example}", f'units="{column}={example}"'
+        if at in self._stated:
+            return InputError("units", expected=expected, got=got)
+        return InputError(self._about(at), expected=expected, got=got, advice=advice)
 
     def _about(self, at: int) -> str:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"

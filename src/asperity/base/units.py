@@ -22,26 +22,8 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*
 _FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
-_USUAL = ["s", "ms", "us", "µs", "μs", "ns", "min", "h", "d", "Hz", "mHz", "kHz", "MHz", "rad", "deg", "rpm"]
-_USUAL += [
-    "Pa",
-    "kPa",
-    "MPa",
-    "GPa",
-    "bar",
-    "psi",
-    "N",
-    "mN",
-    "kN",
-    "MN",
-    "m",
-    "cm",
-    "mm",
-    "um",
-    "µm",
-    "μm",
-    "nm",
-]
+_TIMES = "s ms us µs μs ns min h d Hz mHz kHz MHz rad deg rpm"
+_USUAL = f"{_TIMES} Pa kPa MPa GPa bar psi N mN kN MN m cm mm um µm μm nm".split()
 _IN_WORDS = {
     "s": r"secs?|seconds?|sek|sekunden?|secondes?",
     "min": r"mins|minutes?|minuten",
@@ -142,10 +124,10 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
 def is_usual(text: str) -> bool:
     """Whether a cell of a table looks like a unit: of usual ones, whatever their case, or a dash for none."""
     text = re.sub(r"^in[ _]", "", text.strip("[](){}<> "))
-    words = _WORD.findall(text)
-    usual = {*map(str.lower, _USUAL), "per"}
-    is_known = all(word.lower() in usual or _in_case(word) != word for word in words)
-    return text in ("-", "%") or (bool(words) and is_known)
+    words = [word for word in _WORD.findall(text) if word.lower() != "per"]
+    # "std" is a standard deviation, too.
+    known = (word in _USUAL or (_in_case(word) != word and word.lower() != "std") for word in words)
+    return text in ("-", "%") or (bool(words) and all(known))
 
 
 def spelled(text: str) -> str | None:
