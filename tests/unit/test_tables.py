@@ -43,7 +43,7 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         # Words of three languages, and ways to write units.
         ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, None),
         ("elapsed [min];E_rel [MPa]", 60, 1e6, "young"),
-        ("temps en s [s];module de relaxation (kPa)", 1, 1e3, None),
+        ("temps en s [s];module de relaxation_N/mm²", 1, 1e6, None),
         ("Belastungsdauer / d;Elastizitätsmodul in GPa", 86400, 1e9, "young"),
         ("durée (h);module d\u2019élasticité [GPa]", 3600, 1e9, "young"),
         # Units in other cases, where one reading is left.
@@ -82,6 +82,9 @@ def test_headers_of_relaxation(header, second, pascals, measured):
         ("Frequenz [U/min]", TURN / 60),
         ("frequency [cycles/s]", TURN),
         ("frequency [rev/min]", TURN / 60),
+        ("frequency [r/min]", TURN / 60),
+        ("omega [rps]", TURN),
+        ("ω [cpm]", TURN / 60),
         ("frequency [1/s]", TURN),
         ("frequency [s^-1]", TURN),
         ("angular frequency (1/s)", 1),
@@ -127,6 +130,8 @@ def test_logarithms_are_read_by_their_base():
     curve = read_measurements(written("log10(time/s);area", numbers))
     np.testing.assert_allclose(curve.time, 10 ** numbers[:, 0], rtol=1e-12)
     assert curve.time_unit == "s"
+    both = np.column_stack([10 ** numbers[:, 0], numbers])
+    np.testing.assert_allclose(read(written("t [s];log t;J [1/GPa]", both)).columns[0], both[:, 0])
     with refuses("column 'log t' of t.csv"):
         read_measurements(written("log t;area", numbers))
 
@@ -137,6 +142,7 @@ def test_logarithms_are_read_by_their_base():
         ("time [furlong];E [MPa]", "column 'time [furlong]' of t.csv", {}),
         ("Zeit;E\nfurlong;GPa", "column 'Zeit' of t.csv", {}),
         ("time_m;E_MPa", "column 'time_m' of t.csv", {}),
+        ("time_furlong;E_MPa", "column 'time_furlong' of t.csv", {}),
         ("time_s;E", "column 'E' of t.csv", {}),
         ("time [s];E [mPa]", "column 'E [mPa]' of t.csv", {}),  # millipascals, or in haste
         ("time [s];E [mpa]", "column 'E [mpa]' of t.csv", {}),
@@ -160,7 +166,7 @@ def test_what_only_the_user_knows():
     np.testing.assert_allclose(millipascals.columns[1][0], 1e-3 * FALLING[:, 1])
     assert read(written("time_s;E_MPa", FALLING), modulus="contact").measured == "contact"  # E is a letter
     file = written("a [s];b [MPa];c [MPa]", np.column_stack([FALLING, 2 * FALLING[:, 1]]))
-    for columns in (["a [s]", "c [MPa]"], [0, 2], "0,2", "[0,2]", "0 2", ["0 2"]):
+    for columns in (["a [s]", "c [MPa]"], [0, 2], "0,2", "[0,2]", "0 2", ["0 2"], ["[0,", "2]"]):
         data = read(file, kind="relaxation", columns=columns)
         np.testing.assert_allclose(data.columns[1][0], 2e6 * FALLING[:, 1])
     with refuses("units"):  # of a column that is not read
@@ -181,6 +187,7 @@ def test_what_only_the_user_knows():
         "temps;déplacement;coefficient de frottement;-\ns;mm;-;-",
         "t / s;s / mm;µ / -;Temperatur / °C",
         "time_s;slip_mm;mu_s;angle_deg",
+        "Zeit [s];Gleitweg [mm];Reibwert;log t",
     ],
 )
 def test_headers_of_friction(header):
@@ -193,8 +200,12 @@ def test_headers_of_friction(header):
 
 def test_friction_is_a_ratio_of_numbers_in_units_or_of_numbers_without():
     numbers = np.column_stack([np.arange(5), 0.1 * np.arange(5), np.full(5, 30), np.full(5, 50)])
-    record = read_record(written("t [s];Weg [µm];Fx [N];Fz [kN]", numbers))
-    np.testing.assert_allclose(record.friction, 30 / 50e3)
+    for header in (
+        "t [s];Weg [µm];Fx [N];Fz [kN]",
+        "t/s;s/um;F_T/N;F_N/kN",
+        "time_s;x_um;Reibkraft_N;load_kN",
+    ):
+        np.testing.assert_allclose(read_record(written(header, numbers)).friction, 30 / 50e3)
     half = written("time_s;displacement_um;shear_stress_MPa;normal_stress", numbers)
     with refuses("column 'normal_stress' of t.csv"):
         read_record(half)
@@ -216,8 +227,9 @@ def test_a_curve_keeps_its_units_and_says_them():
     assert (data.time_name, data.time_unit) == ("Haltezeit", "min")
     assert data.source.startswith("t.csv: time from 'Haltezeit' in min, value from 'area' in mm2, ")
     assert read_measurements("t.csv", units={"Haltezeit": "h"}).time_unit == "h"
-    with refuses("column 'time [furlong]' of t.csv"):
-        read_measurements(written("time [furlong];area", FALLING))
+    for name in ("time [furlong]", "time_furlong", "hold time / furlong"):
+        with refuses(f"column {name!r} of t.csv"):
+            read_measurements(written(f"{name};area", FALLING))
     with refuses("column 'stderr_um2' of t.csv"):
         read_measurements(written("t;area_mm2;stderr_um2", numbers), stderr=2)
     with refuses("columns"):

@@ -30,7 +30,7 @@ _IN_WORDS = {
     "h": r"hrs?|hours?|std|stunden?|heures?",
     "d": r"days?|tage?|jours?",
 }
-_WORD = re.compile(r"[^\W\d_]+")
+_WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": ("a pressure", "1 MPa"),
     "1/Pa": ("a compliance", "0.5 1/GPa"),
