@@ -115,21 +115,17 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
     if "frequency" in roles and "storage" not in roles and len(plain) == 2 - roles.count("loss"):
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
-    if ordered:
-        places = found.chosen
-        asked = tuple(roles[at] for at in places)
+    if ordered or (kind is not None and not any(table.names)):
+        asked = tuple(roles[at] for at in found.chosen)
         chosen = kind or next((one for one, names in wanted.items() if asked == names), None)
         if chosen is None:
             raise _unclear(found, 'kind="relaxation", "creep" or "dynamic"')
-        if len(set(places)) != (count := len(wanted[chosen])) or len(places) != count:
+        count = len(wanted[chosen])
+        places = found.chosen if ordered else found.chosen[:count]
+        if len(set(places)) != count or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
-    if kind is not None and not any(table.names):
-        if len(roles) < (count := len(wanted[kind])):
-            expected = f"{count} columns: {', '.join(wanted[kind])}"
-            raise InputError(table.name, expected=expected, got=f"{len(roles)} columns")
-        return kind, list(range(count))
     fitting = [one for one, names in wanted.items() if all(roles.count(role) == 1 for role in names)]
     if len(fitting) != 1:
         header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
