@@ -51,16 +51,12 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    Of the table at a path it reads the `columns` that are asked for, by default all. Stated `units` count in
-    place of those of the table. `InputError` where there is no such table or column.
+    Of the table at a path it reads the `columns` that are asked for, or all. Stated `units` count in place of
+    those of the table. `InputError` where there is no such table or column.
     """
 
     def __init__(
-        self,
-        path: Path | str,
-        roles: Sequence[Role],
-        columns: Chosen | None = None,
-        units: Units | None = None,
+        self, path: Path | str, roles: Sequence[Role], columns: Chosen | None, units: Units | None
     ) -> None:
         self.table = read_table(Path(path))
         self._wanted = {role.name: role for role in roles}
@@ -99,13 +95,7 @@ class Columns:
         return self._unit(self._wanted[role], self.by_role[role] if at is None else at)[0]
 
     def values(
-        self,
-        role: str,
-        at: int | None = None,
-        *,
-        bare: bool = True,
-        convert: bool = True,
-        called: str = "",
+        self, role: str, at: int | None = None, *, bare: bool = True, convert: bool = True, called: str = ""
     ) -> Floats:
         """Numbers of a column in the unit of the role; of logarithms the numbers themselves.
 

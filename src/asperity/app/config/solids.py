@@ -280,8 +280,7 @@ class Continuum(SolidSection):
     def _modulus_of_table(cls, given: Any) -> Any:
         """Which modulus a table measures may be said by the key of the contact modulus, as by one flag."""
         if isinstance(given, dict) and given.get("modulus") in get_args(TableModulus):
-            given = {**given, "table_modulus": given["modulus"]}
-            del given["modulus"]
+            return {**given, "table_modulus": given["modulus"], "modulus": None}
         return given
 
     @model_validator(mode="after")
@@ -292,9 +291,8 @@ class Continuum(SolidSection):
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        if self.relaxation is None and (
-            others := [key for key in _OF_TABLES if getattr(self, key) is not None]
-        ):
+        others = [key for key in _OF_TABLES if getattr(self, key) is not None]
+        if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
         if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
             advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
@@ -319,9 +317,11 @@ class Continuum(SolidSection):
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
         how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
-        how |= {key: tuple(words) for key in ("columns", "units") if (words := getattr(self, key))}
-        given = tuple((key, value) for key, value in how.items() if value is not None)
-        return _fitted(path, given, self.per_decade, self.extrapolate, changed)
+        how |= {"columns": self.columns, "units": self.units}
+        given = {
+            key: tuple(one) if isinstance(one, list) else one for key, one in how.items() if one is not None
+        }
+        return _fitted(path, tuple(given.items()), self.per_decade, self.extrapolate, changed)
 
     @property
     def assumed(self) -> str:
