@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.base import checks, units, views
+from asperity.base import checks, views
 from asperity.base.checks import Floats
-from asperity.base.columns import Roles, finite, named, position
-from asperity.base.tables import read_table
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.tabor import ShearStrength, add_friction
@@ -53,6 +52,8 @@ class Record(views.Brief):
         Mean normal stress (Pa), if it is known; only passed on.
     source
         Where the record comes from.
+    read
+        What was read of which columns of a table.
 
     Raises
     ------
@@ -68,6 +69,7 @@ class Record(views.Brief):
     si: bool = field(default=True, kw_only=True)
     normal_stress: float | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True)
+    read: str = field(default="", kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
@@ -275,37 +277,52 @@ def _after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))
 
 
-_COLUMNS = (
-    ("", "", r"temp|humid|\bstd|\berr|angle|thickness"),
-    ("time", "s", r"\btime\b|^t$|elapsed"),
-    ("normal stress", "Pa", r"(normal|effective).*(stress|pressure)|^sigma|^σ"),
-    ("normal force", "N", r"normal.*(force|load)|^(load|fn|f n)$"),
-    ("shear stress", "Pa", r"shear.*stress|^tau$|^τ$"),
-    ("shear force", "N", r"(shear|friction|tangential|lateral).*force|^(fs|ft|f s|f t)$"),
-    ("velocity", "m/s", r"veloc|speed|slip rate|^v$"),
-    ("displacement", "m", r"displac|slip|position|distance|^[xd]$"),
-    ("friction", "1", r"friction|^mu\b|^[µμ]|coef"),
+ROLES = (
+    Role("", "", r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thickness|dicke"),
+    TIME,
+    Role(
+        "normal stress",
+        "Pa",
+        r"(normale?|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ",
+    ),
+    Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
+    Role("shear stress", "Pa", r"shear.*stress|(schub|scher)spannung|contrainte.*(cisail|tang)|^tau$|^τ$"),
+    Role(
+        "shear force",
+        "N",
+        r"(shear|friction|tangential|lateral).*force|(reib|reibungs|tangential|quer|scher)kraft"
+        r"|force.*(frottement|tangent)|^f ?[stx]$",
+    ),
+    Role("velocity", "m/s", r"veloc|speed|slip rate|geschwindigkeit|vitesse|^v$"),
+    Role(
+        "displacement",
+        "m",
+        r"displac|^disp\b|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
+    ),
+    Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
 )
-_ROLES = Roles(
-    tuple((role, pattern) for role, _, pattern in _COLUMNS), {role: (unit,) for role, unit, _ in _COLUMNS}
-)
+"""What the columns of a record hold."""
 _EXAMPLES = (
     "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
 )
-_KINEMATIC = ("time", "velocity", "displacement")
 
 
 def read_record(
-    path: Path | str, *, columns: Sequence[int | str] | None = None, strength_at_rest: bool = False
+    path: Path | str,
+    *,
+    columns: Chosen | None = None,
+    units: Units | None = None,
+    strength_at_rest: bool = False,
 ) -> Record:
     """Read the record of an experiment from a table in a text file, and convert it to s, m and Pa.
 
-    The names of the columns say what they hold and in which unit: ``time_s``, ``velocity [um/s]`` or
-    ``displacement (mm)``, and ``friction``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or
-    ``shear_force_N`` and ``normal_force_N``, of which friction is the ratio. Where there are velocity and
-    displacement, the velocity counts, which is the mean since the line before. If neither time nor velocity
-    nor displacement has a unit, the record is in units of its own, such as those of a simulation. For the
-    form of the file see `asperity.fits.read_measurements`.
+    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
+    French: ``time_s``, ``velocity [um/s]`` or ``displacement (mm)``, and ``friction``, ``COF`` or
+    ``Reibungszahl [-]``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or ``Fx [N]`` and ``Fz [N]``, of
+    which friction is the ratio. Where there are velocity and displacement, the velocity counts, which is the
+    mean since the line before. If neither time nor velocity nor displacement has a unit, the record is in
+    units of its own, such as those of a simulation. For the form of the file see
+    `asperity.fits.read_measurements`.
 
     Parameters
     ----------
@@ -313,6 +330,8 @@ def read_record(
         A text file with a line for each time.
     columns
         Names or numbers, from 0, of the columns to read; by default all whose names are understood.
+    units
+        Units of columns by name or number, in place of those of the table: ``{"slip": "um"}``.
     strength_at_rest
         As in `Record`.
 
@@ -322,62 +341,35 @@ def read_record(
         There is no such table, its columns are not understood, some have units and some have none, a cell
         is no number, or the numbers are no record.
     """
-    table = read_table(Path(path))
-    chosen = range(len(table.names)) if columns is None else [position(table, name) for name in columns]
-    found: dict[str, tuple[int, str | None]] = {}
-    for at in chosen:
-        role, unit = _ROLES.of(table.names[at])
-        if role and role in found:
-            got = f"{table.names[found[role][0]]!r} and {table.names[at]!r}"
-            expected = f"one column of {role}"
-            raise InputError(table.name, expected=expected, got=got, advice="columns=[...] to choose")
-        if role:
-            found[role] = (at, unit)
-    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)]
-    motion = "velocity" if "velocity" in found else "displacement"
-    if "time" not in found or motion not in found or not ("friction" in found or ratios):
+    found = Columns(path, ROLES, columns, units)
+    by_role, name = found.by_role, found.table.name
+    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
+    motion = "velocity" if "velocity" in by_role else "displacement"
+    if "time" not in by_role or motion not in by_role or not ("friction" in by_role or ratios):
         raise InputError(
-            table.name,
+            name,
             expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
-            got=named(table),
+            got=named(found.table),
             advice=f"a first line that names them with their units, such as {_EXAMPLES}",
         )
-    kinematic = [role for role in _KINEMATIC if role in found]
-    bare = [role for role in kinematic if not found[role][1]]
-    si = len(bare) < len(kinematic)
-    if bare and si:
-        name = f"column {table.names[found[bare[0]][0]]!r} of {table.name}"
-        raise InputError(name, expected=f"a unit of {bare[0]}", got="none")
-
-    def read(role: str) -> Floats:
-        at, unit = found[role]
-        target = _ROLES.units[role][0]
-        if unit is None:
-            name = f"column {table.names[at]!r} of {table.name}"
-            raise InputError(name, expected=f"a unit of {role}, such as {target}", got=repr(table.names[at]))
-        scale = 1.0 if not unit or unit == target else units.factor(unit, target)
-        assert scale is not None  # the role fits
-        return finite(table, at, role) * scale
-
-    if "friction" in found:
-        friction = read("friction")
+    # Of what is divided, or goes together, each has a unit or none has.
+    si = any(found.unit(role) for role in ("time", motion))
+    time, moved = (found.values(role, bare=not si) for role in ("time", motion))
+    if "friction" in by_role:
+        friction = found.values("friction")
     else:
-        friction = read(f"shear {ratios[0]}") / read(f"normal {ratios[0]}")
+        parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
+        bare = not any(map(found.unit, parts))
+        shear, normal = (found.values(part, bare=bare) for part in parts)
+        friction = shear / normal
+    has_stress = "normal stress" in by_role and bool(found.unit("normal stress"))
+    normal_stress = float(found.values("normal stress").mean()) if has_stress else None
     make = Record if motion == "velocity" else Record.of_displacement
+    how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": si, "normal_stress": normal_stress}
     try:
-        return make(
-            read("time"),
-            read(motion),
-            friction,
-            strength_at_rest=strength_at_rest,
-            si=si,
-            normal_stress=float(read("normal stress").mean()) if "normal stress" in found else None,
-            source=str(path),
-        )
+        return replace(make(time, moved, friction, **how, source=name), read=found.read)
     except InputError as error:
-        if error.name.startswith((table.name, "column ")):
-            raise
-        raise error.about(f"{table.name}, {error.name}") from error
+        raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
 
 
 def _nominal_area(dataset: xr.Dataset) -> float:
