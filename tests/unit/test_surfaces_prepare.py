@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 import scipy.ndimage
 
-from asperity import press
+from asperity import age, press
+from asperity.analysis.plausible import remarks_on_contact
 from asperity.errors import Remark, SurfaceFileError
 from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
@@ -296,13 +297,20 @@ def test_filled_pixels_are_remembered_wherever_the_surface_goes():
 
 def test_load_on_filled_pixels_is_remarked():
     heights = rough(8)
-    heights[40:46, 30:37] = np.nan
+    heights[40:55, 30:50] = np.nan  # 300 of 7680 pixels
     surface = as_read(heights, **LENGTHS)
     solid = half_space(modulus=1e9)
+    press(surface, solid, load="1 mN")  # warnings are errors
     lifted = dataclasses.replace(surface, heights=surface.heights + 20 * surface.filled)
     with pytest.warns(Remark, match=r"100 % of the load is on filled pixels.*--crop"):
         press(lifted, solid, load="1 mN")
-    press(surface, solid, load="1 mN")  # warnings are errors
+    # Under a load that grows they bear at last what every pixel bears; a history says so.
+    with pytest.warns(Remark, match="on filled pixels"):
+        flat = press(surface, solid, pressure="200 GPa")
+    dataset = age(flat, [1.0], fields_at=[0.0, 1.0]).dataset
+    (said,) = remarks_on_contact(surface, solid, dataset)
+    assert float(said.split()[0]) == pytest.approx(300 / 76.80, rel=0.2)
+    assert remarks_on_contact(dataclasses.replace(surface, filled=None), solid, dataset) == ()
 
 
 @pytest.mark.parametrize("void", [-9999.0, -32768.0, 0.0, 1e38])
