@@ -82,6 +82,7 @@ def written(value: float, unit: str, digits: int = 4) -> str:
 def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
     """What a reader took from a file, in rows of a name and words, from the provenance of a surface."""
     channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
+    others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
     lengths = [
         f"{what} in {origin.get(unit) or '1'} by {origin[source]}"
         for what, unit, source in (
@@ -91,7 +92,7 @@ def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
         if origin.get(source)
     ]
     rows = {
-        "channel": f"{origin['channel']}, of {', '.join(map(str, channels))}" if channels else "",
+        "channel": f"{origin.get('channel') or ''}{others}",
         "orientation": str(origin.get("orientation") or ""),
         "undefined": "; ".join(map(str, undefined)),
         "units": ", ".join(lengths),
