@@ -159,7 +159,7 @@ def test_a_measured_surface(tmp_path, asperity):
     assert f'path = "{tmp_path / "rough.npy"}"' in Path("out/config.toml").read_text()
     words = ("--crop", "0", "6", "1", "9", "--crop-unit", "um", "--pixel-size", "0.5", "--length-unit", "um")
     assert asperity("run", "--file", "rough.npy", *words, *BRIEF, "--out", "part")[0] == 0
-    prepared = "12 x 16 sites (undefined = fill, tilt = plane, lines = none, periodic = reflect, crop = 0 6 1 9"
+    prepared = "12 x 16 sites (undefined = fill, tilt = plane, lines = none, periodic = reflect, crop = 0 6"
     assert prepared in Path("part/summary.txt").read_text()
     assert json.loads(results.load("part").attrs["surface"])["crop"] == [0, 12, 2, 18]
 

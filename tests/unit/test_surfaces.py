@@ -284,7 +284,7 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
                 **{"channel": "Height", "channels": ["Height", "Error"], "orientation": "row 0 is line 1"},
                 **{
                     "undefined_by": [
-                        "NODATA_value -9999 in the header: 465 pixels",
+                        "NODATA_value -9999: 465 pixels",
                         "undefined_value 0: 2 pixels",
                     ]
                 },

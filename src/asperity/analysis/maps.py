@@ -29,12 +29,10 @@ _WINDOW = 160
 _CLOSE = 128
 """Side of a close-up, sites: few enough to be told apart in a map."""
 
+_STILL = 1e-9  # part of the largest load by which one that stays may rise by rounding
+
 _BAR = 0.4
 """Part of a map's width up to which a scale bar may be long."""
-
-
-_STILL = 1e-9
-"""Part of the largest load by which a load that stays may rise by rounding."""
 
 
 class SiteState(IntEnum):

@@ -16,9 +16,9 @@ from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 from asperity.theory import persson_area
 
+# Contact area over Persson's, above which it is remarked: random surfaces have 0.7 to 2.5, the most where
+# patches are single pixels, and offsets of lines of twice the rms height 3 and more.
 _BEYOND = 3.0
-"""Contact area over Persson's, above which it is remarked: random surfaces have 0.7 to 2.5, the most where
-patches are single pixels, and offsets of lines of twice the rms height 3 and more."""
 
 
 def remarks_on_contact(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
@@ -51,6 +51,6 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
         return ()
     return (
         f"{100 * found:.2g} % of the surface touches under the full load; random heights of its rms slope "
-        f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines, or spikes may bear it; "
+        f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
         "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)",
     )

@@ -83,13 +83,11 @@ def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
     """What a reader took from a file, in rows of a name and words, from the provenance of a surface."""
     channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
     others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
+    sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")
     lengths = [
-        f"{what} in {origin.get(unit) or '1'} by {origin[source]}"
-        for what, unit, source in (
-            ("heights", "original_unit", "unit_from"),
-            ("pixels", "length_unit", "size_from"),
-        )
-        if origin.get(source)
+        f"{what} in {origin.get(unit) or '1'} by {origin[how]}"
+        for what, unit, how in sources
+        if origin.get(how)
     ]
     rows = {
         "channel": f"{origin.get('channel') or ''}{others}",

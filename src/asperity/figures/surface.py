@@ -19,7 +19,6 @@ from asperity.figures import style
 from asperity.lattice import Field
 from asperity.surfaces import PowerSpectrum, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length
-from asperity.surfaces.spectrum import SelfAffineRange
 
 _PAD = 0.15
 """Room around each panel, inches: tick labels reach beyond their axes."""
@@ -75,23 +74,20 @@ class SurfaceView:
     def in_units(self, spectrum: PowerSpectrum) -> PowerSpectrum:
         """The spectrum of the surface in `unit`, where that is a length, and in `length_unit`."""
         unit, up = (self.unit, self._factor) if is_length(self.unit) else (spectrum.unit, 1.0)
-        across, axes = self._across, len(spectrum.along)
-
-        def scaled(fit: SelfAffineRange | None, dimension: int) -> SelfAffineRange | None:
-            return fit and dataclasses.replace(
+        across, axes, fit = self._across, len(spectrum.along), spectrum.fit
+        if fit is not None:
+            fit = dataclasses.replace(
                 fit,
                 longest=fit.longest * across,
                 shortest=fit.shortest * across,
-                middle=(fit.middle[0] / across, fit.middle[1] * up**2 * across**dimension),
+                middle=(fit.middle[0] / across, fit.middle[1] * up**2 * across**axes),
             )
-
         return dataclasses.replace(
             spectrum,
             wave_number=spectrum.wave_number / across,
             power=spectrum.power * up**2 * across**axes,
             along=tuple((q / across, power * up**2 * across) for q, power in spectrum.along),
-            fit=scaled(spectrum.fit, axes),
-            fits_along=tuple(scaled(one, 1) for one in spectrum.fits_along),
+            fit=fit,
             unit=unit,
             length_unit=self.length_unit,
         )

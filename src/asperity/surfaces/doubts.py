@@ -11,44 +11,31 @@ from asperity.lattice import Field, Mask
 from asperity.surfaces.levelling import SPIKE
 from asperity.surfaces.moments import Statistics
 
-_SLOPES = 1e-5, 10.0
-"""Rms slopes that surfaces have: polished mirrors have 1e-4, the roughest fractures 3."""
-
-_FIELD = 1.0
-"""Largest side of a scan, m."""
-
+_SLOPES = 1e-5, 10.0  # rms slopes: polished mirrors have 1e-4, the roughest fractures 3
+_FIELD = 1.0  # largest side of a scan, m
 _BOWED = 0.85, 0.9
 """Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
 in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
 
-_BOW = 0.9
-"""Part of the variance in a bow that is remarked wherever the contact is; in none of these 600 surfaces."""
-
-_BORNE = 0.01
-"""Share of the load on filled pixels that is remarked."""
-
-_UNEVEN = 1.5
-"""Ratio of steps across rows to steps along them, above which a remark is made."""
-
-_REPEATED = 10
-"""Pixels of one height, and how many times as many as of any other, from which on it may be a void value."""
+_BOW = (
+    0.9  # part of the variance in a bow that is remarked wherever the contact is; in none of 600 such parts
+)
+_UNEVEN = 1.5  # ratio of steps across rows to steps along them, above which it is remarked
+_REPEATED = 10  # times as many pixels as of any other height: it may be a void value
+_BORNE = 0.01  # share of the load on filled pixels that is remarked
 
 
 def repeated(heights: Field) -> dict[str, float]:
     """A height that may stand for undefined pixels, and how many have it, if there is one.
 
-    It is the lowest or the highest, twice or more, and further from the others than these from each other;
-    or ten times as frequent as any other.
+    It occurs twice or more, further from the others than these from each other; or ten times as often as any.
     """
     values, counts = np.unique(heights, return_counts=True)
-    if values.size <= _REPEATED:
-        return {}
-    for end, rest in ((0, values[1:]), (-1, values[:-1])):
-        if counts[end] > 1 and abs(values[end] - rest[end]) > rest[-1] - rest[0]:
-            return {"repeated_height": float(values[end]), "repeated_pixels": int(counts[end])}
-    most = int(counts.argmax())
-    if counts[most] >= _REPEATED * max(1, np.delete(counts, most).max()):
-        return {"repeated_height": float(values[most]), "repeated_pixels": int(counts[most])}
+    for at in (0, values.size - 1, int(counts.argmax())) if values.size > _REPEATED else ():
+        others = np.delete(values, at)
+        far = np.abs(others - values[at]).min() > np.ptp(others) and counts[at] > 1
+        if far or counts[at] >= _REPEATED * np.delete(counts, at).max():
+            return {"repeated_height": float(values[at]), "repeated_pixels": int(counts[at])}
     return {}
 
 
@@ -94,20 +81,14 @@ def remarks(
             f"a polynomial of second order has {100 * share:.0f} % of the variance: "
             "if that is the bow of a scanner, try tilt = 'quadratic' (--tilt quadratic)"
         )
-    if (ratio := uneven(found, size)) > _UNEVEN:
+    between, along = found.neighbor_steps[0], found.neighbor_steps[-1]
+    # Rows that are further apart than columns differ by more.
+    if between > _UNEVEN * along * (max(1.0, size[0] / size[-1]) if size else 1.0) > 0:
         cure = "" if facts.get("lines_rule") == "median" else "; try lines = 'median' (--lines median)"
         yield (
-            f"heights change {ratio:.2g} times as much from row to row as along a row: if that is noise of "
-            f"the scan's lines, their ridges carry load that asperities would carry{cure}"
+            f"heights change {between / along:.2g} times as much from row to row as along a row: if that is "
+            f"noise of the scan's lines, their ridges carry load that asperities would carry{cure}"
         )
-
-
-def uneven(found: Statistics, size: tuple[float, ...] | None) -> float:
-    """Steps from row to row over those along a row; less where rows are further apart than columns."""
-    if len(found.neighbor_steps) == 1 or not found.neighbor_steps[1]:
-        return 0.0
-    between, along = found.neighbor_steps
-    return between / along / (max(1.0, size[0] / size[1]) if size else 1.0)
 
 
 def load_on_filled(filled: Mask | None, forces: Field) -> tuple[str, ...]:

@@ -87,10 +87,9 @@ def _medians(heights: Field, defined: Mask) -> Field:
     if heights.ndim == 1:
         expected = "'none' for a profile, which is a single line"
         raise InputError("lines", expected=expected, got="'median'")
-    found = [
-        np.median(row[known]) if known.any() else 0.0 for row, known in zip(heights, defined, strict=True)
-    ]
-    return np.array(found)[:, np.newaxis]
+    known = np.where(defined, heights, np.nan)
+    known[~defined.any(axis=1)] = 0.0
+    return np.asarray(np.nanmedian(known, axis=1, keepdims=True))
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:

@@ -11,6 +11,7 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import find_objects
 
 from asperity.base import checks
 from asperity.errors import InputError, SurfaceFileError
@@ -157,9 +158,8 @@ def read(
         filled = prepare.square(filled.astype(float), size)[0] > 0
         level, size = prepare.square(level, size)
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
-    factor, final_unit = prepare.scale_factor(
-        level, raw.unit, unit, largest=float(np.nanmax(np.abs(heights)))
-    )
+    largest = float(np.nanmax(np.abs(heights)))
+    factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=largest)
     final = prepare.make_periodic(level * factor, periodic)
     if periodic == "mirror":
         filled = prepare.make_periodic(filled.astype(float), periodic) > 0
@@ -289,11 +289,9 @@ def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[in
 
 def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> str:
     """Advise to crop, or to crop more, where an undefined frame is what is too much."""
-    axes = range(missing.ndim)
-    rows = [np.flatnonzero(~missing.all(axis=tuple(a for a in axes if a != axis))) for axis in axes]
-    ends = [(int(one[0]), int(one[-1]) + 1) for one in rows]
-    if missing[tuple(slice(*one) for one in ends)].mean() > limit:
+    (box,) = find_objects((~missing).astype(int))
+    if missing[box].mean() > limit:
         return ""
     starts = crop[::2] or [0] * missing.ndim
-    words = [str(start + end) for start, one in zip(starts, ends, strict=True) for end in one]
+    words = [str(n + end) for n, one in zip(starts, box, strict=True) for end in (one.start, one.stop)]
     return f"crop = [{', '.join(words)}] (--crop {' '.join(words)}), "

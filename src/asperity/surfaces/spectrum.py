@@ -106,8 +106,8 @@ class PowerSpectrum:
         Waves in each bin; a wave and its opposite count once.
     along
         For each axis, wave numbers and the mean spectrum of the profiles along it, in ``unit^2 length_unit``.
-    fits_along
-        For each axis of a surface, the self-affine range of those profiles, or None.
+    hurst_along
+        For each axis, the Hurst exponent of these profiles, or None.
     anisotropy
         Factor by which the spectra along the two axes differ, the median over their bins; 1 for a profile.
     window
@@ -123,7 +123,7 @@ class PowerSpectrum:
     power: Field
     modes: Field
     along: tuple[tuple[Field, Field], ...]
-    fits_along: tuple[SelfAffineRange | None, ...]
+    hurst_along: tuple[float | None, ...]
     anisotropy: float
     window: str
     fit: SelfAffineRange | None
@@ -141,7 +141,7 @@ class PowerSpectrum:
         """What whoever takes an exponent from it should know."""
         if self.anisotropy <= _ANISOTROPIC:
             return ()
-        found = ["none" if one is None else f"{one.hurst:.3f}" for one in self.fits_along]
+        found = ["none" if one is None else f"{one:.3f}" for one in self.hurst_along]
         return (
             f"the surface is not isotropic: spectra along its two axes differ by a factor of "
             f"{self.anisotropy:.2g}; Hurst exponents along the rows {found[1]}, along the columns {found[0]}",
@@ -205,18 +205,14 @@ def power_spectrum(
         _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
         for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
     )
-    profiles = (
-        [_binned(*one, 0.0, one[0].max(initial=0.0), 1.0 if fits else _HANN) for one in along]
-        if heights.ndim == 2
-        else []
-    )
+    profiles = [_binned(*one, 0.0, one[0].max(initial=0.0), 1.0 if fits else _HANN) for one in along]
     return PowerSpectrum(
         wave_number=bins.q,
         power=bins.power,
         modes=bins.modes,
         along=along,
-        fits_along=tuple(_fit(one, 1, {}) for one in profiles),
-        anisotropy=_ratio(*profiles) if profiles else 1.0,
+        hurst_along=tuple(None if (found := _fit(one, 1, {})) is None else found.hurst for one in profiles),
+        anisotropy=_ratio(profiles[0], profiles[-1]),
         window="none" if fits else "Hann",
         fit=_fit(bins, heights.ndim, limits),
         unit=unit,

@@ -225,10 +225,8 @@ def predict(
             surface = read(surface)
         advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
         scan = checks.instance("surface", surface, Surface, advice)
-        if scan.provenance.get("periodic_rule") == "mirror":
-            scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
         return _predicted(
-            scan,
+            scan.scan,
             solid,
             found,
             times,
