@@ -102,6 +102,15 @@ def test_roughness_is_exact(shape, spacing):
         assert abs(heights.mean()) < 1e-12 * heights.std()
 
 
+def test_differences_miss_a_part_of_the_slope_of_the_shortest_waves():
+    heights = spectral((256, 256), cutoff=2, rms_slope=0.2)
+    axes = np.meshgrid(*[2 * np.pi * np.fft.fftfreq(256)] * 2)
+    squared = waves(heights)[1] * sum((2 * np.sin(q / 2)) ** 2 for q in axes)
+    found = statistics(heights, (1.0, 1.0)).rms_slope
+    assert found == pytest.approx(math.sqrt(squared.sum()), rel=0.005)  # which has the seam, too
+    assert found == pytest.approx(0.190, abs=0.0005)
+
+
 def test_seeds_differ_in_phases_only():
     one, other = spectral((32, 32), seed=1), spectral((32, 32), seed=2)
     assert np.abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.9
