@@ -280,6 +280,10 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
         ({}, []),
         ({"channel": "h", "channels": ["h"], "undefined_by": []}, [("channel", "h")]),
         (
+            {"unit_from": "", "size_from": "the file", "length_unit": ""},
+            [("units", "pixels without a unit (from the file)")],
+        ),
+        (
             {
                 **{"channel": "Height", "channels": ["Height", "Error"], "orientation": "row 0 is line 1"},
                 **{
@@ -299,7 +303,7 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
                 ("channel", "Height, of Height, Error"),
                 ("orientation", "row 0 is line 1"),
                 ("undefined", "NODATA_value -9999: 465 pixels; undefined_value 0: 2 pixels"),
-                ("units", "heights in nm by the file, pixels in um by pixel_size"),
+                ("units", "heights in nm (from the file), pixels in um (from pixel_size)"),
             ],
         ),
     ],

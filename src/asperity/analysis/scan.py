@@ -84,11 +84,10 @@ def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
     channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
     others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
     sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")
-    lengths = [
-        f"{what} in {origin.get(unit) or '1'} by {origin[how]}"
-        for what, unit, how in sources
-        if origin.get(how)
-    ]
+    lengths = []
+    for what, unit, how in sources:
+        named = f"in {origin[unit]}" if origin.get(unit) not in (None, "", "1") else "without a unit"
+        lengths += [f"{what} {named} (from {origin[how]})"] if origin.get(how) else []
     rows = {
         "channel": f"{origin.get('channel') or ''}{others}",
         "orientation": str(origin.get("orientation") or ""),

@@ -141,10 +141,10 @@ class PowerSpectrum:
         """What whoever takes an exponent from it should know."""
         if self.anisotropy <= _ANISOTROPIC:
             return ()
-        found = ["none" if one is None else f"{one:.3f}" for one in self.hurst_along]
+        columns, rows = ("none" if one is None else f"{one:.3f}" for one in self.hurst_along)
         return (
             f"the surface is not isotropic: spectra along its two axes differ by a factor of "
-            f"{self.anisotropy:.2g}; Hurst exponents along the rows {found[1]}, along the columns {found[0]}",
+            f"{self.anisotropy:.2g}; Hurst exponent along the rows {rows}, along the columns {columns}",
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
