@@ -52,16 +52,15 @@ def remarks(
             f"{count} pixels have the height {void}, far from all others or too often: if that stands for "
             f"undefined pixels, try undefined_value = {void} (--undefined-value {void})"
         )
+    odd, side = [], max((n * one for n, one in zip(found.shape, size or (), strict=False)), default=0.0)
     if found.slope_unit == "1" and found.rms_slope and not _SLOPES[0] <= found.rms_slope <= _SLOPES[1]:
+        odd.append(f"an rms slope of {found.rms_slope:.2g}")
+    if side * (across or 0.0) > _FIELD:
+        odd.append(f"a side of {side * (across or 0.0):.3g} m")
+    if odd:
         yield (
-            f"an rms slope of {found.rms_slope:.2g} is unusual: check the units; "
+            f"{' and '.join(odd)}: unusual, check the units; "
             "try file_unit (--file-unit), or pixel_size and length_unit (--pixel-size, --length-unit)"
-        )
-    sides = [n * one * (across or 0.0) for n, one in zip(found.shape, size or (), strict=False)]
-    if max(sides, default=0.0) > _FIELD:
-        yield (
-            f"a scan of {' x '.join(f'{one:.3g}' for one in sides)} m is unusual: check the unit of length; "
-            "try pixel_size and length_unit (--pixel-size, --length-unit)"
         )
     if count := facts.get("outlying_pixels"):
         yield (

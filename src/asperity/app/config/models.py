@@ -345,14 +345,9 @@ class MeasuredSurface(SurfaceSection):
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
         """What `asperity.surfaces.read` is to do about the edges."""
-        match self.edges:
-            case "free":
-                return "free"
-            case "reflecting":
-                return "reflect"
-            case "periodic" if self.periodic == "reflect":
-                return "wrap"
-        return self.periodic
+        if self.edges == "periodic":
+            return "wrap" if self.periodic == "reflect" else self.periodic
+        return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
