@@ -350,7 +350,7 @@ def check_edges(lattice: Lattice) -> None:
     """Refuse to slide a surface that does not go around."""
     if lattice.edges != "periodic":
         got = f"one whose edges are {lattice.edges}, which has no other side to come from"
-        expected, advice = "a surface with periodic edges", "a surface that is made periodic"
+        expected, advice = "a surface with periodic edges", "periodic = 'mirror' (--periodic mirror)"
         raise InputError("slide", expected=expected, got=got, advice=advice)
 
 

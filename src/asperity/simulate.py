@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -22,7 +23,7 @@ from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import WHERE_FROM, Contact, control_of
-from asperity.errors import InputError
+from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.progress import listener
 from asperity.protocols import Hold as HoldLeg
@@ -31,6 +32,7 @@ from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_o
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
 from asperity.solids import Solid
+from asperity.surfaces.doubts import load_on_filled
 
 Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
 """Loads, pressures or separations to press at one after another."""
@@ -134,7 +136,10 @@ def press(
         body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
         bodies = bodies_of(heights, body)
         units.check_units(dict(body.parameters), si=bodies.si)
-        return first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        found = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        for remark in load_on_filled(getattr(heights, "filled", None), found.pressure):
+            warnings.warn(remark, Remark, stacklevel=3)
+        return found
 
     value: Any = given[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:

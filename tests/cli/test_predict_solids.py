@@ -204,10 +204,39 @@ def test_what_a_file_may_not_ask(refused):
         {"aging": {"first": 1, "last": 9, "per_decade": 20}},
         {"solid": {**elastic, "permanent": 0.3}},
         {"solid": {"kind": "spring_lattice"}},
-        of_a_file,
         {**of_a_file, "surface": {**of_a_file["surface"], "periodic": "mirror"}},
     ):
         refused("predict", write(**changed), "-q")
+
+
+def test_run_and_predict_find_the_same_on_a_scan_and_doubt_the_same(undrawn, asperity):
+    scan = rough(0, 32).heights + 0.3 * np.random.default_rng(0).normal(size=(32, 1))
+    scan[10:15, 4:7] = np.nan
+    np.savetxt("scan.txt", scan)
+    solid = {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.5, "3 s"]]}
+    carried = {"stiffness": True, "resistivity": "17 nOhm m"}
+    file = {"surface": {"kind": "file", "path": "scan.txt", **LENGTHS}, "solid": solid, "carried": carried}
+    config = read_config(write(**file), {})
+    ran = execute(config, Progress())
+    assert asperity("predict", "run.toml", "--quiet") == (0, "", "")
+    (ours,) = undrawn
+    names = ("contact_area", "contact_area_corrected", "normal_stiffness", "resistance", "separation")
+    for name in names:
+        np.testing.assert_allclose(ran.dataset[name].values, ours.dataset[name].values, rtol=1e-9)
+    # The same pressure on four mirrored copies: the same contact on four times the area.
+    copies = execute(
+        read_config(write(**{**file, "surface": {**file["surface"], "periodic": "mirror"}}), {}), Progress()
+    )
+    for name, factor in zip(names, (4, 4, 4, 1 / 4, 1), strict=True):
+        np.testing.assert_allclose(copies.dataset[name], factor * ran.dataset[name], rtol=2e-3)
+    (remark,) = (one for one in copies.remarks if "copies" in one)
+    assert "stiffness and resistance are those of 4 mirrored copies" in remark
+    for remarks in (ran.remarks, copies.remarks, ours.remarks):
+        for doubt in ("heights change", "(Persson's theory)"):
+            assert len([one for one in remarks if doubt in one and "(--lines median)" in one]) == 1
+    # Levelled line by line it is no longer doubted.
+    levelled = read_config(write(**{**file, "surface": {**file["surface"], "lines": "median"}}), {})
+    assert not [one for one in execute(levelled, Progress()).remarks if "lines" in one]
 
 
 def test_edges_of_a_scan_are_those_of_the_file(undrawn, asperity):

@@ -159,7 +159,7 @@ def test_a_measured_surface(tmp_path, asperity):
     assert f'path = "{tmp_path / "rough.npy"}"' in Path("out/config.toml").read_text()
     words = ("--crop", "0", "6", "1", "9", "--crop-unit", "um", "--pixel-size", "0.5", "--length-unit", "um")
     assert asperity("run", "--file", "rough.npy", *words, *BRIEF, "--out", "part")[0] == 0
-    prepared = "24 x 32 sites (undefined = fill, tilt = plane, periodic = mirror, crop = 0 6 1 9"
+    prepared = "12 x 16 sites (undefined = fill, tilt = plane, lines = none, periodic = reflect, crop = 0 6"
     assert prepared in Path("part/summary.txt").read_text()
     assert json.loads(results.load("part").attrs["surface"])["crop"] == [0, 12, 2, 18]
 
@@ -301,7 +301,7 @@ def test_table_summary_and_maps_are_in_si(done):
 
 
 def test_the_summary_says_what_yielded(scan, tmp_path):
-    words = ["--hardness", "0.2 GPa", "--pressure", "4 MPa", "--first", "1", "--last", "10", *DECADES]
+    words = ["--hardness", "0.2 GPa", "--pressure", "8 MPa", "--first", "1", "--last", "10", *DECADES]
     out = tmp_path / "out"
     assert main(["run", "--file", str(scan), *UNITS, *SOLID, *words, "--quiet", "--out", str(out)]) == 0
     data = results.load(out)

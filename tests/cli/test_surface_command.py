@@ -28,12 +28,12 @@ def test_an_array(says):
         ("pixels", "24 x 16 (rows x columns), undefined: 1"),
         ("size", "not in the file"),
         ("unit of heights", "not in the file"),
-        ("made periodic by", "mirror"),
+        ("edges", "reflecting"),
         ("figure written:", "rough.png"),
     ):
         assert row(text, name) == said
     assert row(text, "sites").split("  ")[0] == "24 x 16"
-    assert row(text, "sites").endswith("48 x 32")
+    assert row(text, "sites").endswith("24 x 16")
     assert float(row(text, "maximum").split()[0]) == pytest.approx(np.nanmax(heights), rel=1e-4)
     # The tilt was most of the roughness: without it the noise of rms 1 is left.
     before, after = (float(word) for word in row(text, "rms height").split())
@@ -60,7 +60,7 @@ def test_a_profile_in_text_with_options(says):
     Path("line.txt").write_text("\n".join(f"{h:.6f}" for h in gaussian(50, seed=1)))
     words = "--tilt none --periodic taper --unit rms --out line.pdf"
     text = says("surface", "line.txt", *words.split())
-    assert [row(text, name) for name in ("made periodic by", "tilt")] == ["taper", "none"]
+    assert [row(text, name) for name in ("edges", "tilt")] == ["periodic, border tapered", "none"]
     assert "rms" in row(text, "unit  ")
     assert Path("line.pdf").read_bytes().startswith(b"%PDF")
 
@@ -89,7 +89,7 @@ def test_a_part_and_a_band_of_waves(says, refused):
     for name, said in (
         ("part", "pixels 4 20 0 16 (top bottom left right)"),
         ("wavelengths kept", "longest 6, shortest 2 um"),
-        ("made periodic by", "reflect"),
+        ("edges", "reflecting"),
     ):
         assert row(text, name) == said
     assert row(text, "sites").split() == ["24", "x", "16", "16", "x", "16"]
@@ -117,7 +117,7 @@ def test_oblong_pixels_are_refused_or_averaged(says, refused):
     text = says("surface", "oblong.xyz", "--resample", "--overwrite")
     assert "remark" not in text
     sites = [words.split()[::2] for words in row(text, "sites").split("  ") if words]
-    assert sites == [["10", "12"], ["20", "8"]]
+    assert sites == [["10", "12"], ["10", "4"]]
     assert "pixels            averaged to 3 x 3 (no unit)\n" in text
     Path("run.toml").write_text('[surface]\npath = "oblong.xyz"\nresample = true\n[aging]\nlast = 0.1\n')
     says("run", "run.toml", "--quiet")

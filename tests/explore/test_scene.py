@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
 import struct
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -123,3 +126,31 @@ def test_a_history_that_slides_and_yields_has_its_displacement_and_yielding_site
     row, seen = of_frame(frames[-1])
     assert (row["displacement"], row["yielding_area"]) == (2.0, yielding[-1])
     assert np.array_equal(seen.arrays["yielded"], recording.maps[-1].arrays["yielded"])
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+@pytest.mark.parametrize(
+    ("loads", "reference"),
+    [([0, 5, 9, 9, 9, 4], 2), ([3, 9, 9, 4], 0), ([0, 9], 1), ([0], 0), ([0, 0, 5], 0)],
+)
+def test_the_page_compares_with_the_end_of_a_ramp_from_no_load(loads: list[float], reference: int) -> None:
+    rng = np.random.default_rng(1)
+    touching = rng.integers(0, 2, (len(loads), 16)).astype(bool)
+    maps = [{"time": n, "leg": 0, "bits": np.packbits(one).tolist()} for n, one in enumerate(touching)]
+    known = {"shape": [4, 4], "sites": 16, "maps": maps, "columns": ["time", "leg", "load"]}
+    known |= {"rows": [[n, 0, load] for n, load in enumerate(loads)], "units": {"time": "s"}}
+    page = Path(asp.__file__).parent / "app/explore/page/scene.js"
+    script = f"""{page.read_text()}
+        const quantity = (value, unit) => `${{value}} ${{unit}}`;
+        const given = {json.dumps(known)};
+        const scene = Object.assign(Object.create(Scene.prototype), given, {{ decoded: new Map() }});
+        const states = scene.maps.map((_, map) => Array.from(scene.states(map).states));
+        console.log(JSON.stringify([scene.reference, scene.start, states]));"""
+    run = subprocess.run(["node"], input=script, capture_output=True, text=True, check=True, timeout=30)
+    found, start, states = json.loads(run.stdout)
+    assert found == reference
+    assert start == (f"t = {reference} s" if reference else "first touch")
+    then = touching[reference]
+    for number, now in enumerate(touching):
+        lost = 3 if number >= reference else 0
+        np.testing.assert_array_equal(states[number], np.select([now & then, now, then], [1, 2, lost], 0))

@@ -28,6 +28,7 @@ FINE: dict[str, Sequence[str]] = {
     "path": ['"rough.npy"', '"none.npy"', '"."', '"table.csv"'],
     "crop": ["[0, 6, 0, 6]", "[0, 4]"],
     "periodic": ['"mirror"', '"reflect"', '"taper"', '"wrap"'],
+    "lines": ['"none"', '"median"'],
     "tilt": ['"plane"', '"quadratic"', '"none"'],
     "seed": ["0", "7", "9223372036854775807"],
     "load": ["1.0", "40", "1e5", "1e-9"],

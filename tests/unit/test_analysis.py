@@ -16,6 +16,8 @@ from asperity import age, press, relax
 from asperity.analysis import SiteState, aging_summary, contact_maps, with_limit
 from asperity.analysis.aging import FAR_APART
 from asperity.analysis.prediction import growth_of
+from asperity.figures.contacts import contact_figure
+from asperity.protocols import Hold, Ramp, Step
 from asperity.relaxation import PronySeries
 from asperity.solids import spring_lattice
 from asperity.surfaces import Surface, gaussian, self_affine
@@ -443,3 +445,30 @@ def test_what_cannot_be_seen(contact):
     each_refuses(*((name, partial(asp.observe, image, **{name: value})) for image, name, value in refused))
     with refuses("patches"):
         assert asp.observe(touching).patches
+
+
+@pytest.mark.parametrize(
+    ("maps", "reference"),
+    [([0, 1, 2, 9, 12, 15], 2), ([0, 1, 9, 12], 2), ([1, 2, 9], 0), ([2, 9, 12], 0), ([0], 0)],
+)
+def test_maps_after_a_ramp_from_no_load_compare_with_its_end(maps: list[float], reference: int) -> None:
+    contact = press(gaussian((24, 24), seed=3), spring_lattice(k0=1.0, k1=3.0), load=0.0)
+    legs = [Ramp(2.0, load=60.0), Hold(10.0), Step(load=15.0), Hold(3.0)]
+    dataset = age(contact, [1.0, 9.0, 13.0], protocol=legs, fields_at=maps).dataset
+    found = contact_maps(dataset)
+    assert found.reference == reference
+    touching = dataset["in_contact"].values.astype(bool)
+    then = touching[reference]
+    for number, (now, states) in enumerate(zip(touching, found.states, strict=True)):
+        lost = then & ~now if number >= reference else np.zeros_like(then)
+        for state, sites in (
+            (SiteState.KEPT, now & then),
+            (SiteState.NEW, now & ~then),
+            (SiteState.LOST, lost),
+        ):
+            np.testing.assert_array_equal(states == state, sites)
+    if 15 in maps:  # after the drop, sites of the end of the ramp are lost
+        assert found.count(-1, SiteState.LOST) > 0
+        assert "in contact then and at $t$ = $2$" in str(
+            [text.get_text() for text in contact_figure(found).legends[0].get_texts()]
+        )

@@ -11,6 +11,7 @@ import scipy.stats
 import xarray
 
 import asperity
+from asperity.analysis.scan import understood
 from asperity.errors import InputError
 from asperity.surfaces import Surface, check_heights, check_square, combined, gaussian, read, statistics
 from tests.refusals import each_refuses, refuses
@@ -181,7 +182,7 @@ def test_a_band_of_a_reflecting_surface_is_that_of_its_mirror_images():
     images, alone = (read("a.npy", periodic=rule, tilt="mean", **limits) for rule in ("mirror", "reflect"))
     assert (images.edges, alone.edges, alone.shape) == ("periodic", "reflecting", ROUGH.shape)
     np.testing.assert_array_equal(images.scan.heights, alone.heights)
-    again = read("a.npy", tilt="mean").band(**limits)
+    again = read("a.npy", tilt="mean", periodic="mirror").band(**limits)
     np.testing.assert_allclose(again.heights, images.heights, atol=1e-13)
     assert (images.provenance["shortest"], alone.provenance["periodic_rule"]) == (4.0, "reflect")
     wrapped = read("a.npy", periodic="wrap", tilt="mean", **limits)
@@ -271,3 +272,41 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
     for size in ((2.0, 2.01), (2.0, 2.0), None):
         check_square(Surface(surface.heights, "nm", size, "nm"))
     check_square(surface.heights)
+
+
+@pytest.mark.parametrize(
+    ("facts", "rows"),
+    [
+        ({}, []),
+        ({"channel": "h", "channels": ["h"], "undefined_by": []}, [("channel", "h")]),
+        (
+            {"unit_from": "", "size_from": "the file", "length_unit": ""},
+            [("units", "pixels without a unit (from the file)")],
+        ),
+        (
+            {
+                **{"channel": "Height", "channels": ["Height", "Error"], "orientation": "row 0 is line 1"},
+                **{
+                    "undefined_by": [
+                        "NODATA_value -9999: 465 pixels",
+                        "undefined_value 0: 2 pixels",
+                    ]
+                },
+                **{
+                    "original_unit": "nm",
+                    "unit_from": "the file",
+                    "length_unit": "um",
+                    "size_from": "pixel_size",
+                },
+            },
+            [
+                ("channel", "Height, of Height, Error"),
+                ("orientation", "row 0 is line 1"),
+                ("undefined", "NODATA_value -9999: 465 pixels; undefined_value 0: 2 pixels"),
+                ("units", "heights in nm (from the file), pixels in um (from pixel_size)"),
+            ],
+        ),
+    ],
+)
+def test_what_was_understood_of_a_file_is_said(facts, rows):
+    assert understood(facts) == rows

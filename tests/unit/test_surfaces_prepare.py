@@ -1,12 +1,19 @@
 """The rules that make a measurement ready: filling, tilt, spikes, unit, square pixels, periodicity."""
 
+import dataclasses
 import itertools
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy.ndimage
 
-from asperity.surfaces import Surface, levelling, prepare, read, spectral
+from asperity import age, press
+from asperity.analysis.plausible import remarks_on_contact
+from asperity.errors import Remark, SurfaceFileError
+from asperity.solids import half_space
+from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
 from tests.refusals import each_refuses, refuses
 
 EDGES = "the contact would be at the edges"
@@ -82,6 +89,48 @@ def test_the_polynomial_of_least_squares_is_removed_and_told(shape, rule):
         assert not levelling.remove_tilt(told, np.ones(shape, dtype=bool), rule)[0].any()
 
 
+PATCHES = {
+    "edge": (slice(None), slice(0, 7)),
+    "corner": (slice(80, None), slice(60, None)),
+    "frame": (slice(0, 4), slice(None)),
+    "hole": (slice(30, 50), slice(20, 45)),
+    "middle": (slice(40, 44), slice(30, 50)),
+}
+
+
+@pytest.mark.parametrize("tilt", ["plane", "quadratic"])
+@pytest.mark.parametrize("patch", PATCHES)
+def test_levelling_an_exact_polynomial_leaves_nothing_anywhere(patch, tilt):
+    exact = 40 * U - 700 * V + 300 + ((90 * U**2 - 55 * U * V) if tilt == "quadratic" else 0)
+    exact[PATCHES[patch]] = np.nan
+    surface = as_read(exact, tilt=tilt)
+    assert not surface.heights.any()
+    np.testing.assert_array_equal(surface.filled, np.isnan(exact))
+    assert not as_read(exact, tilt="none").level(tilt).heights.any()  # filled while it is tilted
+    exact[12, 30] += 900.0
+    assert not as_read(exact, tilt=tilt, despike=True).heights.any()
+    assert not as_read(exact, tilt="none").level(tilt, despike=True).heights.any()
+
+
+@pytest.mark.parametrize("patch", PATCHES)
+def test_no_filled_pixel_is_above_the_rim_of_its_hole(patch):
+    whole = rough(5, roll_off=30)
+    whole[70, 70] += 60.0
+    tilted = whole + 120 * U + 80 * V + 9 * U**2  # a tilt of a hundred times the roughness, and a bow
+    tilted[PATCHES[patch]] = np.nan
+    for tilt, despike in itertools.product(("plane", "quadratic"), (False, True)):
+        direct = as_read(tilted, tilt=tilt, despike=despike)
+        later = as_read(tilted, tilt="none").level(tilt, despike=despike)
+        np.testing.assert_allclose(direct.heights, later.heights, atol=1e-11)
+        assert direct.filled is not None
+        assert direct.filled[70, 70] == despike
+        holes, count = scipy.ndimage.label(direct.filled)
+        for hole in range(1, count + 1):
+            own = holes == hole
+            rim = scipy.ndimage.binary_dilation(own) & ~own
+            assert direct.heights[own].max() <= direct.heights[rim].max()
+
+
 def test_the_bow_of_a_scan_is_removed_as_it_was_added():
     heights = rough(1, roll_off=20)
     bowed = heights + 7 * U**2 + 11 * V**2 + 3 * U * V - 4 * U
@@ -143,8 +192,9 @@ def test_a_bow_that_puts_the_contact_at_the_edges_is_remarked(form):
     assert as_read(bowed, tilt="quadratic", despike=True).remarks == ()
     assert not [r for r in as_read(bowed, longest=20.0).remarks if r.startswith(EDGES)]
     assert Surface(bowed).level(despike=True).remarks[0].startswith(EDGES)
-    # The same upside down touches in the middle.
-    assert as_read(rough(0, roll_off=20) - 12 * form).remarks == ()
+    # The same upside down touches in the middle, and is a bow all the same.
+    (remark,) = as_read(rough(0, roll_off=20) - 12 * form).remarks
+    assert "a polynomial of second order has 9" in remark
 
 
 @pytest.mark.parametrize(("most", "options"), [(1, {}), (0, {"roll_off": 40.0})])
@@ -218,3 +268,125 @@ def test_taper_is_half_a_cosine_toward_the_mean_along_each_axis():
     sign = np.where(np.add.outer(np.arange(20), np.arange(30)) % 2, 1.0, -1.0)
     tapered = prepare.make_periodic(sign, "taper")
     np.testing.assert_allclose(tapered, sign * np.outer(weight(20), weight(30)), atol=1e-14)
+
+
+LENGTHS: dict[str, Any] = {"file_unit": "um", "pixel_size": 1.0, "length_unit": "um"}
+
+
+def test_filled_pixels_are_remembered_wherever_the_surface_goes():
+    heights = rough(6)
+    heights[:3, 5:9] = np.nan
+    mask = np.isnan(heights)
+    surface = as_read(heights)
+    np.testing.assert_array_equal(surface.filled, mask)
+    np.testing.assert_array_equal(as_read(heights, periodic="mirror").scan.filled, mask)
+    assert as_read(heights, periodic="mirror").filled.shape == (192, 160)
+    np.testing.assert_array_equal(as_read(heights, crop=[1, 60, 6, 70]).filled, mask[1:60, 6:70])
+    np.testing.assert_array_equal(surface.crop([1, 60, 6, 70]).filled, mask[1:60, 6:70])
+    np.testing.assert_array_equal(surface.band(longest=30.0).level().filled, mask)
+    other = Surface(rough(7), edges="reflecting")
+    for pair in ((surface, other), (other, surface)):
+        np.testing.assert_array_equal(combined(*pair).filled, mask)
+    assert combined(other, other).filled is None
+    assert as_read(rough(6)).filled is None
+    oblong = as_read(heights, pixel_size=(2.0, 1.0), resample=True)
+    np.testing.assert_array_equal(oblong.filled, mask[:, ::2] | mask[:, 1::2])
+    with refuses("filled"):
+        Surface(rough(6), filled=mask[1:])
+
+
+def test_load_on_filled_pixels_is_remarked():
+    heights = rough(8)
+    heights[40:55, 30:50] = np.nan  # 300 of 7680 pixels
+    surface = as_read(heights, **LENGTHS)
+    solid = half_space(modulus=1e9)
+    press(surface, solid, load="1 mN")  # warnings are errors
+    lifted = dataclasses.replace(surface, heights=surface.heights + 20 * surface.filled)
+    with pytest.warns(Remark, match=r"100 % of the load is on filled pixels.*--crop"):
+        press(lifted, solid, load="1 mN")
+    # Under a load that grows they bear at last what every pixel bears; a history says so.
+    with pytest.warns(Remark, match="on filled pixels"):
+        flat = press(surface, solid, pressure="200 GPa")
+    dataset = age(flat, [1.0], fields_at=[0.0, 1.0]).dataset
+    (said,) = remarks_on_contact(surface, solid, dataset)
+    assert float(said.split()[0]) == pytest.approx(300 / 76.80, rel=0.2)
+    assert remarks_on_contact(dataclasses.replace(surface, filled=None), solid, dataset) == ()
+
+
+@pytest.mark.parametrize("void", [-9999.0, -32768.0, 0.0, 1e38])
+def test_a_void_value_is_doubted(void):
+    heights = rough(9, roll_off=30) + 100.0
+    assert as_read(heights).remarks == ()
+    heights[70:, 70:] = void
+    said = " ".join(as_read(heights).remarks)
+    assert f"260 pixels have the height {void:.10g}" in said
+    assert f"(--undefined-value {void:.10g})" in said
+    # Among the others it is told by being frequent; heights in steps are not doubted.
+    assert "260 pixels have the height 100," in as_read(np.where(heights == void, 100.0, heights)).remarks[0]
+    assert as_read(np.round(rough(9), 1)).remarks == ()
+    # What was told to be undefined is no doubt.
+    heights[70:, 70:] = np.nan
+    assert as_read(heights).remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        ({**LENGTHS, "pixel_size": 1.0, "length_unit": "m"}, "an rms slope of {:.2g} and a side of 96 m: "),
+        ({**LENGTHS, "file_unit": "m"}, "an rms slope of {:.2g}: "),
+        ({**LENGTHS, "length_unit": "mm", "file_unit": "nm"}, "an rms slope of {:.2g}: "),
+        (LENGTHS, ""),
+        ({"pixel_size": 5.0}, ""),
+    ],
+)
+def test_slopes_and_sizes_that_no_scan_has_are_doubted(lengths, said):
+    surface = as_read(rough(3), **lengths)
+    begins = said.format(surface.describe().rms_slope)
+    assert len(surface.remarks) == bool(said)
+    for remark in surface.remarks:
+        assert remark.startswith(begins)
+        assert "--file-unit" in remark
+        assert "--pixel-size" in remark
+    if said:  # made, not measured
+        made = Surface(rough(3), "um", (1.0, 1.0), "m", {"kind": "spectral"})
+        assert made.remarks == ()
+
+
+def test_lines_are_levelled_by_their_medians():
+    wrong: Any = "mean"
+    heights = rough(10, roll_off=20)
+    offsets = 3 * np.random.default_rng(0).normal(size=(96, 1))
+    lined = heights + offsets + 5 * V
+    lined[50:53, 10:30] = np.nan
+    lined[60] = np.nan
+    (remark,) = as_read(lined, max_undefined=0.2).remarks
+    assert "--lines median" in remark
+    found = as_read(lined, lines="median", max_undefined=0.2)
+    assert found.remarks == ()
+    known = ~np.isnan(lined)
+    # The least-squares plane, then the median of each row, then the plane again, by other means.
+    grid = np.stack([np.ones(lined.shape), U, V], axis=-1)
+    level = lined.copy()
+    for turn in range(2):
+        level -= grid @ np.linalg.lstsq(grid[known], level[known], rcond=None)[0]
+        if not turn:
+            level -= np.nan_to_num(pd.DataFrame(level).median(axis=1).to_numpy())[:, None]
+    np.testing.assert_allclose(found.heights[known], level[known], atol=1e-12)
+    array = as_read(lined, tilt="none", max_undefined=0.2).level(lines="median")
+    np.testing.assert_allclose(array.heights, found.heights, atol=1e-12)
+    each_refuses(
+        ("lines", lambda: as_read(lined[0], lines="median", max_undefined=0.5)),
+        ("lines", lambda: Surface(heights).level(lines=wrong)),
+    )
+
+
+def test_an_undefined_frame_is_told_how_to_be_cropped():
+    framed = np.full((40, 50), np.nan)
+    framed[4:30, 7:50] = rough(1)[4:30, 7:50]
+    for first in ({}, {"crop": [2, 40, 0, 50]}):
+        with refuses("scan.npy", kind=SurfaceFileError):
+            as_read(framed, **first)
+    assert as_read(framed, crop=[4, 30, 7, 50]).filled is None
+    framed[::2] = np.nan
+    with refuses("scan.npy", kind=SurfaceFileError):  # which no crop helps
+        as_read(framed)

@@ -29,12 +29,14 @@ _WINDOW = 160
 _CLOSE = 128
 """Side of a close-up, sites: few enough to be told apart in a map."""
 
+_STILL = 1e-9  # part of the largest load by which one that stays may rise by rounding
+
 _BAR = 0.4
 """Part of a map's width up to which a scale bar may be long."""
 
 
 class SiteState(IntEnum):
-    """A site, compared with the first map."""
+    """A site, compared with the map of reference."""
 
     FREE = 0
     KEPT = 1
@@ -66,6 +68,9 @@ class ContactMaps(views.Brief):
         short enough to draw; the whole first axis for a surface.
     unit
         Unit of all heights, chosen to be readable; as in `asperity.figures.surface.SurfaceView`.
+    reference
+        Number of the map that the states compare with: the first, or where that is of load 0 the first at
+        the end of the loading. No site is lost before it.
     copies
         1; of a mirrored scan the number of copies that the surface is made of, of which one is here.
     pixel_size, length_unit
@@ -84,6 +89,7 @@ class ContactMaps(views.Brief):
     height_range: tuple[float, float]
     window: tuple[int, int]
     unit: str
+    reference: int = 0
     copies: int = 1
     pixel_size: float | None = None
     length_unit: str = ""
@@ -140,8 +146,9 @@ class ContactMaps(views.Brief):
         """Find the square of at most 128 sites a side that changes most, of squares side by side."""
         side = min(_CLOSE, *self.heights.shape)
         rows, columns = (n // side for n in self.heights.shape)
-        seen = (self.states != self.states[0]).any(axis=0)
-        seen = (seen if seen.any() else self.states[0] == SiteState.KEPT)[: rows * side, : columns * side]
+        first = self.states[self.reference]
+        seen = (self.states[self.reference :] != first).any(axis=0)
+        seen = (seen if seen.any() else first == SiteState.KEPT)[: rows * side, : columns * side]
         best = int(np.argmax(seen.reshape(rows, side, columns, side).sum(axis=(1, 3))))
         row, column = side * (best // columns), side * (best % columns)
         return slice(row, row + side), slice(column, column + side)
@@ -161,7 +168,7 @@ class ContactMaps(views.Brief):
 
 
 def contact_maps(dataset: xr.Dataset) -> ContactMaps:
-    """Compare the fields that a history kept with the first of them.
+    """Compare the fields that a history kept with the first of them, or with the end of a loading from 0.
 
     Parameters
     ----------
@@ -193,7 +200,18 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         surfaces,
         origin=json.loads(dataset.attrs.get("surface", "{}")),
         spacing=json.loads(dataset.attrs["spacing"]) if si else None,
+        reference=_loaded(dataset),
     )
+
+
+def _loaded(dataset: xr.Dataset) -> int:
+    """Number of the first map, or where its load is 0 of the first one after which the load does not rise."""
+    at = np.searchsorted(dataset["time"], dataset["field_time"], side="right") - 1
+    load = np.asarray(dataset["load"])[np.maximum(at, 0)]
+    if load[0] > 0:
+        return 0
+    rises = np.append(np.diff(load) > _STILL * load.max(), False)
+    return int(np.argmin(rises)) if load.any() else 0
 
 
 def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
@@ -242,8 +260,9 @@ def _maps_of(
     *,
     origin: Mapping[str, Any],
     spacing: Sequence[float] | None,
+    reference: int = 0,
 ) -> ContactMaps:
-    """Compare maps with the first; `spacing` is given in metres, like all lengths then."""
+    """Compare maps with one of them; `spacing` is given in metres, like all lengths then."""
     here = measured_part(heights.shape, origin)
     copies = heights.size
     indentation = np.broadcast_to(indentation, heights.shape)[here]
@@ -255,13 +274,16 @@ def _maps_of(
         size, lateral, unit = spacing, "m", "m"
     low, high = color_range(heights)
     unit, factor = readable(unit, high - low)
-    before, now = touching[0], np.stack(touching)
+    before, now = touching[reference], np.stack(touching)
     kinds = [SiteState.KEPT, SiteState.NEW, SiteState.LOST]
+    states = np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8)
+    states[:reference][states[:reference] == SiteState.LOST] = SiteState.FREE  # not touched yet
     return ContactMaps(
         heights=heights * factor,
         indentation=indentation * factor,
         times=np.asarray(times),
-        states=np.select([before & now, now, before], kinds, SiteState.FREE).astype(np.int8),
+        states=states,
+        reference=reference,
         surfaces=np.stack(surfaces) * factor,
         height_range=(low * factor, high * factor),
         window=_busiest(touching[-1]),

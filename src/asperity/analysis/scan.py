@@ -1,9 +1,10 @@
-"""Quantities in readable units."""
+"""Quantities in readable units, and what was understood of the file of a scan."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from asperity.surfaces.prepare import is_length, length_factor
 
@@ -76,3 +77,21 @@ def written(value: float, unit: str, digits: int = 4) -> str:
         name, factor = unit, 1.0
     number = f"{value * factor:.{digits}g}"
     return f"{float(number):.0f} {name}" if number.endswith(("e+03", "e+04")) else f"{number} {name}"
+
+
+def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What a reader took from a file, in rows of a name and words, from the provenance of a surface."""
+    channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
+    others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
+    sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")
+    lengths = []
+    for what, unit, how in sources:
+        named = f"in {origin[unit]}" if origin.get(unit) not in (None, "", "1") else "without a unit"
+        lengths += [f"{what} {named} (from {origin[how]})"] if origin.get(how) else []
+    rows = {
+        "channel": f"{origin.get('channel') or ''}{others}",
+        "orientation": str(origin.get("orientation") or ""),
+        "undefined": "; ".join(map(str, undefined)),
+        "units": ", ".join(lengths),
+    }
+    return [(name, words) for name, words in rows.items() if words]

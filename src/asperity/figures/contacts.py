@@ -51,7 +51,7 @@ _WORDS = {
 
 
 def contact_figure(maps: ContactMaps) -> Figure:
-    """Draw which sites touch at each time: since the first map, newly, or no longer.
+    """Draw which sites touch at each time: since the map of reference, newly, or no longer.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def caption(maps: ContactMaps, number: int) -> str:
     """Time, contact fraction, and sites won and lost."""
     new, lost = (maps.count(number, state) for state in (SiteState.NEW, SiteState.LOST))
     percent = 100.0 * maps.area(number) / maps.heights.size
-    changes = f", +{thousands(new)}" if number else ""
+    changes = f", +{thousands(new)}" if number > maps.reference else ""
     changes += f" −{thousands(lost)}" if lost else ""
     # Both sides of a jump may have been kept.
     before, time, after = (maps.times[at : at + 1].tolist() for at in (number - 1, number, number + 1))
@@ -221,7 +221,7 @@ def caption(maps: ContactMaps, number: int) -> str:
 
 def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> None:
     """Explain the colors of the states that occur, and that of the topography, below all panels."""
-    first = _moment(maps, float(maps.times[0]))
+    first = _moment(maps, float(maps.times[maps.reference]))
     words = {state: word.format(first=first) for state, word in _WORDS.items()}
     handles = swatches(maps.states, words)
     if topography and maps.indentation.any():

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from asperity.analysis.prediction import Prediction
-from asperity.analysis.scan import written
+from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
@@ -121,8 +121,8 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
     known = (
-        *("file", "sha256", "reader", "channel"),
-        *("undefined_pixels", "despiked_pixels", "tilt_rule", "periodic_rule"),
+        *("file", "sha256", "reader", "undefined_pixels"),
+        *("despiked_pixels", "tilt_rule", "periodic_rule", "lines_rule"),
     )
     shape, rows = dataset["heights"].shape, _rows(prediction)
     return written_page(
@@ -130,6 +130,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         p=prediction,
         command=command,
         scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
+        understood=understood(scan),
         measures=statistics(dataset["heights"].values, prediction.spacing),
         shape=shape,
         sides=[n * side for n, side in zip(shape, prediction.spacing, strict=True)],

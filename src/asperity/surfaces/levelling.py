@@ -1,11 +1,10 @@
-"""Tilt, bow and spikes of a measured surface: found, removed, and told of."""
+"""Tilt, bow, spikes and offsets of lines of a measured surface: found and removed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
 from itertools import combinations_with_replacement
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -14,15 +13,14 @@ from asperity.lattice import Field, Mask
 from asperity.surfaces.prepare import fill
 
 Tilt = Literal["plane", "quadratic", "mean", "none"]
+Lines = Literal["none", "median"]
 Facts = dict[str, str | int | float | list[float]]
 
 SPIKE = 6.0
 """Robust standard deviations above the median from which on a pixel is a spike; no Gaussian surface of
 less than a thousand million pixels has any."""
-_BOWED = 0.85, 0.9
-"""Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
-in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
 _LOOKED_AT = 256  # pixels along an axis that tell a bow
+_ROUNDING = 128 * np.finfo(float).eps  # of the largest height; polynomials at random left 30 eps at most
 _FEW = 100  # pixels below which highest ones are too few to say where they are
 
 
@@ -46,8 +44,8 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
     columns = [np.broadcast_to(math.prod(along[a] for a in term), heights.shape) for term in terms]
     parts = np.linalg.lstsq(np.stack([c[defined] for c in columns], axis=1), level[defined], rcond=None)[0]
     left = np.asarray(level - sum(part * column for part, column in zip(parts, columns, strict=True)))
-    # What a perfect plane leaves is rounding, and no surface to press anything onto.
-    if float(np.abs(left).max()) <= 16 * np.finfo(float).eps * float(np.abs(heights).max()):
+    # What a perfect polynomial leaves is rounding, and no surface to press anything onto.
+    if np.abs(left[defined]).max() <= _ROUNDING * np.abs(heights[defined]).max():
         left = np.zeros_like(left)
     parts[0] += mean
     sides = [max(n - 1, 1) for n in heights.shape]
@@ -57,28 +55,41 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
 
 
 def levelled(
-    heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | None
-) -> tuple[Field, Field, Facts]:
-    """Fill undefined pixels and remove the tilt; fill the spikes too, unless None of the pixels may be any.
+    heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | None, lines: Lines = "none"
+) -> tuple[Field, Mask, Facts]:
+    """Level the defined pixels, then fill the others; the spikes too, unless None of the pixels may be any.
 
-    Returns the heights, these before the tilt was removed, and what was done and found.
+    In this order, because pixels filled before the tilt is removed would be a wedge after it.
+    Returns the heights, the pixels that are filled, and what was done and found.
     """
-    ignored = missing.copy()
+    filled = missing.copy()
     while True:  # without its spikes a surface has another tilt and deviation
-        filled = fill(np.where(ignored, np.nan, heights))
-        level, removed = remove_tilt(filled, ~ignored, tilt)
-        outlying, highest = spikes(level, ~ignored)
+        level, removed = remove_tilt(heights, ~filled, tilt)
+        if lines == "median":
+            level, more = remove_tilt(level - _medians(level, ~filled), ~filled, tilt)
+            removed = [one + other for one, other in zip(removed, more, strict=True)]
+        outlying, highest = spikes(level, ~filled)
         if most_spikes is None or not outlying.any():
             break
-        ignored |= outlying
-        if (share := float((ignored & ~missing).mean())) > most_spikes:
+        filled |= outlying
+        if (share := float((filled & ~missing).mean())) > most_spikes:
             expected = f"at most {most_spikes:.3g} of the pixels to be spikes"
             raise InputError("despike", expected=expected, got=f"{share:.3g}", advice="heights as they are")
-    facts: Facts = {"tilt_rule": tilt, "tilt_coefficients": removed}
+    facts: Facts = {"tilt_rule": tilt, "tilt_coefficients": removed, "lines_rule": lines}
     facts |= {"outlying_pixels": int(outlying.sum()), "outlying_height": highest}
     if most_spikes is not None:
-        facts["despiked_pixels"] = int((ignored & ~missing).sum())
-    return level, filled, facts
+        facts["despiked_pixels"] = int((filled & ~missing).sum())
+    return fill(np.where(filled, np.nan, level)), filled, facts
+
+
+def _medians(heights: Field, defined: Mask) -> Field:
+    """Median of the defined pixels of each row, 0 of a row without any; shape (rows, 1)."""
+    if heights.ndim == 1:
+        expected = "'none' for a profile, which is a single line"
+        raise InputError("lines", expected=expected, got="'median'")
+    known = np.where(defined, heights, np.nan)
+    known[~defined.any(axis=1)] = 0.0
+    return np.asarray(np.nanmedian(known, axis=1, keepdims=True))
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
@@ -104,20 +115,3 @@ def bow(heights: Field) -> dict[str, float]:
     outer = [np.minimum(i, n - 1 - i) < n / 10 for i, n in zip(highest, part.shape, strict=True)]
     share = 1 - float(left[chosen].var()) / variance
     return {"bow_variance": share, "highest_at_edges": float(np.any(outer, axis=0).mean())}
-
-
-def remarks(facts: Mapping[str, Any]) -> Iterator[str]:
-    """What `levelled` and `bow` found, where it may be no height of the surface."""
-    if count := facts.get("outlying_pixels"):
-        yield (
-            f"pixels more than {SPIKE:g} robust standard deviations above the median height: "
-            f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
-            "try despike = true (--despike)"
-        )
-    share, outside = facts.get("bow_variance", 0.0), facts.get("highest_at_edges", 0.0)
-    if share > _BOWED[0] and outside > _BOWED[1]:
-        yield (
-            f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the "
-            f"outer tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
-            "try tilt = 'quadratic' (--tilt quadratic), or longest (--longest)"
-        )

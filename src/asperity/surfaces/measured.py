@@ -11,14 +11,15 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import find_objects
 
 from asperity.base import checks
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
-from asperity.surfaces import levelling, prepare
+from asperity.surfaces import doubts, levelling, prepare
 from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.instruments import read_instrument
-from asperity.surfaces.levelling import Tilt
+from asperity.surfaces.levelling import Lines, Tilt
 from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
 from asperity.surfaces.raw import RawSurface
 from asperity.surfaces.surface import Provenance, Surface
@@ -41,7 +42,8 @@ def read(
     max_undefined: float = 0.1,
     tilt: Tilt = "plane",
     despike: bool = False,
-    periodic: Periodic = "mirror",
+    lines: Lines = "none",
+    periodic: Periodic = "reflect",
     unit: Unit | None = None,
     channel: str | int | None = None,
     resample: bool = False,
@@ -58,18 +60,18 @@ def read(
     ``.npy`` and ``.npz`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read
     directly, everything else by the optional library SurfaceTopography; rows run downward, as the surface
     is seen in a picture. Points x, y, z (``.xyz``) lie on a regular grid, whose pixels without a point are
-    undefined. What is asked for is done in this order: a part is cut out, undefined pixels are
-    filled, the tilt is removed, spikes are filled, pixels are made square, waves left out, units converted,
-    and the surface made periodic.
+    undefined. What is asked for is done in this order: a part is cut out, the tilt of the defined pixels is
+    removed, then the offsets of lines, undefined pixels and spikes are filled, pixels are made square, waves
+    left out, units converted, and the surface made periodic.
 
     Parameters
     ----------
     path
         The file.
     undefined
-        "fill" gives each undefined pixel (NaN or masked) the mean of its neighbors on the pixel grid,
-        the discrete harmonic function: no filled pixel is above the rim of its hole, so filling creates
-        no summit. "refuse" raises if there is any.
+        "fill" gives each undefined pixel (NaN or masked) the mean of its neighbors on the pixel grid, once
+        the tilt is removed: the discrete harmonic function. No filled pixel is above the rim of its hole, so
+        filling creates no summit. `Surface.filled` says which these are. "refuse" raises if there is any.
     max_undefined
         Largest fraction of undefined pixels that is filled, from 0 to below 1.
     tilt
@@ -81,13 +83,16 @@ def read(
         no Gaussian height is (L. Davies and U. Gather, J. Am. Stat. Assoc. 88, 782 (1993), DOI
         10.1080/01621459.1993.10476339). The tilt is then found without them. Repeated until
         there is none.
+    lines
+        "median" subtracts its median from each row, against offsets of the lines of a scan; waves along the
+        columns that are real go with them. "none" leaves the rows as they are.
     unit
         None keeps the file's unit of height; "m", "mm", "um", "nm" and "pm" convert; "rms" divides by the
         rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.
     periodic
-        "mirror" reflects the surface along each axis, which doubles each: continuous, and no measured value
-        is altered. "reflect" leaves it as it is, for a solver that knows edges which reflect: what "mirror"
-        describes, without the images (`Surface.edges`). "taper" brings a border of 10 % of each axis, on
+        "reflect" leaves it as it is, with edges that reflect (`Surface.edges`), as of a part of a larger
+        surface. "mirror" is the same on four copies (of a profile two), for what must be periodic: it doubles
+        each axis, and all sums are those of the copies. "taper" brings a border of 10 % of each axis, on
         either side, to the mean by a cosine; under a heavy load or after long creep the flat border touches
         too, and counts as contact. "wrap" takes it as it is: the seam keeps its step. "free" takes it as a
         body that ends there, which half-spaces know.
@@ -128,6 +133,7 @@ def read(
     for option, value, choices in (
         ("undefined", undefined, get_args(Undefined)),
         ("tilt", tilt, get_args(Tilt)),
+        ("lines", lines, get_args(Lines)),
         ("periodic", periodic, get_args(Periodic)),
         ("unit", unit, (None, *get_args(Unit))),
         ("crop_unit", crop_unit, (None, *get_args(CropUnit))),
@@ -145,19 +151,25 @@ def read(
     if crop is not None:
         part = prepare.part_of(heights.shape, crop, crop_unit or "pixel", size, raw.length_unit)
         heights, cut["crop"] = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
-    missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit)
+    missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit, cut.get("crop", []))
 
-    level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None)
-    level, size = prepare.square(level, size) if resample else (level, size)
+    level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None, lines)
+    if resample:
+        filled = prepare.square(filled.astype(float), size)[0] > 0
+        level, size = prepare.square(level, size)
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
-    factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=float(np.abs(filled).max()))
+    largest = float(np.nanmax(np.abs(heights)))
+    factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=largest)
     final = prepare.make_periodic(level * factor, periodic)
+    if periodic == "mirror":
+        filled = prepare.make_periodic(filled.astype(float), periodic) > 0
     told: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
     told |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
         **facts,
+        **doubts.repeated(heights[~missing]),
         **levelling.bow(level),
         "resampled": size != raw.pixel_size,
         "pixel_size": list(size or ()),
@@ -171,7 +183,7 @@ def read(
     told |= cut | limits
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
-    return Surface(final, final_unit, size, raw.length_unit, told, edges)
+    return Surface(final, final_unit, size, raw.length_unit, told, edges, filled)
 
 
 def _with_lengths(
@@ -252,7 +264,7 @@ def _checked_file(path: str | Path) -> tuple[Path, str]:
         raise SurfaceFileError(str(file), expected="a readable file", got=str(error.strerror)) from error
 
 
-def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.bool_]:
+def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[int]) -> NDArray[np.bool_]:
     """Say which pixels are undefined; refuse infinite or absurd ones, and too many undefined."""
     fail = functools.partial(SurfaceFileError, str(file))
     infinite = np.argwhere(np.isinf(heights))
@@ -270,6 +282,16 @@ def _checked_missing(file: Path, heights: Field, limit: float) -> NDArray[np.boo
         first = np.argwhere(missing)[0].tolist()
         got = f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}"
         choice = "a larger max_undefined" if limit else "undefined = 'fill'"
-        advice = "" if fraction == 1 else f"{choice}, or another measurement"
+        advice = "" if fraction == 1 else f"{_inside(missing, limit, crop)}{choice}, or another measurement"
         raise fail(expected=expected, got=got, advice=advice)
     return missing
+
+
+def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> str:
+    """Advise to crop, or to crop more, where an undefined frame is what is too much."""
+    (box,) = find_objects((~missing).astype(int))
+    if missing[box].mean() > limit:
+        return ""
+    starts = crop[::2] or [0] * missing.ndim
+    words = [str(n + end) for n, one in zip(starts, box, strict=True) for end in (one.start, one.stop)]
+    return f"crop = [{', '.join(words)}] (--crop {' '.join(words)}), "

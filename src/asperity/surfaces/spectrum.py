@@ -50,6 +50,11 @@ _DRIFT = 1.5  # standard deviations that the first bins of the range, or the las
 # Standard deviations by which the mean power of the first bins may be below the line: where a surface rolls
 # off, the mean logarithms hide in their scatter that the few long waves have too little power.
 _DEFICIT = 2.5
+# Mean square deviation of C itself from the line, over that of random waves and 10 %: of isotropic surfaces
+# below 1, of those stretched by 3 along one axis below 2, of grooves over a rough background 45.
+_OFF_LINE = 3.0
+_ANISOTROPIC = 2.0  # median ratio of the spectra along the two axes, from which on it is remarked
+_ROUNDING = 1e-18  # part of the largest power up to which a wave is rounding
 _UNKNOWN = 0.25  # half width of the interval from which on a range is said to have no Hurst exponent
 _SCATTER = math.pi / math.sqrt(6)  # standard deviation of ln of a mode's power: an exponential distribution
 _HANN = 35 / 18  # by how much a Hann window lowers the number of independent modes of an axis
@@ -101,11 +106,15 @@ class PowerSpectrum:
         Waves in each bin; a wave and its opposite count once.
     along
         For each axis, wave numbers and the mean spectrum of the profiles along it, in ``unit^2 length_unit``.
+    hurst_along
+        For each axis, the Hurst exponent of these profiles, or None.
+    anisotropy
+        Factor by which the spectra along the two axes differ, the median over their bins; 1 for a profile.
     window
         "none", or "Hann" where opposite edges do not fit.
     fit
         The self-affine range; None where no range of half a decade has a Hurst exponent from 0 to 1, known to
-        0.25 or better.
+        0.25 or better, with C itself on the line.
     unit, length_unit
         Units of heights ("1" if unknown) and of lengths ("pixel" if unknown).
     """
@@ -114,6 +123,8 @@ class PowerSpectrum:
     power: Field
     modes: Field
     along: tuple[tuple[Field, Field], ...]
+    hurst_along: tuple[float | None, ...]
+    anisotropy: float
     window: str
     fit: SelfAffineRange | None
     unit: str
@@ -124,6 +135,17 @@ class PowerSpectrum:
         span = f"{q.size} bins from {q[0]:.3g} to {q[-1]:.3g} rad/{unit}" if q.size else "no bins"
         found = "no Hurst exponent" if self.fit is None else f"H = {self.fit.hurst:.3g}"
         return f"<PowerSpectrum: {span}, {found}>"
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What whoever takes an exponent from it should know."""
+        if self.anisotropy <= _ANISOTROPIC:
+            return ()
+        columns, rows = ("none" if one is None else f"{one:.3f}" for one in self.hurst_along)
+        return (
+            f"the surface is not isotropic: spectra along its two axes differ by a factor of "
+            f"{self.anisotropy:.2g}; Hurst exponent along the rows {rows}, along the columns {columns}",
+        )
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw it, into axes that are given or a new figure; see `asperity.figures.plot_spectrum`."""
@@ -179,14 +201,18 @@ def power_spectrum(
     least = 0.0 if fits else 6 * math.pi / min(n * s for n, s in zip(heights.shape, sizes, strict=True))
     most = math.pi / max(sizes)  # beyond it only waves of some directions are on the lattice
     bins = _binned(q.ravel(), power.ravel(), least, most, 1.0 if fits else _HANN**heights.ndim)
+    along = tuple(
+        _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
+        for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
+    )
+    profiles = [_binned(*one, 0.0, one[0].max(initial=0.0), 1.0 if fits else _HANN) for one in along]
     return PowerSpectrum(
         wave_number=bins.q,
         power=bins.power,
         modes=bins.modes,
-        along=tuple(
-            _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
-            for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
-        ),
+        along=along,
+        hurst_along=tuple(None if (found := _fit(one, 1, {})) is None else found.hurst for one in profiles),
+        anisotropy=_ratio(profiles[0], profiles[-1]),
         window="none" if fits else "Hann",
         fit=_fit(bins, heights.ndim, limits),
         unit=unit,
@@ -263,16 +289,16 @@ def _fit(bins: _Bins, axes: int, limits: dict[str, float]) -> SelfAffineRange | 
                 continue
             if not np.isfinite(bins.logarithm[first:last]).all():
                 break
-            found, misfit, drift, deficit = _line(bins, np.arange(first, last), axes)
+            found, misfit, drift, deficit, off = _line(bins, np.arange(first, last), axes)
             known = found.interval[1] - found.hurst <= _UNKNOWN
-            straight = misfit <= 1 and drift <= _DRIFT and deficit <= _DEFICIT
+            straight = misfit <= 1 and drift <= _DRIFT and deficit <= _DEFICIT and off <= _OFF_LINE
             if straight and known and 0 <= round(found.hurst, 2) <= 1:
                 best, broadest = found, width
     return best
 
 
-def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float, float]:
-    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift; deficit."""
+def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float, float, float]:
+    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift; deficit; of C."""
     x, y = np.log(bins.q[chosen]), bins.logarithm[chosen]
     variance = bins.scatter[chosen] ** 2 + _TOLERANCE**2
     weight = 1 / variance
@@ -298,10 +324,24 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     root = np.sqrt(np.arange(1, half + 1))
     drift = np.abs(np.cumsum(ends, axis=-1)) / root
     # Signed roots of the deviance of a gamma distribution of as many powers as are independent.
-    excess = np.log(bins.power[chosen[:half]]) - level - slope * (x[:half] - center)
-    count = 1 / ((bins.scatter[chosen[:half]] / _SCATTER) ** 2 + _TOLERANCE**2)
+    excess = np.log(bins.power[chosen]) - level - slope * (x - center)
+    count = 1 / ((bins.scatter[chosen] / _SCATTER) ** 2 + _TOLERANCE**2)
     deviance = np.sign(excess) * np.sqrt(2 * count * np.maximum(np.expm1(excess) - excess, 0))
-    return found, misfit, float(drift.max()), float(np.max(-np.cumsum(deviance) / root))
+    deficit = float(np.max(-np.cumsum(deviance[:half]) / root))
+    return found, misfit, float(drift.max()), deficit, float(np.mean(count * excess**2))
+
+
+def _ratio(first: _Bins, second: _Bins) -> float:
+    """Factor by which two spectra differ at the wave numbers at which both have waves; 1 where none has."""
+    logarithms = []
+    for one in (first, second):
+        kept = one.power > _ROUNDING * one.power.max(initial=0.0)
+        logarithms.append((np.log(one.q[kept]), np.log(one.power[kept])))
+    (q, power), (other_q, other) = logarithms
+    common = (q >= other_q.min(initial=math.inf)) & (q <= other_q.max(initial=-math.inf))
+    if not common.any():
+        return 1.0
+    return math.exp(float(np.median(np.abs(power - np.interp(q, other_q, other))[common])))
 
 
 def _along(level: Field, size: float, window: Field, first: int) -> tuple[Field, Field]:

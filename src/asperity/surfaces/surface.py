@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from asperity.base import checks, views
 from asperity.errors import InputError
-from asperity.lattice import Edges, Field
-from asperity.surfaces import levelling, prepare
+from asperity.lattice import Edges, Field, Mask
+from asperity.surfaces import doubts, levelling, prepare
 from asperity.surfaces.heights import check_heights, sides_of_pixels
 from asperity.surfaces.moments import Statistics, statistics
 
@@ -49,6 +49,9 @@ class Surface(views.InNotebooks):
     edges
         What lies beyond its edges: "periodic", the surface again; "reflecting", its mirror image along
         each axis; "free", nothing, as the body ends there. Free edges are for half-spaces.
+    filled
+        Pixels that nobody measured, of the shape of the heights; None if there are none. `level` fills them
+        anew, and whoever presses the surface is told if they bear load.
     """
 
     heights: Field
@@ -57,6 +60,7 @@ class Surface(views.InNotebooks):
     length_unit: str | None = None
     provenance: Provenance = dataclasses.field(default_factory=dict)
     edges: Edges = "periodic"
+    filled: Mask | None = None
 
     def __post_init__(self) -> None:
         heights = check_heights(self.heights)
@@ -67,6 +71,13 @@ class Surface(views.InNotebooks):
             object.__setattr__(self, "pixel_size", size)
             object.__setattr__(self, "length_unit", unit)
         checks.choice("edges", self.edges, get_args(Edges))
+        if self.filled is not None:
+            filled = np.array(self.filled, dtype=bool)
+            if filled.shape != heights.shape:
+                expected = f"an array of the shape of the heights, {heights.shape}"
+                raise InputError("filled", expected=expected, got=filled.shape)
+            filled.flags.writeable = False
+            object.__setattr__(self, "filled", filled if filled.any() else None)
 
     def __repr__(self) -> str:
         sites, unit = " x ".join(map(str, self.shape)), "" if self.unit == "1" else f" {self.unit}"
@@ -118,14 +129,23 @@ class Surface(views.InNotebooks):
         part = measured_part(self.shape, self.provenance)
         if math.prod(s.stop for s in part) == self.heights.size:
             return self
-        heights = self.heights[part]
-        told = self.provenance | {"periodic_rule": "reflect", "final_shape": list(heights.shape)}
-        return dataclasses.replace(self, heights=heights, edges="reflecting", provenance=told)
+        told = self.provenance | {"periodic_rule": "reflect"}
+        told["final_shape"] = [one.stop for one in part]
+        return dataclasses.replace(self._part(part), edges="reflecting", provenance=told)
+
+    def _part(self, part: tuple[slice, ...]) -> Surface:
+        filled = None if self.filled is None else self.filled[part]
+        return dataclasses.replace(self, heights=self.heights[part], filled=filled)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """What whoever presses it should know: what its reader remarked, and heights that may be none."""
-        return (*self.provenance.get("reader_remarks", ()), *levelling.remarks(self.provenance))
+        facts, scan = self.provenance, self.scan
+        if "kind" in facts:  # made, not measured
+            return ()
+        across = prepare.conversion(self.length_unit, "m")
+        found = doubts.remarks(facts, scan.describe(), self.pixel_size, across)
+        return (*facts.get("reader_remarks", ()), *found)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
@@ -180,17 +200,18 @@ class Surface(views.InNotebooks):
         part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
         facts["crop"] = [edge for axis in part for edge in (axis.start, axis.stop)]
-        heights = self.heights[part]
-        kept = heights.size == self.heights.size or self.edges == "free"
-        edges: Edges = self.edges if kept else "reflecting"
-        return dataclasses.replace(self, heights=heights, edges=edges, provenance=facts)
+        found = self._part(part)
+        kept = found.heights.size == self.heights.size or self.edges == "free"
+        return dataclasses.replace(found, edges=self.edges if kept else "reflecting", provenance=facts)
 
-    def level(self, tilt: levelling.Tilt = "plane", *, despike: bool = False) -> Surface:
-        """Remove tilt, bow and spikes.
+    def level(
+        self, tilt: levelling.Tilt = "plane", *, despike: bool = False, lines: levelling.Lines = "none"
+    ) -> Surface:
+        """Remove tilt, bow, spikes and offsets of lines; pixels that nobody measured are filled anew.
 
         Parameters
         ----------
-        tilt, despike
+        tilt, despike, lines
             As `asperity.surfaces.read` takes them.
 
         Returns
@@ -201,14 +222,15 @@ class Surface(views.InNotebooks):
         Raises
         ------
         InputError
-            If the tilt is none of these, or more than a tenth of the pixels are spikes.
+            If tilt or lines are none of these, or more than a tenth of the pixels are spikes.
         """
         checks.choice("tilt", tilt, get_args(levelling.Tilt))
-        scan = self.scan
-        nowhere = np.zeros(scan.shape, dtype=bool)
-        level, _, facts = levelling.levelled(scan.heights, nowhere, tilt, _SPIKY if despike else None)
+        checks.choice("lines", lines, get_args(levelling.Lines))
+        scan, most = self.scan, _SPIKY if despike else None
+        missing = np.zeros(scan.shape, dtype=bool) if scan.filled is None else scan.filled
+        level, filled, facts = levelling.levelled(scan.heights, missing, tilt, most, lines)
         told = {**scan.provenance, **facts, **levelling.bow(level)}
-        return dataclasses.replace(scan, heights=level, provenance=told)
+        return dataclasses.replace(scan, heights=level, provenance=told, filled=filled)
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
@@ -281,11 +303,13 @@ def combined(first: Surface, second: Surface) -> Surface:
     if factor is None:
         expected = f"heights that can be added to those of the first, in {first.unit!r}"
         raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")
+    masks = [one.filled for one in (first, second) if one.filled is not None]
     other = str(second.provenance.get("file") or second.provenance.get("kind") or "heights")
     return dataclasses.replace(
         first,
         heights=first.heights + factor * second.heights,
         provenance={**first.provenance, "other": other},
+        filled=np.any(masks, axis=0) if masks else None,
     )
 
 

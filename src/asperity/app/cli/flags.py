@@ -190,7 +190,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
-    from asperity.app.config.models import Aging, Carried, Contact, Friction, Output, Scan
+    from asperity.app.config.models import Aging, Carried, Contact, Friction, MeasuredSurface, Output
     from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
 
     words = {
@@ -211,7 +211,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
     }
     for section, model, names in (
-        ("surface", Scan, set(Scan.model_fields) - {"path"}),
+        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path"}),
         ("solid", HalfSpace, PREDICTED),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),

@@ -11,7 +11,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.app.cli.flags import OF_TABLES, check_unit, in_flags, keys_for
 from asperity.app.config import MeasuredSurface
 from asperity.app.config.mistakes import Sections, flag_of
-from asperity.app.config.models import SECTIONS, Scan
+from asperity.app.config.models import SECTIONS
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import POISSON, BesideTable
@@ -48,7 +48,7 @@ def _scan(flags: Sections) -> MeasuredSurface:
     given = dict(flags.get("surface", {}))
     if "path" not in given:
         raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
-    return file_surface(Path(str(given.pop("path"))), given, Scan)
+    return file_surface(Path(str(given.pop("path"))), given)
 
 
 def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sections:
@@ -67,7 +67,6 @@ def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sec
     _scan(flags)
     return flags | {
         "solid": {"kind": "half_space", "poisson": [POISSON] * len(solid["young"]), **solid},
-        "surface": {"periodic": "reflect", **flags["surface"]},
     }
 
 

@@ -307,8 +307,13 @@ class MeasuredSurface(SurfaceSection):
     despike: bool = usual(
         False, "Fill pixels more than 6 robust standard deviations above the median height."
     )
+    lines: Literal["none", "median"] = usual(
+        "none", "median: subtract its median from each row, against offsets of the scan's lines."
+    )
     periodic: Literal["mirror", "reflect", "taper", "wrap"] = usual(
-        "mirror", "How to make it periodic; mirror doubles each axis, reflect has edges that do the same."
+        "reflect",
+        "reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the mean. "
+        "mirror: four mirrored copies, for what must be periodic.",
     )
     unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = usual(
         None,
@@ -340,14 +345,9 @@ class MeasuredSurface(SurfaceSection):
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
         """What `asperity.surfaces.read` is to do about the edges."""
-        match self.edges:
-            case "free":
-                return "free"
-            case "reflecting":
-                return "reflect"
-            case "periodic" if self.periodic == "reflect":
-                return "wrap"
-        return self.periodic
+        if self.edges == "periodic":
+            return "wrap" if self.periodic == "reflect" else self.periodic
+        return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
@@ -361,14 +361,6 @@ class MeasuredSurface(SurfaceSection):
 
         path, facts = self.arguments
         return read(path, **facts)
-
-
-class Scan(MeasuredSurface):
-    """A measured surface that nobody asks to be periodic: its edges reflect."""
-
-    periodic: Literal["mirror", "reflect", "taper", "wrap"] = usual(
-        "reflect", "What lies beyond the edges; mirror is taken as reflect."
-    )
 
 
 Made = Independent | SelfAffine | Spectral | Spectrum | Asperity | Array

@@ -54,11 +54,9 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
     return config
 
 
-def file_surface(
-    path: Path, flags: dict[str, object], kind: type[MeasuredSurface] = MeasuredSurface
-) -> MeasuredSurface:
+def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
     """Check how a surface file shall be prepared; `ConfigError` with one line for each mistake."""
-    return section_from("surface", kind, {"path": str(path), **flags})
+    return section_from("surface", MeasuredSurface, {"path": str(path), **flags})
 
 
 def section_from(section: str, model: type[_Model], flags: dict[str, object]) -> _Model:

@@ -45,9 +45,6 @@ USUAL_PORT, _PORTS = 8765, 20
 PER_DECADE = 8
 """Times in each decade of a run that does not say: twice as many as on the command line."""
 
-EDGES = "reflect"
-"""Edges of a scan that does not say: it is taken once, as a prediction takes it."""
-
 _LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
 """Seconds after which a configuration that is still being checked, or a file that still comes, is refused."""
 
@@ -108,11 +105,9 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         for section, table in tables.items()
         if table != []
     }
-    aging, surface = known.setdefault("aging", {}), known.get("surface")
+    aging = known.setdefault("aging", {})
     if isinstance(aging, dict) and "times" not in aging:
         aging.setdefault("per_decade", PER_DECADE)
-    if isinstance(surface, dict) and surface.get("kind", "file" if "path" in surface else "") == "file":
-        surface.setdefault("periodic", EDGES)
     shown: Shown = {}
     for section, key in (("surface", "path"), ("solid", "relaxation")):
         table = known.get(section)
@@ -288,7 +283,6 @@ class Server:
             for section, kinds in sections(short=True).items()
         }
         form["aging"][""]["per_decade"]["default"] = PER_DECADE
-        form["surface"]["file"]["periodic"]["default"] = EDGES
         config, _ = read_request({}, self.places)
         usual, _ = completed(config, config.surface.build())
         usual = usual.model_copy(update={"output": config.output})

@@ -13,6 +13,7 @@ import numpy as np
 
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.observation import observe
+from asperity.analysis.plausible import remarks_on_contact
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
@@ -223,13 +224,11 @@ def predict(
         times = times_within(found, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
-            surface = read(surface, periodic="reflect")
+            surface = read(surface)
         advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
         scan = checks.instance("surface", surface, Surface, advice)
-        if scan.provenance.get("periodic_rule") == "mirror":
-            scan = replace(scan.scan, provenance={**scan.provenance, "periodic_rule": "reflect"})
         return _predicted(
-            scan,
+            scan.scan,
             solid,
             found,
             times,
@@ -271,9 +270,8 @@ def predict_config(
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         if config.contact.load is not None:
             expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
-            got = "'mirror'" if "periodic" in chosen.model_fields_set else "none, which is 'mirror'"
             advice = "periodic = 'reflect', or a pressure"
-            raise InputError("[surface] periodic", expected=expected, got=got, advice=advice)
+            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice=advice)
         chosen = chosen.model_copy(update={"periodic": "reflect"})
     aging = config.aging
     if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
@@ -345,6 +343,7 @@ def _predicted(
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     scan.in_meters()
+    plain = replace(scan, filled=None)  # load on filled pixels is remarked at the end, of all maps
     if solid.kind != "half_space":
         raise no_half_space("material", solid.kind)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
@@ -353,7 +352,7 @@ def _predicted(
     # There is no contact without a load but where the scan is highest: a ramp begins there.
     legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)] if ramp else None
     try:
-        contact = press(scan, solid, **({"load": 0.0} if ramp else pressed))
+        contact = press(plain, solid, **({"load": 0.0} if ramp else pressed))
         if instrument:
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
@@ -370,7 +369,7 @@ def _predicted(
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
     span = float(times[0]), float(times[-1])
-    bands = bands_of(scan, solid, pressed, span, rtol, progress) if study else ()
+    bands = bands_of(plain, solid, pressed, span, rtol, progress) if study else ()
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
     facts |= {"draws": len(series) - 1} if series else {}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
@@ -388,8 +387,8 @@ def _predicted(
         observed=tuple(observe(one, **instrument) for one in looked_at),
         bands=bands,
     )
-    remarks = *scan.remarks, *remarks_on_edges(scan), *remarks_on(prediction, scan)
-    return replace(prediction, remarks=remarks)
+    remarks = *scan.remarks, *remarks_on_edges(scan), *remarks_on_contact(scan, solid, dataset)
+    return replace(prediction, remarks=(*remarks, *remarks_on(prediction)))
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:

@@ -5,17 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.analysis.prediction import Prediction
-from asperity.analysis.scan import written
+from asperity.analysis.scan import understood, written
 from asperity.app.runs.defaults import remark_on_loading
 from asperity.app.runs.words import carried_words
 from asperity.base.words import counted as how_many
 from asperity.base.words import thousands
-from asperity.surfaces import Surface
 
 Row = tuple[str, str]
-
-_UNEVEN = 1.5
-"""Ratio of steps across rows to steps along them, above which a remark is made."""
 
 
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -25,7 +21,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     pixels = " x ".join(map(str, dataset["heights"].shape))
     sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
     load, ramp = prediction.load, prediction.ramp
-    rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
+    rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}"), *understood(scan)]
     if fit is not None:
         begin, end = fit.data.span
         rows += [("read", fit.data.source)] if fit.data.source else []
@@ -108,9 +104,8 @@ def _growth(prediction: Prediction) -> list[Row]:
     return rows
 
 
-def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
+def remarks_on(prediction: Prediction) -> tuple[str, ...]:
     """What limits the prediction, in numbers."""
-    between_rows, along_rows = scan.describe().neighbor_steps
     first, last = prediction.resolved[0], prediction.resolved[-1]
     fraction = float(prediction.series("contact_fraction")[-1])
     pressure = float(prediction.series("mean_contact_pressure")[0])
@@ -125,11 +120,6 @@ def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
         reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
         remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
     remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
-    if between_rows > _UNEVEN * along_rows:
-        remarks.append(
-            f"heights change {between_rows / along_rows:.2g} times as much from row to row as along a row: "
-            "if that is noise of the scan's lines, their ridges carry load that asperities would carry"
-        )
     if first.in_small > 0.2:
         remarks.append(
             f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
 from asperity.aging.legs import check_slides
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
+from asperity.analysis.plausible import remarks_on_contact
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
@@ -105,6 +106,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         observe(contact, **config.output.instrument)  # refuses before hours have passed
     history = _age(contact, config, progress, checkpoint)
     dataset = _observed(history.dataset, config)
+    remarks += remarks_on_contact(rough, solid, dataset)
     if law is not None:
         dataset = add_friction(dataset, law)
     if config.protocol:
@@ -182,7 +184,8 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact: Contact = press(rough, solid, **config.contact.model_dump())
+    # Load on filled pixels is remarked at the end, of all maps.
+    contact: Contact = press(replace(rough, filled=None), solid, **config.contact.model_dump())
     if contact.area == 0:
         expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
         got = config.contact.separation
@@ -203,14 +206,14 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
-            f"loads and areas are those of {copies} mirrored copies of the scan; "
-            "periodic = 'reflect' takes it once",
+            f"loads, areas, stiffness and resistance are those of {copies} mirrored copies of the scan; "
+            "periodic = 'reflect' (--periodic reflect) takes it once",
         )
     measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
     if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
-            "try periodic = 'mirror'",
+            "try periodic = 'reflect' (--periodic reflect)",
         )
     if rough.heights.ndim == 1 and isinstance(chosen, Independent):
         n = rough.heights.size

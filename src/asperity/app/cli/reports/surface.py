@@ -8,7 +8,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable
+from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
 from asperity.app.cli.reports.run import described
 from asperity.app.config.models import MeasuredSurface, SurfaceSection
@@ -26,6 +26,7 @@ def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
         return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=made.describe()))}"
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
+    as_found["lines"] = "none"
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
     found = settings.model_copy(update=as_found).build()
     prepared = settings.build()
@@ -51,7 +52,6 @@ def _origin(found: Surface, prepared: Surface) -> list[Row]:
     shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
     undefined = int(str(facts["undefined_pixels"]))
     pixels = " x ".join(map(str, shape))
-    channels = ", ".join(map(str, _listed(facts["channels"])))
     length_unit = str(facts["length_unit"] or "(no unit)")
     rows = [
         ("file", str(facts["file"])),
@@ -60,8 +60,7 @@ def _origin(found: Surface, prepared: Surface) -> list[Row]:
         ("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
         ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
     ]
-    if channels:
-        rows.append(("channels", f"{channels}; shown: {facts['channel']}"))
+    rows += understood(facts)
     remarks = list(prepared.remarks)
     if prepared.pixel_size and not is_square(prepared.pixel_size):
         remarks.append(f"pixels of {_sides(prepared)} are not square: springs refuse them; try --resample")
@@ -75,7 +74,7 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
         ("minimum", lambda s: _lengths(s.unit, s.minimum, digits=5)),
         ("maximum", lambda s: _lengths(s.unit, s.maximum, digits=5)),
         ("rms height", lambda s: _lengths(s.unit, s.rms_height, digits=5)),
-        ("rms slope", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
+        ("rms slope, by differences", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
         ("rms curvature", lambda s: f"{s.rms_curvature:.4g}{_of(s.curvature_unit)}"),
         ("skewness", lambda s: f"{s.skewness:.3g}"),
         ("kurtosis (Gaussian: 3)", lambda s: f"{s.kurtosis:.3g}"),
@@ -96,7 +95,8 @@ def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
         low, high = fit.interval
         first, last = (_lengths(spectrum.length_unit, one) for one in (fit.shortest, fit.longest))
         hurst = f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), wavelengths from {first} to {last}"
-    return [("power spectrum", how), ("Hurst exponent", hurst)]
+    rows = [("power spectrum", how), ("Hurst exponent", hurst)]
+    return rows + [("remark", remark) for remark in spectrum.remarks]
 
 
 def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
@@ -107,9 +107,6 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
     if cut := " ".join(map(str, _listed(facts.get("crop")))):
         sides = "top bottom left right" if flat else "left right"
         rows.append(("part", f"pixels {cut} ({sides})", "part of them"))
-    undefined = facts["undefined_pixels"]
-    short = f"{undefined} undefined pixels filled" if undefined else ""
-    rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", short))
     short = {"none": "tilt kept", "quadratic": "polynomial of second order removed"}.get(
         str(facts["tilt_rule"]), f"{facts['tilt_rule']} removed"
     )
@@ -117,6 +114,11 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
     if (spikes := facts.get("despiked_pixels")) is not None:
         short = f"{spikes} pixels of spikes filled" if spikes else ""
         rows.append(("spikes filled", f"{spikes} pixels", short))
+    if facts["lines_rule"] != "none":
+        rows.append(("lines", f"{facts['lines_rule']} of each row removed", "lines levelled"))
+    undefined = facts["undefined_pixels"]
+    short = f"{undefined} undefined pixels filled" if undefined else ""
+    rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", short))
     if facts["resampled"]:
         averaged = f"averaged to {_sides(prepared)}"
         rows.append(("pixels", averaged, averaged.replace(" x ", " × ")))
@@ -127,8 +129,8 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
     rows.append(("unit", "as in the file" if facts["scale_factor"] == 1 else scaled, ""))
     final = " × ".join(map(str, prepared.shape))
     shorts = {"mirror": f"mirrored to {final} in a run", "taper": "border tapered"}
-    rule = str(facts["periodic_rule"])
-    return [*rows, ("made periodic by", rule, shorts.get(rule, ""))]
+    short = shorts.get(str(facts["periodic_rule"]), "")
+    return [*rows, ("edges", ", ".join(filter(None, (prepared.edges, short))), short)]
 
 
 def _removed(prepared: Surface, *, flat: bool) -> str:

@@ -25,7 +25,7 @@ function picture(app, map, scale = 2) {
   let left = 16;
   if (app.mapView.colored === "state") {
     for (const state of [KEPT, NEW, LOST]) {
-      const text = ["", "since first touch", "new", "lost since first touch"][state];
+      const text = ["", `since ${scene.start}`, "new", `lost since ${scene.start}`][state];
       context.fillStyle = colors.of(STATES[state]);
       context.fillRect(left, 558, 12, 12);
       context.strokeStyle = colors.of("line");

@@ -3,7 +3,7 @@
 // across and time downward, one row a map.
 
 const STATES = ["free", "kept", "new", "lost"];
-const SITE_WORDS = [null, "in contact now and at first touch", "new: not in contact at first touch", "lost: in contact only at first touch"];
+const siteWords = ({ start }) => [null, `in contact now and at ${start}`, `new: not in contact at ${start}`, `lost: in contact only at ${start}`];
 
 const BELOW = 22; // pixels below a map, for its scale bar
 
@@ -340,7 +340,7 @@ class MapView {
     const { counts } = this.scene.states(this.map), touching = counts[KEPT] + counts[NEW];
     const size = this.scene.isLine ? `a line of ${count(this.scene.nx)} sites` : `${this.scene.ny} × ${this.scene.nx} sites`;
     return `Contact map: ${size}, ${count(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `
-      + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${count(counts[KEPT])} since first touch, `
+      + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${count(counts[KEPT])} since ${this.scene.start}, `
       + `${count(counts[NEW])} new, ${count(counts[LOST])} lost`
       + `${this.scene.maps[this.map].yielded ? `; the rough surface has yielded at ${quantity(this.scene.countYielded(this.map), "sites")}` : ""}.`;
   }

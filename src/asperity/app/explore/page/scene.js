@@ -91,18 +91,27 @@ class Scene {
 
   countYielded(map) { let found = 0; for (let at = 0; at < this.sites; at++) found += this.yielded(map, at); return found; }
 
-  state(map, site) {
-    const [then, now] = [this.touches(0, site), this.touches(map, site)];
-    return now ? (then ? KEPT : NEW) : then ? LOST : FREE;
+  /** The map that states compare with: the first, or where that has no load the one up to which it rises. */
+  get reference() {
+    const load = this.maps.map((_, map) => this.value(this.rowOf(map), "load"));
+    let at = 0;
+    if (load[0] === 0) while (load[at + 1] > load[at] * (1 + 1e-9)) at++;
+    return at;
   }
 
-  /** State of each site in a map, compared with the first, and how many sites have each. */
+  /** When that was, in words. */
+  get start() { return this.reference ? `t = ${quantity(this.maps[this.reference].time, this.units.time)}` : "first touch"; }
+
+  state(map, site) { return this.states(map).states[site]; }
+
+  /** State of each site in a map, compared with that of reference, and how many sites have each. */
   states(map) {
-    if (this.classified?.map === map) return this.classified;
-    const first = this.contacts(0), now = this.contacts(map);
+    const { reference } = this, lost = map < reference ? FREE : LOST;
+    if (this.classified?.map === map && this.classified.reference === reference) return this.classified;
+    const first = this.contacts(reference), now = this.contacts(map);
     const states = new Uint8Array(this.sites), counts = [0, 0, 0, 0];
-    for (let at = 0; at < this.sites; at++) counts[states[at] = now[at] ? (first[at] ? KEPT : NEW) : first[at] ? LOST : FREE]++;
-    return (this.classified = { map, states, counts });
+    for (let at = 0; at < this.sites; at++) counts[states[at] = now[at] ? (first[at] ? KEPT : NEW) : first[at] ? lost : FREE]++;
+    return (this.classified = { map, reference, states, counts });
   }
 
   /** Pressure of each site in a map, 0 where nothing touches. */

@@ -55,7 +55,7 @@ function showLegend() {
     const items = [KEPT, NEW, LOST].map((state) => {
       const mark = element("i");
       mark.style.background = `var(--${STATES[state]})`;
-      return element("li", { title: SITE_WORDS[state] }, mark, `${count(counts[state])} ${["", "since first touch", "new", "lost"][state]}`);
+      return element("li", { title: siteWords(scene)[state] }, mark, `${count(counts[state])} ${["", `since ${scene.start}`, "new", "lost"][state]}`);
     });
     list.replaceChildren(...items, ...note);
     return;
