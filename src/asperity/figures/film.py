@@ -116,7 +116,7 @@ def animate_history(
     figure.set_layout_engine("none")  # to lay out each frame anew would take most of the time
     film = Film(figure, update, frames=len(maps.times), interval=1000 / rate, cache_frame_data=False)
     if target is not None and writer is not None:
-        with whole_file(target) as part:
+        with whole_file(target, overwrite=overwrite) as part:
             film.save(part, writer=writer, dpi=_DPI)
     if target is not None or "inline" in plt.get_backend():
         plt.close(figure)  # it is in a file, or a notebook shows it with a player

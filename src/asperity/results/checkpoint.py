@@ -26,11 +26,11 @@ from asperity.contact.carried import Carried
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
-from asperity.errors import CheckpointError, OutputError
+from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
-from asperity.results.store import remove_parts, whole_file
+from asperity.results.store import whole_file
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,6 @@ class Keeper:
         `OutputError` if the disk refused; an earlier checkpoint is untouched.
         """
         arrays = _packed(place, self.fingerprint)
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"could not write {self.path}: {error.strerror or error}") from error
         with whole_file(self.path) as part, part.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
         self.written = clock.monotonic()
@@ -93,7 +89,6 @@ class Keeper:
 
         `CheckpointError` if the file is no checkpoint, or that of a run with other parameters.
         """
-        remove_parts(self.path)
         if not self.path.exists():
             return None
         known = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}

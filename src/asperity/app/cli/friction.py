@@ -69,7 +69,7 @@ def friction(
     from asperity.figures import rate_and_state_figure
     from asperity.friction import compare_state_laws, save_parameters
 
-    check_free(out, overwrite=results.overwrite)
+    replaceable = check_free(out, overwrite=results.overwrite)
     reading: dict[str, Any] = {"columns": columns, "strength_at_rest": strength_at_rest}
     strength, reference = (
         None if word is None else cast(float | str, number(word))
@@ -81,7 +81,7 @@ def friction(
     except InputError as error:
         raise of_flags(error, _FLAGS) from error
     rows = friction_report(found, str(records[0]))
-    with folder_of_results(out, rows, results) as folder:
+    with folder_of_results(out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         write_figure(rate_and_state_figure(found), folder / "friction.png")

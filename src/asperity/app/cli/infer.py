@@ -100,7 +100,7 @@ def infer(
     from asperity.progress import listener
 
     libraries()
-    check_free(out, overwrite=results.overwrite)
+    replaceable = check_free(out, overwrite=results.overwrite)
     columns = {"column-time": column_time, "column-value": column_value, "column-stderr": column_stderr}
     units = {"unit-time": unit_time, "unit-area": unit_area}
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
@@ -118,7 +118,7 @@ def infer(
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = inference_report(found, str(file))
         progress.stage("writing the results")
-        with folder_of_results(out, rows, results) as folder:
+        with folder_of_results(out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
             write_inference(found, folder, source=file.name, command=typed)
     tell_results(rows, out, results)
