@@ -200,9 +200,11 @@ def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
     except OSError:
         if not target.exists():
             raise
-        kept = path.with_name(_renamed_beside(made, target).name)
+        names = (beside(target.with_name(target.stem), f"-{n}{target.suffix}") for n in itertools.count(2))
+        free = next(name for name in names if not name.exists())
+        _rename(made, free, over=False)
         why = f"{path} holds what was not there when this began, and is kept"
-        raise PlaceTakenError(f"{why}; the results are in {kept}") from None
+        raise PlaceTakenError(f"{why}; the results are in {path.with_name(free.name)}") from None
     finally:
         if old.exists():
             old.rename(made.parent / "old")
@@ -211,32 +213,11 @@ def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
 def _rename(made: Path, target: Path, *, over: bool) -> None:
     """Rename; of what has the name only an empty folder is replaced, or a file with ``over``."""
     if made.is_dir():
-        with suppress(OSError):  # of Windows, which renames to new names only
+        with suppress(OSError):  # only Windows needs it
             target.rmdir()
-        made.rename(target)
-    elif over:
-        made.replace(target)
-    else:
-        try:
-            os.link(made, target)
-        except OSError:  # also of disks without links
-            if target.exists():
-                raise
-            made.rename(target)
-
-
-def _renamed_beside(made: Path, target: Path) -> Path:
-    """Rename to the first free name beside a taken one."""
-    for n in itertools.count(2):
-        name = beside(target.with_name(target.stem), f"-{n}{target.suffix}")
-        try:
-            if not name.exists():
-                _rename(made, name, over=False)
-                return name
-        except OSError:
-            if not name.exists():
-                raise
-    raise AssertionError
+    elif not over:
+        target.touch(exist_ok=False)
+    made.replace(target)
 
 
 def flush(folder: Path) -> None:
