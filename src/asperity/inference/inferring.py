@@ -18,6 +18,7 @@ from scipy.stats import chi2
 
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
+from asperity.base.files import expanded
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity.fits.comparison import lack_of, neighbors, price_of
@@ -289,7 +290,7 @@ def infer(
             walkers=walkers,
             effective=effective,
             workers=workers,
-            checkpoint=None if checkpoint is None else Path(checkpoint),
+            checkpoint=None if checkpoint is None else expanded(checkpoint),
             told=listening.stage,
         )
         listening.stage("judging each parameter")

@@ -20,6 +20,7 @@ from asperity.aging.frames import Counts, Midway, Pace
 from asperity.aging.legs import LegMidway
 from asperity.aging.tr_bdf2 import Origin
 from asperity.base import checks
+from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
 from asperity.contact.carried import Carried
@@ -65,7 +66,7 @@ class Keeper:
     """Writes and reads the checkpoint of one run, and of no other."""
 
     def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
-        self.path = Path(checkpoint.path)
+        self.path = expanded(checkpoint.path)
         self.every = checkpoint.every
         self.fingerprint = fingerprint
         self.written = clock.monotonic()

@@ -18,7 +18,7 @@ from filelock import FileLock
 from zarr.codecs import ZstdCodec
 
 from asperity.base import checks, views
-from asperity.base.files import Standing, beside, standing
+from asperity.base.files import Standing, beside, expanded, standing
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
 
@@ -54,7 +54,7 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     `load` opens it again; so does ``xarray.open_zarr(path)``.
     """
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
-    target = Path(path)
+    target = expanded(path)
     if target.suffix.lower() in _OTHER_FORMATS:
         advice = f'dataset.to_netcdf("{target.name}")'
         raise InputError("path", expected="a name that ends in .zarr", got=target, advice=advice)
@@ -86,7 +86,7 @@ def load(path: str | Path) -> xr.Dataset:
     InputError
         There is no such folder, or it holds no Dataset.
     """
-    folder = Path(path)
+    folder = expanded(path)
     if (folder / "history.zarr").is_dir():
         folder = folder / "history.zarr"
     if not folder.exists():

@@ -8,6 +8,8 @@ at once.
 from __future__ import annotations
 
 import logging
+import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -69,7 +71,9 @@ def answer(arguments: list[str]) -> int:
         warnings.showwarning = _show_warning
         if not any(word in _OWN for word in arguments[:1]):
             with_others()
-        return _run(arguments)
+        # A shell leaves the ~ of --out=~/x, and quoted ones.
+        words = (re.split("(?<==)(?=~)", word, maxsplit=1) for word in arguments)
+        return _run(["".join(map(os.path.expanduser, parts)) for parts in words])
 
 
 def _run(arguments: list[str]) -> int:
