@@ -343,12 +343,15 @@ def _runs(
     problems: dict[str, None] = {}
     contents: dict[str, str] = {}
     runs: list[Run] = []
+    swept = {key: key[1] for key in lists}
+    if seeds and "seed" not in tables.get("surface", {}):
+        swept["surface", "seed"] = "seeds"
     for seed in seeds:  # what a seed may be does not depend on the point
         if type(seed) is not int or seed < 0:
             try:
                 config_from(_laid_over(tables, {}, seed), {}, path)
             except ConfigError as error:
-                problems |= dict.fromkeys(_swept_told(error, {("surface", "seed"): "seeds"}))
+                problems |= dict.fromkeys(_swept_told(error, swept))
     for point in points:
         flags: Sections = {}
         for ((section, name), values), index in zip(lists.items(), point, strict=True):
@@ -363,7 +366,7 @@ def _runs(
             config = config.model_copy(update=found)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
-            problems |= dict.fromkeys(_swept_told(error, {(of, name): name for of, name in lists}))
+            problems |= dict.fromkeys(_swept_told(error, swept))
     if problems:
         raise ConfigError(list(problems))
     return tuple(runs)

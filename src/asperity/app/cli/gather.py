@@ -10,6 +10,9 @@ from asperity.app.cli.flags import Switch
 from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
+_TOLD = ("sites", "seconds")
+"""Columns whose names are their units."""
+
 
 @command()
 def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
@@ -55,7 +58,8 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         ends = with_ends(dataset)
-        runs = runs.rename(columns=lambda name: with_unit(name, ends[name].attrs.get("units") or "1"))
+        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _TOLD}
+        runs = runs.rename(columns={name: with_unit(name, unit) for name, unit in units.items()})
     with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
