@@ -225,6 +225,31 @@ def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, mon
             asp.infer(T, value, error, **how, **change, checkpoint=place)
 
 
+def test_a_checkpoint_of_the_last_round_has_the_draws_and_a_damaged_one_is_refused(tmp_path):
+    value, place = noisy(curve("power", exponent=0.3, time=1e4)), tmp_path / "new" / "place"
+    made = of_name("power", T, value, priors=None, branches=1, absolute=False)
+    how: dict[str, Any] = {"seed": 0, "walkers": 50, "effective": 50, "agreement": 1.2, "checkpoint": place}
+    problem = Problem(T, value, np.full(T.size, 0.02), made)
+    first = sample(problem, **how)
+    written = place.read_bytes()
+    np.testing.assert_array_equal(sample(problem, **how).z, first.z)
+    assert place.read_bytes() == written
+    for content in (b"", written[: len(written) // 2], b"no checkpoint"):
+        place.write_bytes(content)
+        with pytest.raises(CheckpointError, match="expected a checkpoint of an inference"):
+            sample(problem, **how)
+
+
+def test_of_very_many_points_some_are_taken_evenly_in_the_logarithm_of_time():
+    t = np.concatenate([[0.0, 0.0], np.arange(1, 200_001) * 0.1])
+    some = t[inferring._chosen(t)]
+    assert some[0] == 0.0 < some[1] == 0.1
+    assert (some.size <= 1000, some[-1]) == (True, t[-1])
+    late = some[some > 50]
+    np.testing.assert_allclose(np.diff(np.log(late)), np.diff(np.log(late)).mean(), rtol=0.2)
+    assert inferring._chosen(T).tolist() == list(range(T.size))
+
+
 # -- The verdicts --------------------------------------------------------------------------------------------
 
 

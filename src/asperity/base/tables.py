@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.base.files import content_of, expanded
 from asperity.base.units import is_usual
 from asperity.errors import InputError
 
@@ -77,6 +78,7 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     Raises the `failure`, with the number of the line that is wrong, if there is no such file or no such
     table.
     """
+    path = expanded(path)
     fail = functools.partial(failure, str(path))
     everything = _text(path, fail).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
@@ -171,7 +173,7 @@ def _text(path: Path, fail: Callable[..., InputError]) -> str:
     if path.is_dir() or not path.exists():
         got = "a folder" if path.is_dir() else "no such file"
         raise fail(expected="a file with a table of numbers", got=got)
-    content = path.read_bytes()
+    content = content_of(path)
     wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
     try:
         text = content.decode("utf-16" if wide else "utf-8-sig")

@@ -15,19 +15,24 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from pickle import UnpicklingError
+from typing import Any, ClassVar, TypeVar
 
 import numba
 from numba import extending, njit
 from numba.core import config, event, registry
+from numba.core.caching import IndexDataCacheFile
 
+from asperity.base.words import reason_of
 from asperity.errors import Remark
 
 COMPILING = "compiling loops (once on this machine, about half a minute)"
 
 _remarks: list[str] = []
+_settings: Any = config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -43,15 +48,15 @@ def _compiler(**options: Any) -> Callable[[F], F]:
     """A decorator that compiles a loop when it is first called, and keeps the machine code on disk."""
 
     def compiled(function: F) -> F:
-        settings: Any = config
-        kept = settings.CACHE_DIR
+        kept, disabled = _settings.CACHE_DIR, _settings.DISABLE_JIT
+        _settings.DISABLE_JIT = 0
         try:
             loop: F = njit(cache=True, **options)(function)
         except RuntimeError:  # numba finds no folder for it
             place = _private_folder()
-            settings.CACHE_DIR = str(place or "")
+            _settings.CACHE_DIR = str(place or "")
             loop = njit(cache=place is not None, **options)(function)
-            settings.CACHE_DIR = kept
+            _settings.CACHE_DIR = kept
             where = f"in {place}" if place else "nowhere, so that every run compiles them anew"
             _remarks[:] = [
                 f"compiled loops are kept {where}, as neither the package nor the home can be written to; "
@@ -59,6 +64,8 @@ def _compiler(**options: Any) -> Callable[[F], F]:
             ]
             if place is None:
                 return loop
+        finally:
+            _settings.DISABLE_JIT = disabled
         _notice_helpers(loop)
         return loop
 
@@ -94,7 +101,29 @@ def _notice_helpers(loop: Any) -> None:
     names = {name for name in names if name.startswith("asperity.") and name != function.__module__}
     files = [inspect.getfile(sys.modules[name]) for name in sorted(names)]
     kept = loop._cache._cache_file
+    kept.__class__ = _CacheFile
     kept._source_stamp = (kept._source_stamp, *map(_digest, files))
+
+
+class _CacheFile(IndexDataCacheFile):
+    """Machine code on disk, without which a loop is compiled anew."""
+
+    def load(self, key: object) -> object:
+        kept: Any = super()
+        try:
+            return kept.load(key)
+        except Exception:  # a file that was cut off leads the unpickler anywhere
+            with suppress(OSError):
+                kept.flush()
+            return None
+
+    def save(self, key: object, data: object) -> None:
+        kept: Any = super()
+        try:
+            kept.save(key, data)
+        except (OSError, EOFError, UnpicklingError) as error:
+            said = f"compiled loops are not kept in {self._cache_path}: {reason_of(error)}"
+            warn(f"{said}; NUMBA_CACHE_DIR sets another folder")
 
 
 @lru_cache
@@ -149,18 +178,24 @@ def _private_folder() -> Path | None:
 
 
 class _Watch(event.Listener):
-    """Says so, once in a process, when a loop has to be compiled: half a minute is long."""
+    """Says so, once in a process, when a loop has to be compiled: half a minute is long.
+
+    NUMBA_DISABLE_JIT, which is for finding mistakes in other programs, is not for what compiles these loops.
+    """
 
     told = False
+    disabled: ClassVar[list[int]] = []
 
     def on_start(self, event: Any) -> None:
+        self.disabled.append(_settings.DISABLE_JIT)
+        _settings.DISABLE_JIT = 0
         if not self.told and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
             self.told = True
             tell_of_place(warn)
             warn(COMPILING)
 
-    def on_end(self, event: Any) -> None:
-        """Nothing to do."""
+    def on_end(self, _: Any) -> None:
+        _settings.DISABLE_JIT = self.disabled.pop()
 
 
 watch = _Watch()

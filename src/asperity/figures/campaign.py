@@ -77,9 +77,11 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.yaxis.set_minor_formatter("{x:g}")
         axes.yaxis.set_major_formatter("{x:g}")
         axes.set_title(_said(dataset, panel), fontsize=9)
-        style.finish(axes, legend=axes is grid[0, 0])
+        style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
+    if grid[0, 0].get_legend_handles_labels()[1]:
+        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
     what = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
     figure.supxlabel(style.over_time(dataset, what), fontsize=10)
     figure.supylabel("real contact [% of nominal area]", fontsize=10)

@@ -17,6 +17,7 @@ import asperity.figures.contacts as contacts
 from asperity.analysis import ContactMaps, SiteState, contact_maps
 from asperity.analysis.legs import numbers_of
 from asperity.base import checks, views
+from asperity.base.files import expanded
 from asperity.errors import InputError, OutputError
 from asperity.figures import style
 from asperity.figures.plots import cells_in, check_series, draw_series, shown_figure
@@ -88,7 +89,7 @@ def animate_history(
     """
     maps = contact_maps(dataset)
     rate = checks.number("frames_per_second", frames_per_second, above=0, most=100)
-    target = None if path is None else Path(path)
+    target = None if path is None else expanded(path)
     writer = None if target is None else _writer(target, rate, overwrite=overwrite)
     check_series(dataset, quantity)
     figure = shown_figure(_SIZE)
@@ -116,7 +117,7 @@ def animate_history(
     figure.set_layout_engine("none")  # to lay out each frame anew would take most of the time
     film = Film(figure, update, frames=len(maps.times), interval=1000 / rate, cache_frame_data=False)
     if target is not None and writer is not None:
-        with whole_file(target) as part:
+        with whole_file(target, overwrite=overwrite) as part:
             film.save(part, writer=writer, dpi=_DPI)
     if target is not None or "inline" in plt.get_backend():
         plt.close(figure)  # it is in a file, or a notebook shows it with a player

@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from asperity.base import checks
+from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
@@ -44,7 +45,7 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
         The disk refused.
     """
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
-    target, preferred = Path(path), found.preferred if law is None else state_law(law)
+    target, preferred = expanded(path), found.preferred if law is None else state_law(law)
     writers = {".toml": _toml, ".csv": _csv}
     if target.suffix.lower() not in writers:
         raise InputError("path", expected="a name that ends in .toml or .csv", got=target)

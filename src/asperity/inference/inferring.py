@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
+from asperity.base.files import expanded
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity.fits.comparison import lack_of, neighbors, price_of
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 _STARTS, _TRIED = 3, 2000
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 """Chance of a misfit below which the model is doubted; gain in chi-squared that shows the priors at fault."""
+
+_MOST_POINTS = 1000
+"""Points of a curve that are used, for each of which thousands of walkers have a number."""
 
 _LEAST_ERROR = 1e-9
 """Relative errors that data have at least: those of rounding."""
@@ -250,6 +254,8 @@ def infer(
         time, area = peaks.duration[order], peaks.peak[order]
     loading = float(units.number("ramp", ramp, "s", least=0))
     t, v, errors = _checked(time, area, error, "friction" if model == "healing" else "area")
+    many, chosen = t.size, _chosen(t)
+    t, v, errors = t[chosen], v[chosen], None if errors is None else errors[chosen]
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     checks.seed(seed)
@@ -274,6 +280,9 @@ def infer(
     with listener(progress) as listening:
         listening.stage("looking for the best fit")
         problem, remarks = _problem(t, v, errors, made, own, range(least, most + 1))
+        if t.size < many:
+            said = f"took {t.size:,} of {many:,} points, at even distances in ln t"
+            remarks.append(f"{said}: means of the others over short times would narrow the intervals")
         listening.stage(f"sampling {len(problem.used)} parameters, {4 * walkers:,} walkers")
         draws = sample(
             problem,
@@ -281,7 +290,7 @@ def infer(
             walkers=walkers,
             effective=effective,
             workers=workers,
-            checkpoint=None if checkpoint is None else Path(checkpoint),
+            checkpoint=None if checkpoint is None else expanded(checkpoint),
             told=listening.stage,
         )
         listening.stage("judging each parameter")
@@ -302,6 +311,15 @@ def infer(
             -2 * float(posterior.log_likelihood.max()),
             tuple(remarks),
         )
+
+
+def _chosen(t: Floats) -> NDArray[np.intp]:
+    """Places of the points that are used: all, or of very many some at even distances in ln t."""
+    if t.size <= _MOST_POINTS:
+        return np.arange(t.size)
+    begin = int(np.searchsorted(t, 0.0, side="right"))
+    places = np.searchsorted(t, np.geomspace(t[begin], t[-1], _MOST_POINTS))
+    return np.unique([*range(min(begin, 1)), *np.minimum(places, t.size - 1)])
 
 
 def _checked(

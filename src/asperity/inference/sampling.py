@@ -23,13 +23,13 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
-from zipfile import BadZipFile
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.words import reason_of
 from asperity.errors import CheckpointError, ConvergenceError, InputError
 from asperity.inference.models import Model
 from asperity.results.store import whole_file
@@ -226,14 +226,11 @@ def sample(
     spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
     with spawned() if workers > 1 else nullcontext() as pool:
         for turn in range(first, first + _MOST_ROUNDS):
-            tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
-            given = several = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
-            if checkpoint is not None:
-                arrays = {
-                    f"{name}_{n}": x for n, one in enumerate(several) for name, x in one._asdict().items()
-                }
-                with whole_file(checkpoint) as path, path.open("wb") as stream:
-                    np.savez(stream, mark=mark, turn=turn + 1, **arrays)
+            if turn > first or None in given:  # else a checkpoint holds this round, which may be the last
+                tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
+                given = list(pool.map(_advanced, tasks) if pool else map(_advanced, tasks))
+                _keep(checkpoint, mark, turn, given)
+            several = [one for one in given if one is not None]
             if any(one.weight < 1 for one in several):
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
@@ -252,19 +249,28 @@ def sample(
     )
 
 
+def _keep(checkpoint: Path | None, mark: str, turn: int, several: Sequence[_Ensemble | None]) -> None:
+    """Write ensembles, and the round they have come to, to a checkpoint, if there is to be one."""
+    arrays = {f"{name}_{n}": x for n, one in enumerate(several) if one for name, x in one._asdict().items()}
+    if checkpoint is not None:
+        with whole_file(checkpoint) as path, path.open("wb") as stream:
+            np.savez(stream, mark=mark, done=turn, **arrays)
+
+
 def _resumed(checkpoint: Path | None, mark: str) -> tuple[Sequence[_Ensemble | None], int]:
     """The ensembles of a checkpoint, if there is one, and the round they have come to."""
     if checkpoint is None or not checkpoint.exists():
         return [None] * ENSEMBLES, 0
     try:
-        with np.load(checkpoint, allow_pickle=False) as found:
-            same, turn = str(found["mark"]) == mark, int(found["turn"])
+        with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as found:
+            same, turn = str(found["mark"]) == mark, int(found["done"])
             several = [
                 _Ensemble(*(found[f"{name}_{n}"] for name in _Ensemble._fields)) for n in range(ENSEMBLES)
             ]
-    except (OSError, ValueError, KeyError, BadZipFile) as error:
+    except Exception as error:  # of an archive, of headers: a damaged byte leads anywhere
         expected = "a checkpoint of an inference"
-        raise CheckpointError(str(checkpoint), expected=expected, got=str(error)) from None
+        got = reason_of(error)
+        raise CheckpointError(str(checkpoint), expected=expected, got=got, advice="removing it") from None
     if not same:
         expected = "a checkpoint of the same data, model, priors and seed"
         raise CheckpointError(str(checkpoint), expected=expected, got="another", advice="another file")

@@ -20,17 +20,18 @@ from asperity.aging.frames import Counts, Midway, Pace
 from asperity.aging.legs import LegMidway
 from asperity.aging.tr_bdf2 import Origin
 from asperity.base import checks
+from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
 from asperity.contact.carried import Carried
 from asperity.contact.controls import Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import Contact
-from asperity.errors import CheckpointError, OutputError
+from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
-from asperity.results.store import remove_parts, whole_file
+from asperity.results.store import whole_file
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class Keeper:
     """Writes and reads the checkpoint of one run, and of no other."""
 
     def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
-        self.path = Path(checkpoint.path)
+        self.path = expanded(checkpoint.path)
         self.every = checkpoint.every
         self.fingerprint = fingerprint
         self.written = clock.monotonic()
@@ -80,10 +81,6 @@ class Keeper:
         `OutputError` if the disk refused; an earlier checkpoint is untouched.
         """
         arrays = _packed(place, self.fingerprint)
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"could not write {self.path}: {error.strerror or error}") from error
         with whole_file(self.path) as part, part.open("wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
         self.written = clock.monotonic()
@@ -93,7 +90,6 @@ class Keeper:
 
         `CheckpointError` if the file is no checkpoint, or that of a run with other parameters.
         """
-        remove_parts(self.path)
         if not self.path.exists():
             return None
         known = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}

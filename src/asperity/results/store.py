@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import glob
+import itertools
 import os
 import shutil
 import uuid
@@ -12,9 +14,11 @@ from pathlib import Path
 
 import xarray as xr
 import zarr
+from filelock import FileLock
 from zarr.codecs import ZstdCodec
 
 from asperity.base import checks, views
+from asperity.base.files import Standing, beside, expanded, standing
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
 
@@ -50,7 +54,7 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     `load` opens it again; so does ``xarray.open_zarr(path)``.
     """
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
-    target = Path(path)
+    target = expanded(path)
     if target.suffix.lower() in _OTHER_FORMATS:
         advice = f'dataset.to_netcdf("{target.name}")'
         raise InputError("path", expected="a name that ends in .zarr", got=target, advice=advice)
@@ -82,7 +86,7 @@ def load(path: str | Path) -> xr.Dataset:
     InputError
         There is no such folder, or it holds no Dataset.
     """
-    folder = Path(path)
+    folder = expanded(path)
     if (folder / "history.zarr").is_dir():
         folder = folder / "history.zarr"
     if not folder.exists():
@@ -110,72 +114,110 @@ def load(path: str | Path) -> xr.Dataset:
         raise InputError("path", expected="a folder that asperity wrote", got=got) from error
 
 
+class PlaceTakenError(OutputError):
+    """Results are complete, but stand under another name than they should: something took theirs."""
+
+
 @contextmanager
-def whole_folder(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
+def whole_folder(path: Path, *, overwrite: bool | Standing = False) -> Iterator[Path]:
     """A folder to write into that takes the name ``path`` only when all is written.
 
-    `OutputError` if ``path`` exists and is not to be overwritten, or the disk refused.
+    It replaces an empty folder; and with ``overwrite`` what stood there when this was called, or when
+    `standing` gave it. If anything else stands there in the end, the results take a name beside it.
+
+    `OutputError` if ``path`` exists and is not to be overwritten, or the disk refused; or with that name.
     """
-    if path.exists() and not overwrite:
+    replaceable = standing(path) if overwrite is True else overwrite or frozenset()
+    if overwrite is False and standing(path):
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite it")
-    staging = _beside(path, "partial")
+    with _staged(path, "; nothing was left there") as folder:
+        made = folder / "made"
+        made.mkdir()
+        yield made
+        flush(made)
+        _move_into_place(made, path, replaceable)
+
+
+@contextmanager
+def whole_file(path: Path, *, overwrite: bool | Standing = True) -> Iterator[Path]:
+    """A file to write that takes the name ``path`` only when all is written.
+
+    It replaces what is there, or only what stood there earlier, when `standing` gave it.
+
+    `OutputError` if the disk refused; what was there before is untouched.
+    """
+    with _staged(path) as folder:
+        part = folder / path.name
+        yield part
+        _flush_file(part)
+        if overwrite is True:
+            part.replace(path)
+        else:
+            _move_into_place(part, path, overwrite or frozenset())
+
+
+@contextmanager
+def _staged(path: Path, left: str = "") -> Iterator[Path]:
+    """A hidden folder beside a name, locked while its writer lives; those of killed writers are removed."""
+    hidden = beside(path.resolve().with_name(f".{path.resolve().name}"), "")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        staging.mkdir()
-        yield staging
-        flush(staging)
-        _move_into_place(staging, path)
+        hidden.parent.mkdir(parents=True, exist_ok=True)
+        for remains in hidden.parent.glob(f"{glob.escape(hidden.name)}.*.partial"):
+            with suppress(OSError, NotImplementedError), FileLock(remains / "lock", blocking=False):
+                shutil.rmtree(remains, ignore_errors=True)
+        folder = beside(hidden, f".{uuid.uuid4().hex[:12]}.new")
+        folder.mkdir()
+        lock = FileLock(folder / "lock")
+        try:
+            with suppress(NotImplementedError):  # there are disks without locks: there nothing is removed
+                lock.acquire()
+            folder = folder.rename(folder.with_suffix(".partial"))
+            yield folder
+        finally:
+            lock.release()
+            shutil.rmtree(folder, ignore_errors=True)
     except OSError as error:
         if isinstance(error, OutputError):
             raise
         reason = error.strerror or str(error)
-        raise OutputError(f"could not write {path}: {reason}; nothing was left there") from error
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        raise OutputError(f"could not write {path}: {reason}{left}") from error
 
 
-@contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
-    """A file to write that takes the name ``path``, replacing what is there, only when all is written.
+def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
+    """Rename; what stands there goes only if it may, once the new has its name; else the new goes beside it.
 
-    `OutputError` if the disk refused; what was there before is untouched.
+    `PlaceTakenError` says where.
     """
-    part = path.with_name(f"{_part_of(path)}{uuid.uuid4().hex}{path.suffix}")
+    target = path.resolve()
+    old = beside(target.with_name(f".{target.name}"), f".{uuid.uuid4().hex[:12]}.old")
+    there = standing(target)
+    if there and there <= replaceable and target.is_dir() and made.is_dir():
+        target.rename(old)
+        if not standing(old) <= replaceable:  # something came at the last moment
+            old.rename(target)
     try:
-        yield part
-        _flush_file(part)
-        part.replace(path)
-    except OSError as error:
-        raise OutputError(f"could not write {path}: {error.strerror or error}") from error
+        _rename(made, target, over=bool(there) and there <= replaceable)
+    except OSError:
+        if not target.exists():
+            raise
+        names = (beside(target.with_name(target.stem), f"-{n}{target.suffix}") for n in itertools.count(2))
+        free = next(name for name in names if not name.exists())
+        _rename(made, free, over=False)
+        why = f"{path} holds what was not there when this began, and is kept"
+        raise PlaceTakenError(f"{why}; the results are in {path.with_name(free.name)}") from None
     finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
+        if old.exists():
+            old.rename(made.parent / "old")
 
 
-def remove_parts(path: Path) -> None:
-    """Remove what killed writers of a file left beside it; only for a file that has one writer."""
-    for part in path.parent.glob(f"{_part_of(path)}*"):
-        part.unlink(missing_ok=True)
-
-
-def _part_of(path: Path) -> str:
-    return f".{path.name}.part-"
-
-
-def _beside(path: Path, kind: str) -> Path:
-    """A hidden name that nothing has yet."""
-    return path.parent / f".{path.name}.{uuid.uuid4().hex[:12]}.{kind}"
-
-
-def _move_into_place(staging: Path, path: Path) -> None:
-    """Rename; what was there before goes only once the new folder stands."""
-    if not path.exists():
-        staging.rename(path)
-        return
-    old = _beside(path, "old")
-    path.rename(old)
-    staging.rename(path)
-    shutil.rmtree(old, ignore_errors=True)
+def _rename(made: Path, target: Path, *, over: bool) -> None:
+    """Rename; of what has the name only an empty folder is replaced, or a file with ``over``."""
+    if made.is_dir():
+        with suppress(OSError):  # only Windows needs it
+            target.rmdir()
+    elif not over:
+        target.touch(exist_ok=False)
+    made.replace(target)
 
 
 def flush(folder: Path) -> None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import find_objects
 
 from asperity.base import checks
+from asperity.base.files import expanded
 from asperity.errors import InputError, SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, levelling, prepare
@@ -245,7 +246,7 @@ def _checked_file(path: str | Path) -> tuple[Path, str]:
     """The file, and its checksum."""
     got = ""
     try:
-        file = Path(path)
+        file = expanded(path)
         if not file.exists():
             got = "no such file"
         elif not file.is_file():

@@ -44,12 +44,12 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
 def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite: bool) -> None:
     """Compare, say, and draw; `AsperityError` if it is no answer, or the figure cannot be written."""
     if out is not None:
-        check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+        before = check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     with _told_of_flags():
         found = score(result, problem)
     blocks = [aligned(rows) for rows in _blocks(found)]
     if out is not None:
-        write_figure(score_figure(found), out)
+        write_figure(score_figure(found), out, overwrite=before)
         blocks.append(f"figure written: {out}")
     sys.stdout.write("\n\n".join(blocks) + "\n")
 

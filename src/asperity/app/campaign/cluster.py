@@ -15,6 +15,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from asperity.base.machine import cores
+from asperity.base.words import shortened
 from asperity.errors import AsperityError, InputError, Remark
 
 if TYPE_CHECKING:
@@ -53,25 +54,38 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         stack.callback(gc.collect)
         logging.disable(logging.CRITICAL)
         if scheduler is not None:
-            client = stack.enter_context(_connected(scheduler))
-        else:
-            with _deaf_to_interrupts():
-                try:
-                    cluster = LocalCluster(
-                        n_workers=min(workers or cores(), runs),
-                        threads_per_worker=1,
-                        processes=True,
-                        dashboard_address=":0",
-                        memory_limit=None,
-                        silence_logs=logging.CRITICAL,
-                    )
-                except RuntimeError:
-                    raise AsperityError(
-                        "the worker processes did not start; a script has to call sweep under "
-                        "if __name__ == '__main__':, as they import it"
-                    ) from None
-                client = stack.enter_context(Client(stack.enter_context(cluster)))
-        yield client
+            yield stack.enter_context(_connected(scheduler))
+            return
+        # Dask cannot be stopped while it starts or ends.
+        with _unhurried():
+            try:
+                cluster = LocalCluster(
+                    n_workers=min(workers or cores(), runs),
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=":0",
+                    memory_limit=None,
+                    silence_logs=logging.CRITICAL,
+                )
+            except Exception as error:  # any: they may come from a configuration of Dask
+                raise AsperityError(f"the worker processes did not start{_why(error)}") from None
+            within = stack.enter_context(ExitStack())
+            client = within.enter_context(Client(within.enter_context(cluster)))
+        try:
+            yield client
+        finally:
+            with _unhurried():
+                within.close()
+
+
+def _why(error: BaseException) -> str:
+    """What kept workers from starting: what the error began with, or else that they ended by themselves."""
+    while (before := error.__cause__ or error.__context__) is not None:
+        error = before
+    if "failed to start worker process" in str(error):
+        return "; a script has to call sweep under if __name__ == '__main__':, as they import it"
+    reason = shortened(f"{type(error).__name__}: {error}".removesuffix(": "), 200)
+    return f" ({reason}); Dask is configured in ~/.config/dask and by variables DASK_..."
 
 
 def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Future[Any], Any]]:
@@ -131,12 +145,19 @@ def _connected(scheduler: str) -> Client:
 
 
 @contextmanager
-def _deaf_to_interrupts() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach: it is for the client, which then ends them.
-
-    They inherit that the signal is ignored; for these seconds the client ignores it too.
-    """
-    with ExitStack() as stack:
-        if threading.current_thread() is threading.main_thread():
-            stack.callback(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.SIG_IGN))
-        yield
+def _unhurried() -> Iterator[None]:
+    """Let Ctrl-C and termination wait. Processes that begin here never hear Ctrl-C: it is for the client."""
+    came: list[int] = []
+    try:
+        with ExitStack() as stack:
+            if threading.current_thread() is threading.main_thread():
+                for name in (signal.SIGINT, signal.SIGTERM):
+                    before = signal.signal(name, lambda number, _: came.append(number))
+                    stack.callback(signal.signal, name, before)
+            if hasattr(signal, "pthread_sigmask"):  # threads and processes inherit what is blocked
+                blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+                stack.callback(signal.pthread_sigmask, signal.SIG_SETMASK, blocked)
+            yield
+    finally:
+        for number in came[:1]:
+            signal.raise_signal(number)

@@ -18,6 +18,7 @@ import hashlib
 import itertools
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -27,6 +28,7 @@ from typing import Any
 from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
 from asperity.app.config.mistakes import ORDER, Sections, models_of
 from asperity.app.config.models import KINDS
+from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of, written_with_units
 from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
@@ -132,7 +134,7 @@ def read_plan(path: str | Path) -> Plan:
         With one line for each mistake in any of the runs, or for more than 100,000 runs; nothing has
         been started.
     """
-    path = Path(path)
+    path = expanded(path)
     tables = read_tables(path)
     swept = tables.pop("sweep", {})
     if not isinstance(swept, dict):
@@ -196,7 +198,7 @@ def load_plan(directory: str | Path) -> Plan:
     InputError
         The folder holds no campaign.
     """
-    path = Path(directory) / "plan.json"
+    path = expanded(directory) / "plan.json"
     try:
         facts = json.loads(path.read_text(encoding="utf-8"))
         axes = tuple(Axis(section, name, tuple(values)) for section, name, values in facts["axes"])
@@ -341,18 +343,21 @@ def _runs(
     problems: dict[str, None] = {}
     contents: dict[str, str] = {}
     runs: list[Run] = []
+    swept = {key: key[1] for key in lists}
+    if seeds and "seed" not in tables.get("surface", {}):
+        swept["surface", "seed"] = "seeds"
     for seed in seeds:  # what a seed may be does not depend on the point
         if type(seed) is not int or seed < 0:
             try:
                 config_from(_laid_over(tables, {}, seed), {}, path)
             except ConfigError as error:
-                problems |= dict.fromkeys(error.problems)
+                problems |= dict.fromkeys(_swept_told(error, swept))
     for point in points:
         flags: Sections = {}
         for ((section, name), values), index in zip(lists.items(), point, strict=True):
             value = values[index]
             if name == "path" and isinstance(value, str):
-                value = str(path.parent / value)
+                value = str(path.parent / expanded(value))
             flags.setdefault(section, {})[name] = value
         try:
             config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path)
@@ -361,10 +366,18 @@ def _runs(
             config = config.model_copy(update=found)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
-            problems |= dict.fromkeys(error.problems)
+            problems |= dict.fromkeys(_swept_told(error, swept))
     if problems:
         raise ConfigError(list(problems))
     return tuple(runs)
+
+
+def _swept_told(error: ConfigError, keys: Mapping[tuple[str, str], str]) -> Iterator[str]:
+    """The mistakes, of which those of swept keys are named as they stand in the file."""
+    for problem in error.problems:
+        for (section, name), key in keys.items():
+            problem = re.sub(rf"\[{section}\] {re.escape(name)}\b", f"[sweep] {key}", problem)
+        yield problem
 
 
 def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:

@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from asperity.app.campaign.plan import Run
 from asperity.app.config import RunConfig, from_tables, to_tables
 from asperity.app.runs import Outcome
+from asperity.base.files import expanded
 from asperity.errors import InputError, OutputError, Remark
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
@@ -75,7 +76,7 @@ class Store:
     """The runs of one campaign on disk."""
 
     def __init__(self, directory: Path) -> None:
-        self.directory = directory
+        self.directory = directory = expanded(directory)
         self.runs = directory / "runs.zarr"
         self.work = directory / "state"
 

@@ -1,5 +1,6 @@
 """The command line: arguments in, the package's verbs called, words out."""
 
+import os
 import signal
 import sys
 import threading
@@ -8,15 +9,29 @@ from collections.abc import Sequence
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line on words, by default those after ``asperity``; return the exit status."""
-    in_main = threading.current_thread() is threading.main_thread()
-    if in_main and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends with what Ctrl-C says
+    came: list[int] = []
+
+    def stop(number: int, _: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is threading.main_thread():
+        usual = {signal.SIGTERM: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
+        for number, handler in usual.items():  # termination ends with what Ctrl-C says
+            if signal.getsignal(number) == handler:
+                signal.signal(number, stop)
+    if arguments is None:  # no window opens, whatever a notebook has left for its own pictures
+        os.environ["MPLBACKEND"] = "agg"
     try:  # an interruption may come while the commands are imported
         from asperity.app.cli.app import answer
 
         return answer(sys.argv[1:] if arguments is None else list(arguments))
-    except KeyboardInterrupt as interrupt:
-        print(f"asperity: {str(interrupt) or 'interrupted; nothing was written'}", file=sys.stderr)
+    except BaseException as error:  # of whatever an import has made of the interruption
+        interrupted = isinstance(error, KeyboardInterrupt)
+        if not came and not interrupted:
+            raise
+        said = interrupted and str(error)
+        print(f"asperity: {said or 'interrupted; nothing was written'}", file=sys.stderr)
         return 130
 
 

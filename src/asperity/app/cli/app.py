@@ -8,6 +8,8 @@ at once.
 from __future__ import annotations
 
 import logging
+import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -18,7 +20,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandErro
 
 from asperity.app.cli import explore, fit, friction, gather, infer, predict, run, status, surface, sweep
 from asperity.app.cli.command import app, command
-from asperity.app.cli.terminal import complain, make_streams_safe, silence_output
+from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
 from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 
@@ -63,12 +65,15 @@ _OWN = {*(name for name in app if not name.startswith("-")), *app.version_flags}
 def answer(arguments: list[str]) -> int:
     """Do what the words after ``asperity`` say, and return the exit status."""
     make_streams_safe()
+    widen()
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
         if not any(word in _OWN for word in arguments[:1]):
             with_others()
-        return _run(arguments)
+        # A shell leaves the ~ of --out=~/x, and quoted ones.
+        words = (re.split("(?<==)(?=~)", word, maxsplit=1) for word in arguments)
+        return _run(["".join(map(os.path.expanduser, parts)) for parts in words])
 
 
 def _run(arguments: list[str]) -> int:

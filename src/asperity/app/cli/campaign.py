@@ -19,6 +19,7 @@ from asperity.app.campaign import Plan, Tally
 from asperity.app.campaign.plan import Run, name_of
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
+from asperity.base.machine import available
 from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
 
@@ -34,7 +35,8 @@ def dry_run(plan: Plan, out: Path, _: Work) -> None:
     to_do = f"{len(plan.distinct)}, of which {left.runs} are to do"
     rows = [("runs", to_do), ("dimensions", _dimensions(plan))]
     if left.runs:
-        memory = f"about {data_size(left.memory)} for the largest run, one on each worker"
+        memory = f"about {data_size(left.memory)} for the largest run, one on each worker; "
+        memory += f"this machine has {data_size(available())} available"
         rows += [("memory", memory), ("disk", f"about {data_size(left.bytes)}")]
     sys.stdout.write(f"{aligned(rows)}\n")
 

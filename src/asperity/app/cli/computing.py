@@ -14,9 +14,10 @@ from typing import Any
 from asperity.app.cli.options import Results
 from asperity.app.cli.output import check_free, save_within
 from asperity.app.cli.report import Row, aligned
+from asperity.base.files import Standing, beside
 from asperity.progress import listener
 from asperity.results import Checkpoint
-from asperity.results.store import whole_folder
+from asperity.results.store import PlaceTakenError, whole_folder
 
 _SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
 """What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
@@ -36,7 +37,7 @@ def compute_into(
 
     A long computation keeps its place, every so many seconds, in a file beside the folder.
     """
-    check_free(out, overwrite=results.overwrite)
+    replaceable = check_free(out, overwrite=results.overwrite)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
@@ -44,17 +45,16 @@ def compute_into(
         found = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
-        check_free(out, overwrite=results.overwrite)  # again: hours may have passed
-        with folder_of_results(out, rows, results) as folder:
+        with folder_of_results(out, rows, replaceable) as folder:
             save_within(found.dataset, folder)
             remarks = write(found, folder) or ()
     tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
 
 
 @contextmanager
-def folder_of_results(out: Path, rows: Sequence[Row], results: Results) -> Iterator[Path]:
-    """The folder to write to, with a summary: it appears when all is written; what may be replaced goes."""
-    with whole_folder(out, overwrite=results.overwrite or out.exists()) as folder:
+def folder_of_results(out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
+    """The folder to write to, with a summary: it appears when all is written, and replaces nothing else."""
+    with whole_folder(out, overwrite=replaceable) as folder:
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         yield folder
 
@@ -63,12 +63,15 @@ def folder_of_results(out: Path, rows: Sequence[Row], results: Results) -> Itera
 def place_beside(out: Path, asked: str) -> Iterator[Path]:
     """The file beside the folder of results in which this computation, and no other, keeps its place."""
     mark = hashlib.sha256(asked.encode()).hexdigest()[:8]
-    place = out.with_name(f"{out.name}.{mark}.checkpoint")
+    place = beside(out, f".{mark}.checkpoint")
     try:
         yield place
     except KeyboardInterrupt:
         kept = f"the same command goes on from {place}" if place.exists() else "nothing was written"
         raise KeyboardInterrupt(f"interrupted; {kept}") from None
+    except PlaceTakenError:  # the results are complete
+        place.unlink(missing_ok=True)
+        raise
     place.unlink(missing_ok=True)
 
 

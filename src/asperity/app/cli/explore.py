@@ -64,7 +64,7 @@ def _export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
     """Write the page of a folder to one file: of a campaign its curves, and the maps of its first run."""
     if folder is None:
         raise InputError("--export", expected="a folder of results", got="none", advice="its name")
-    check_new_file("--export", page, (".html", ".htm"), overwrite=overwrite)
+    before = check_new_file("--export", page, (".html", ".htm"), overwrite=overwrite)
     from asperity.app.explore.export import exported_page
     from asperity.app.explore.folders import entries, open_entry
     from asperity.app.explore.scene import pack
@@ -79,6 +79,6 @@ def _export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
     messages = [] if opened.campaign is None else [pack(*opened.campaign)]
     messages += [] if opened.recording is None else opened.recording.messages()
     title = found[0]["title"]
-    with whole_file(page) as part:
+    with whole_file(page, overwrite=before) as part:
         part.write_text(exported_page(messages, title=f"{title} · Asperity"), encoding="utf-8")
     print(page)

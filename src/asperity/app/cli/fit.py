@@ -68,9 +68,9 @@ def fit(
     unit_time
         Unit of the hold times, such as s, for the figure. [default: that of the table]
     """
-    check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+    figure_before = check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     if json is not None:
-        check_new_file("--json", json, (".json",), overwrite=overwrite)
+        numbers_before = check_new_file("--json", json, (".json",), overwrite=overwrite)
     first, last = window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
@@ -101,10 +101,11 @@ def fit(
         raise
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
-    write_figure(fit_figure(growth, quantity=label, unit_time=unit, window=window is not None), out)
+    figure = fit_figure(growth, quantity=label, unit_time=unit, window=window is not None)
+    write_figure(figure, out, overwrite=figure_before)
     written = f"figure written: {out}"
     if json is not None:
-        write_numbers(growth, json, file=str(file), quantity=named, unit_time=unit)
+        write_numbers(growth, json, numbers_before, file=str(file), quantity=named, unit_time=unit)
         written += f"\nnumbers written: {json}"
     blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
     sys.stdout.write("\n\n".join([f"read {data.source}", *map(aligned, blocks), written]) + "\n")

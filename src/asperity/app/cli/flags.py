@@ -89,7 +89,7 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
         if (written := getattr(flags, name)) is not None:
             flag = flag_of(section, key.name)
             if units and key.unit:
-                check_unit(flag, written, key.unit)
+                check_unit(flag, written, key.unit, said=key.description)
             for pair in written if units and any(key.units) else ():
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
@@ -117,14 +117,16 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         raise of_flags(error, flags) from error
 
 
-def check_unit(flag: str, written: str | list[str], unit: str) -> None:
-    """Refuse numbers alone, or among others."""
+def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = "") -> None:
+    """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one."""
+    usual = re.search(r"such as \W?[\d.]+ *([a-zA-Z][\w^/ ]*)", said)
     words = [written] if isinstance(written, str) else []
     for word in written if isinstance(written, list) else []:
         words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
     for one in words:
         if isinstance(number(one), float | int):
-            raise InputError(flag, expected="a number with its unit", got=one, advice=f"{flag} {one}{unit}")
+            advice = f'{flag} "{one} {usual[1] if usual else unit}"'
+            raise InputError(flag, expected="a number with its unit", got=one, advice=advice)
 
 
 def _check_pair(flag: str, pair: str, key: Key) -> None:

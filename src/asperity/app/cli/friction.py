@@ -68,7 +68,7 @@ def friction(
     from asperity.figures import rate_and_state_figure
     from asperity.friction import compare_state_laws, save_parameters
 
-    check_free(out, overwrite=results.overwrite)
+    replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
     strength, reference = (
         None if word is None else cast(float | str, number(word))
@@ -78,7 +78,7 @@ def friction(
         several = [record for path in records for record in records_at(path, strength, **how)]
         found = compare_state_laws(several, a=a, V_0=reference, events=events)
     rows = friction_report(found, str(records[0]))
-    with folder_of_results(out, rows, results) as folder:
+    with folder_of_results(out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         write_figure(rate_and_state_figure(found), folder / "friction.png")

@@ -10,6 +10,9 @@ from asperity.app.cli.flags import Switch
 from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
+_TOLD = ("sites", "seconds")
+"""Columns whose names are their units."""
+
 
 @command()
 def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
@@ -30,6 +33,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     from asperity.app.campaign.gather import with_ends
     from asperity.app.cli.output import write_figure
     from asperity.app.cli.report import aligned
+    from asperity.base.files import standing
     from asperity.base.tables import with_unit
     from asperity.figures import campaign_figure
     from asperity.results import save
@@ -42,19 +46,21 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     # Gathering again, with more runs, is what one does: the default place is always replaced.
     replace = overwrite or to is None
     csv, picture = target.with_suffix(".csv"), target.with_suffix(".png")
-    for there in (csv, picture, *[target] * (target.suffix == ".nc")):
+    before = {there: standing(there) for there in (csv, picture, *[target] * (target.suffix == ".nc"))}
+    for there in before:
         if there.exists() and not replace:
             raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
     if target.suffix == ".nc":
-        with whole_file(target) as part:
+        with whole_file(target, overwrite=before[target]) as part:
             dataset.to_netcdf(part)
     else:
         save(dataset, target, overwrite=replace)
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         ends = with_ends(dataset)
-        runs = runs.rename(columns=lambda name: with_unit(name, ends[name].attrs.get("units") or "1"))
-    with whole_file(csv) as part:
+        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _TOLD}
+        runs = runs.rename(columns={name: with_unit(name, unit) for name, unit in units.items()})
+    with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)
     sizes = ", ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     opener = "asp.results.load" if target.suffix == ".zarr" else "xarray.open_dataset"
@@ -65,6 +71,6 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
         ("", f"{csv}: one row a run, {len(runs)} rows"),
     ]
     if float(dataset["time"].max()) > 0:
-        write_figure(campaign_figure(dataset), picture)
+        write_figure(campaign_figure(dataset), picture, overwrite=before[picture])
         rows.append(("", f"{picture}: growth of the contact, with standard errors"))
     sys.stdout.write(f"{aligned(rows)}\n")

@@ -104,7 +104,7 @@ def infer(
     from asperity.progress import listener
 
     libraries()
-    check_free(out, overwrite=results.overwrite)
+    replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
     how |= {"absolute": unit_area is not None, "seed": seed, "walkers": walkers}
     how["priors"] = None if priors is None else read_tables(priors)
@@ -119,7 +119,7 @@ def infer(
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = [("read", read), *inference_report(found, str(file))]
         progress.stage("writing the results")
-        with folder_of_results(out, rows, results) as folder:
+        with folder_of_results(out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
             write_inference(found, folder, source=file.name, command=typed)
     tell_results(rows, out, results)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asperity.base.files import Standing, standing
 from asperity.errors import InputError, OutputError
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 
 
-def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> None:
-    """Make sure, before anything is computed, that a flag names a file that can be written."""
+def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> Standing:
+    """Make sure, before anything is computed, that a file can be written; give what stands there."""
     if target.suffix.lower() not in suffixes:
         expected, advice = f"a name that ends in {', '.join(suffixes)}", f"{flag} {target}{suffixes[0]}"
         raise InputError(flag, expected=expected, got=target, advice=advice)
@@ -20,6 +21,7 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
         kept = f"{target}, which is kept"
         raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
     try_writing(flag, target, target.parent)
+    return standing(target)
 
 
 def try_writing(flag: str, target: Path, folder: Path) -> None:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
+from asperity.base.files import Standing, standing
 from asperity.base.tables import with_unit
 from asperity.errors import InputError, OutputError
 from asperity.figures import (
@@ -51,8 +52,8 @@ _MOST_MAPS = 24
 """Maps that one figure shows."""
 
 
-def check_free(out: Path, *, overwrite: bool) -> None:
-    """Make sure, before anything is computed, that the results can be written, and replace no others."""
+def check_free(out: Path, *, overwrite: bool) -> Standing:
+    """Make sure, before anything is computed, that the results can be written; give what they may replace."""
     folder = out.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
@@ -75,6 +76,7 @@ def check_free(out: Path, *, overwrite: bool) -> None:
     while not ground.exists():
         ground = ground.parent
     try_writing("--out", out, ground)
+    return standing(out) if overwrite else frozenset()
 
 
 def write_run(outcome: Outcome, folder: Path) -> list[str]:
@@ -97,9 +99,9 @@ def save_within(dataset: xr.Dataset, folder: Path) -> None:
         raise
 
 
-def write_figure(figure: Figure, path: Path) -> None:
+def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
     """Write a figure that is complete under its name or not there; `OutputError` if the disk refused."""
-    with whole_file(path) as part:
+    with whole_file(path, overwrite=overwrite) as part:
         figure.savefig(part, dpi=RESOLUTION)
 
 

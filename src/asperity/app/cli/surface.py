@@ -34,10 +34,10 @@ def surface(
     of_run = file.suffix.lower() == ".toml"
     settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
-    check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
+    before = check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
     from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
     from asperity.app.cli.reports.surface import drawn_and_told
 
     figure, told = drawn_and_told(settings)
-    write_figure(figure, target)
+    write_figure(figure, target, overwrite=before)
     sys.stdout.write(f"{told}\n\nfigure written: {target}\n")

@@ -5,11 +5,14 @@ from __future__ import annotations
 import codecs
 import io
 import os
+import shutil
 import sys
 
 from asperity.errors import brief, printable
 
-_PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u"}
+_PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u", "\u202f": " "}
+_NARROWEST = 40
+"""Columns that help needs at least."""
 
 
 def complain(status: int, *problems: str) -> int:
@@ -28,6 +31,13 @@ def make_streams_safe() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115, PTH123
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="asperity")
+
+
+def widen() -> None:
+    """Let no terminal be so narrow that help has no room for its words."""
+    wanted = os.environ.get("COLUMNS", "")
+    if min(shutil.get_terminal_size().columns, int(wanted) if wanted.isdigit() else _NARROWEST) < _NARROWEST:
+        os.environ["COLUMNS"] = str(_NARROWEST)
 
 
 def silence_output() -> None:

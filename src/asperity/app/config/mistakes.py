@@ -78,7 +78,7 @@ def _no_section(name: str, content: object, path: Path | None) -> Unknown:
         reason = f"makes this the file of a campaign, not of a run; try {command}"
         return _where(path, f"[sweep]: {reason}"), "", []
     if isinstance(content, dict):
-        return _where(path, f"[{name}]: no such section"), name, ORDER
+        return _where(path, f"[{name}]: no such section"), name, [*ORDER, "sweep"]
     homes = [one for one in (*SECTIONS, *KINDS) for model in models_of(one) if name in model.model_fields]
     where = f"; it belongs below [{homes[0]}]" if homes else ""
     return _where(path, f"{name}: stands outside any section{where}"), "", []

@@ -40,6 +40,7 @@ from asperity.app.config.sections import (
     usual,
 )
 from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
+from asperity.base.files import expanded
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
 from asperity.protocols import KINDS as LEGS_OF_PROTOCOLS
@@ -115,7 +116,7 @@ class SurfaceSection(Section):
     def file(self) -> Path | None:
         """The file on which it depends, if any."""
         path = getattr(self, "path", None)
-        return None if path is None else Path(path)
+        return None if path is None else expanded(path)
 
     def anywhere(self) -> Self:
         """The same, with an absolute path of its file."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,8 +13,9 @@ from pydantic import BaseModel, ValidationError
 from asperity.app.config.mistakes import Sections, is_unknown, spelled, unknown_names
 from asperity.app.config.models import KINDS, MeasuredSurface, RunConfig
 from asperity.app.config.solids import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
+from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
-from asperity.errors import ConfigError
+from asperity.errors import ConfigError, InputError
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -99,17 +101,20 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 
     `ConfigError` if it cannot be read, or is no TOML.
     """
-    path = Path(path)
+    path = expanded(path)
     try:
-        # Editors on Windows write a mark before the first letter.
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = content_of(path).decode("utf-8-sig")  # editors on Windows write a mark before the first letter
+        tables = tomllib.loads(text.replace("\r\n", "\n"))
+    except InputError:
+        raise
     except UnicodeDecodeError:
         hint = "; for a surface, try --file"
         raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
     except ValueError as error:  # TOML's own, a number of thousands of digits, or a name with NUL
         own = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
         reason = str(error) if own else "a number has too many digits"
-        raise ConfigError([f"{path}: not a TOML file: {reason}"]) from None
+        hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
+        raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
     except RecursionError:
         raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
     except OSError as error:
@@ -120,7 +125,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     for section, key in (("surface", "path"), ("solid", "relaxation")):
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):
-            table[key] = str(path.parent / table[key])
+            table[key] = str(path.parent / expanded(table[key]))
     return tables
 
 

@@ -30,6 +30,7 @@ from asperity.app.config.sections import (
     listed,
     usual,
 )
+from asperity.base.files import expanded
 from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
@@ -314,7 +315,7 @@ class Continuum(SolidSection):
         """The table, fitted."""
         if self.relaxation is None:
             return None
-        path = Path(self.relaxation)
+        path = expanded(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
         how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
         how |= {"columns": self.columns, "units": self.units}

@@ -78,13 +78,14 @@ def check_ramp(ramp: float, last: float) -> None:
     """Refuse a loading that is not over by the last time."""
     if ramp >= last:
         expected = f"less than the last time, {last:.4g} s"
-        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice="a later last")
+        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice=f'last="{10 * ramp:g} s"')
 
 
 def check_span(name: str, first: float, last: float) -> None:
     """Refuse times in less than a decade, of which no growth per decade can be told."""
     if last < 10 * first * (1 - 1e-9):
-        expected, advice = "times that span a decade or more", "a later last"
+        expected = "times that span a decade or more"
+        advice = f'last="{10 * first:g} s"' if name.endswith("last") else "later times"
         raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", advice=advice)
 
 

@@ -44,6 +44,7 @@ from asperity.app.runs.pipeline import (
 )
 from asperity.base import checks
 from asperity.base.columns import Chosen, Units
+from asperity.base.files import content_of, expanded
 from asperity.base.machine import require
 from asperity.contact import Carried
 from asperity.errors import InputError
@@ -393,10 +394,9 @@ def _predicted(
 
 def _origin(table: object, found: Fit) -> dict[str, object]:
     """What identifies a table."""
-    path = Path(table) if isinstance(table, str | Path) else None
+    path = expanded(table) if isinstance(table, str | Path) else None
     facts: dict[str, object] = {"table": "", "table_sha256": ""}
     if path is not None:
-        with path.open("rb") as stream:
-            facts = {"table": path.name, "table_sha256": hashlib.file_digest(stream, "sha256").hexdigest()}
+        facts = {"table": path.name, "table_sha256": hashlib.sha256(content_of(path)).hexdigest()}
     facts |= {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
     return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})

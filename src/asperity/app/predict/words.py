@@ -130,7 +130,9 @@ def remarks_on(prediction: Prediction) -> tuple[str, ...]:
             f"the rim takes {100 * first.rim:.0f} % of the counted area at first: patches are few pixels wide"
         )
     if first.patches < 30:
-        remarks.append(f"{first.patches} patches at first: too few for the statistics of a surface")
+        remarks.append(
+            f"{how_many(first.patches, 'patch', 'patches')} at first: too few for the statistics of a surface"
+        )
     if strain > 0.05 and not prediction.solid.yields:
         remarks.append(
             f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "

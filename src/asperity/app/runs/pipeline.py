@@ -178,7 +178,7 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
         f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
         f"from {written(low, unit, 3)} to {written(high, unit, 3)}"
         for name, value, unit, low, high in dict.fromkeys(told)
-        if value is not None and not isinstance(value, InUnits) and not low <= value <= high
+        if value is not None and not isinstance(value, InUnits) and value != 0 and not low <= value <= high
     )
 
 

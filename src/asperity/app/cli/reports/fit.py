@@ -7,6 +7,7 @@ import json
 import math
 from pathlib import Path
 
+from asperity.base.files import Standing
 from asperity.base.words import uncertain
 from asperity.figures.fit import UNDETERMINED, determined
 from asperity.fits import Comparison, FitResult, GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
@@ -110,7 +111,7 @@ def _comparison(found: Comparison) -> list[tuple[str, ...]]:
     ]
 
 
-def write_numbers(growth: MeasuredGrowth, path: Path, **origin: str) -> None:
+def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **origin: str) -> None:
     """Write all numbers, and where they come from, as JSON, which has no infinity."""
     found = {} if growth.comparison is None else vars(growth.comparison)
     numbers = {name: _finite(value) for name, value in found.items() if name not in growth.fits}
@@ -125,7 +126,7 @@ def write_numbers(growth: MeasuredGrowth, path: Path, **origin: str) -> None:
         "notes": list(growth.notes),
     }
     text = json.dumps(facts, indent=2, allow_nan=False)
-    with whole_file(path) as part:
+    with whole_file(path, overwrite=replaceable) as part:
         part.write_text(f"{text}\n", encoding="utf-8")
 
 

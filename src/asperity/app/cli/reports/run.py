@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity.analysis.scan import readable, written
@@ -205,7 +206,7 @@ def _surface(outcome: Outcome) -> str:
         rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
         rules += ", resampled" if chosen["resample"] else ""
         rules += ", spikes filled" if chosen["despike"] else ""
-        return f"{chosen['path']}: {lattice} sites ({rules})"
+        return f"{Path(chosen['path']).name}: {lattice} sites ({rules})"
     return described(outcome.config.surface)
 
 

@@ -1,0 +1,98 @@
+"""Files that people name: how they are read, and what stands beside them."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import select
+import stat
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from asperity.base.machine import available
+from asperity.base.words import data_size
+from asperity.errors import InputError, TooLargeError
+
+_LONGEST = 200
+"""Bytes of a name that others begin with: file systems take 255."""
+
+_TIMES, _PATIENCE = 20, 5.0
+"""Memory that a table takes, over that of its text; seconds in which somebody must write into a pipe."""
+
+_pipes: dict[tuple[int, int], bytes] = {}
+"""What pipes of a shell held, which can be read only once, by device and inode."""
+
+
+def expanded(path: str | Path) -> Path:
+    """A path of a user, whose ~ is the home."""
+    return Path(os.path.expanduser(path))  # noqa: PTH111  (which leaves the home of nobody as it is)
+
+
+def content_of(path: Path) -> bytes:
+    """Read a file, or a pipe to its end: ``<(zcat x)``, ``/dev/stdin``.
+
+    `InputError` for a device, and for a pipe into which nobody writes; `TooLargeError` for more than the
+    memory has room for.
+    """
+    most = available() // _TIMES
+    # A pipe without a writer would never open otherwise.
+    flags = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    with open(os.open(path, os.O_RDONLY | flags), "rb") as file:  # noqa: PTH123  (which would open it anew)
+        facts = os.fstat(file.fileno())
+        if stat.S_ISFIFO(facts.st_mode):
+            mark = facts.st_dev, facts.st_ino
+            found = _pipes[mark] if mark in _pipes else _piped(file.fileno(), most)
+            if not found:
+                expected = "a pipe into which something is written"
+                raise InputError(str(path), expected=expected, got="none for 5 s")
+            if path.parts[1:2] in (("dev",), ("proc",)):
+                _pipes[mark] = found
+        elif stat.S_ISREG(facts.st_mode):
+            found = file.read(most + 1)
+        else:
+            raise InputError(str(path), expected="a file or a pipe", got="a device")
+    if len(found) > most:
+        raise TooLargeError(f"{path}: expected a text of at most {data_size(most)}, got a longer one")
+    return found
+
+
+def _piped(handle: int, most: int) -> bytes:
+    """What is written into a pipe, and no more than is asked for."""
+    found, begin = bytearray(), time.monotonic()
+    while len(found) <= most:
+        try:
+            if piece := os.read(handle, 1 << 26):
+                found += piece
+            elif found or time.monotonic() - begin > _PATIENCE:
+                break
+            else:
+                time.sleep(0.02)
+        except BlockingIOError:  # its writer has nothing yet
+            select.select([handle], [], [])
+    return bytes(found)
+
+
+def beside(path: Path, ending: str) -> Path:
+    """A name in the same folder: that of the file, shortened where it is long, and an ending."""
+    name = path.name.encode()
+    if len(name) > _LONGEST:
+        mark = hashlib.sha256(name).hexdigest()[:8]
+        name = name[: _LONGEST - 9] + f"~{mark}".encode()
+    return path.with_name(name.decode(errors="ignore") + ending)
+
+
+Standing = frozenset[tuple[str, int, int, int]]
+"""What stands under a name: files, each with its inode, size and time of change, and folders."""
+
+
+def standing(path: Path) -> Standing:
+    """What stands under a name; nothing for an empty folder, which may always be replaced."""
+    path, found = path.resolve(), set()
+    for entry in path.rglob("*") if path.is_dir() else [path]:
+        with suppress(OSError):  # it has gone
+            facts = entry.lstat()
+            is_folder = stat.S_ISDIR(facts.st_mode)
+            marks = (0, 0, 0) if is_folder else (facts.st_ino, facts.st_size, facts.st_mtime_ns)
+            found.add((entry.relative_to(path).as_posix(), *marks))
+    return frozenset(found)

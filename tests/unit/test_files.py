@@ -1,0 +1,111 @@
+"""Files of users: nothing that was not there when a command began is ever removed by it."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from asperity.app.cli import main
+from asperity.base.files import standing
+from asperity.errors import OutputError
+from asperity.results import whole_file, whole_folder
+from tests.cli.conftest import SMALL
+
+
+def folder(name, *, overwrite=False, meanwhile=lambda: None):
+    with whole_folder(Path(name), overwrite=overwrite) as made:
+        (made / "result").write_text("new")
+        meanwhile()
+
+
+def file(name, *, overwrite=frozenset(), meanwhile=lambda: None):
+    with whole_file(Path(name), overwrite=overwrite) as part:
+        part.write_text("new")
+        meanwhile()
+
+
+def contents(where):
+    return {
+        path.relative_to(where).as_posix(): path.read_text() for path in where.rglob("*") if path.is_file()
+    }
+
+
+def come(path, text="mine"):
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    Path(path).write_text(text)
+
+
+@pytest.mark.parametrize("name", ["out", "n" * 245, "µ" * 120])
+def test_what_came_while_results_were_written_is_kept_and_the_results_stand_beside_it(here, name):
+    with pytest.raises(OutputError, match="the results are in") as raised:
+        folder(name, meanwhile=lambda: come(f"{name}/thesis/1.txt"))
+    (kept,) = (path for path in here.iterdir() if path.name != name)
+    assert str(raised.value).endswith(f"in {kept.name}")
+    assert contents(here) == {f"{name}/thesis/1.txt": "mine", f"{kept.name}/result": "new"}
+
+
+@pytest.mark.parametrize("write", [folder, file])
+def test_of_what_stands_there_only_what_stood_there_before_goes(here, write):
+    there = "out/mine" if write is folder else "out"
+    come(there)
+    before = standing(Path("out"))
+    write("out", overwrite=before)
+    assert "mine" not in contents(here).values()
+    before = standing(Path("out"))
+    come(there, "later")
+    with pytest.raises(OutputError, match="the results are in out-2"):
+        write("out", overwrite=before)
+    assert contents(here)[there] == "later"
+    with pytest.raises(OutputError, match="the results are in out-3"):
+        write("out", overwrite=before, meanwhile=lambda: come("out/more" if write is folder else "out"))
+    assert sorted(path.name for path in here.iterdir()) == ["out", "out-2", "out-3"]
+
+
+def test_an_empty_folder_is_replaced_and_a_file_is_not(here):
+    (here / "out").mkdir()
+    folder("out", meanwhile=lambda: (here / "out" / "empty").mkdir() or (here / "out" / "empty").rmdir())
+    assert contents(here) == {"out/result": "new"}
+    with pytest.raises(OutputError, match="the results are in new-2"):
+        folder("new", meanwhile=lambda: come("new"))
+    assert contents(here) == {"out/result": "new", "new": "mine", "new-2/result": "new"}
+
+
+@pytest.mark.parametrize("write", [folder, file])
+def test_of_two_writers_one_keeps_the_name_and_the_other_says_so(here, write):
+    with pytest.raises(OutputError, match="the results are in new/out-2"):
+        write("new/out", meanwhile=lambda: write("new/out"))
+    assert list(contents(here).values()) == ["new", "new"]
+
+
+def test_a_command_keeps_what_came_while_it_computed(here, monkeypatch, capsys):
+    import asperity.app.runs as runs
+
+    def execute(*words, computed=runs.execute, **more):
+        come("out/thesis/1.txt")
+        return computed(*words, **more)
+
+    monkeypatch.setattr(runs, "execute", execute)
+    assert main(["run", *SMALL, "--quiet", "--out", "out"]) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "asperity: out holds what was not there when this began, and is kept; the results are in out-2"
+    )
+    assert (here / "out" / "thesis" / "1.txt").read_text() == "mine"
+    assert {"aging.csv", "summary.txt"} <= {path.name for path in (here / "out-2").iterdir()}
+    assert sorted(path.name for path in here.iterdir()) == ["out", "out-2"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_what_a_killed_writer_left_goes_and_what_a_living_one_writes_stays(here):
+    code = """import time; from pathlib import Path; from asperity.results.store import whole_folder
+with whole_folder(Path("out")) as made: print(made, flush=True); time.sleep(60)"""
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as writer:
+        assert writer.stdout is not None
+        made = Path(writer.stdout.readline().strip())
+        folder("out")
+        assert made.exists()
+        os.kill(writer.pid, signal.SIGKILL)
+    folder("out", overwrite=True)
+    assert [path.name for path in here.iterdir()] == ["out"]
