@@ -12,7 +12,6 @@ import csv
 import functools
 import math
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,19 +58,22 @@ class Table:
         return "".join(_cells(self.lines[row][1], self.separator)[column : column + 1])
 
 
-def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = InputError) -> Table:
+def read_table(
+    path: Path, *, matrix: bool = False, text: str | None = None, failure: type[InputError] = InputError
+) -> Table:
     """Read a table of numbers: text in UTF-8, in UTF-16 with its mark, or in Latin-1.
 
     Of a `matrix`, each line but comments, which begin with # or %, is a row of as many numbers as the
     first has; an empty cell, NaN or NA is a missing one. Else there are two columns or more; lines
     beginning with ; are comments too; lines before the first with a number are headers; cells may hold
-    words; the last cells of a row may be left out; rows of empty cells are skipped.
+    words; the last cells of a row may be left out; rows of empty cells are skipped. `text` stands for the
+    content of the file.
 
     Raises the `failure`, with the number of the line that is wrong, if there is no such file or no such
     table.
     """
     fail = functools.partial(failure, str(path))
-    everything = _text(path, fail).split("\n")
+    everything = (text_of(path, failure) if text is None else text).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
     lines = [
         (number, line.partition("#")[0])
@@ -117,7 +119,9 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     return Table(str(path), names[:kept], values[:, :kept], rows, separator)
 
 
-def _text(path: Path, fail: Callable[..., InputError]) -> str:
+def text_of(path: Path, failure: type[InputError] = InputError) -> str:
+    """Content of a text file, its lines ended by a newline; raises the `failure` where there is none."""
+    fail = functools.partial(failure, str(path))
     if path.is_dir() or not path.exists():
         got = "a folder" if path.is_dir() else "no such file"
         raise fail(expected="a file with a table of numbers", got=got)

@@ -1,4 +1,4 @@
-"""Points x, y, z of a regular grid, as instruments list them that leave out undefined pixels."""
+"""Coordinates in tables of numbers: points of a grid or a profile, and labels of lines and columns."""
 
 from __future__ import annotations
 
@@ -10,20 +10,95 @@ from numpy.typing import NDArray
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
+POINTS = range(3, 7)
+"""Columns that a list of points can have: x, y, z and a few more quantities."""
 _OFF = 0.1  # how far a point may be off its grid, in spacings; coordinates are written with few digits
 _SAME = 1e-6  # difference of two coordinates that is rounding, as a part of the side of the scan
 _SPARSE = 10  # pixels for each point beyond which points are said to lie on no grid
 _DOUBLED = 0.01  # part of the points that may share x and y with others, where columns are taken for points
+_FEW = 5, 10  # coordinates from which on even ones are no heights: exact ones, and those of few digits
+_EVEN = 1e-3  # deviation from even spacing, in spacings
+_LARGEST = 1e60  # coordinates beyond it are damaged numbers
+_MISSING = 0.25  # part of the lines of a grid beyond which rounding, and not missing points, made the gaps
 
 
 def are_points(matrix: Field) -> bool:
-    """Whether three columns are evidently x, y, z: few values of x and y, in pairs that hardly repeat."""
+    """Whether columns are evidently x, y, z, ...: few values of x and y, in pairs that hardly repeat."""
     rows, columns = matrix.shape
-    if columns != 3 or rows < 4 or not np.isfinite(matrix[:, :2]).all():
+    if columns not in POINTS or rows < 4 or not np.isfinite(matrix[:, :2]).all():
         return False
     distinct = [np.unique(matrix[:, column]).size for column in (0, 1)]
     pairs = np.unique(matrix[:, :2], axis=0).shape[0]
     return min(distinct) > 1 and distinct[0] * distinct[1] <= 2 * rows and pairs >= (1 - _DOUBLED) * rows
+
+
+def coordinates(matrix: Field, *, sure: bool) -> list[int]:
+    """Columns of x, y and z, or of x and z; none of a matrix of heights, unless coordinates are `sure`."""
+    columns, first = matrix.shape[1], matrix[:, 0]
+    number = int(columns > 3 and are_numbers(first) and are_points(matrix[:, 1:]))
+    if number or are_points(matrix) or (sure and columns > 2):
+        return [number, number + 1, number + 2]
+    ordered = bool((np.diff(first) >= 0).all() or (np.diff(first) <= 0).all())
+    profile = sure or (ordered and np.unique(first).size > 3 and not are_numbers(first))
+    return [0, 1] if columns == 2 and profile else []
+
+
+def even_step(places: Field) -> float | None:
+    """Step of evenly spaced coordinates, but for the digits in which they are written; None of others."""
+    if places.size < _FEW[0] or not np.abs(places).max() < _LARGEST:
+        return None
+    step = float(places[-1] - places[0]) / (places.size - 1)
+    if step == 0:
+        return None
+    off = float(np.abs(places - np.linspace(places[0], places[-1], places.size)).max())
+    digit = _last_digit(places, abs(step)) if places.size >= _FEW[1] else 0.0
+    return step if off <= max(_EVEN * abs(step), 1.001 * digit) else None
+
+
+def _last_digit(places: Field, step: float) -> float:
+    """The power of ten, at most twice the step, of which all are multiples; 0 if there is none."""
+    first = math.floor(math.log10(2 * step))
+    for digit in (10.0**power for power in range(first, first - 4, -1)):
+        if np.abs(places / digit - np.rint(places / digit)).max() < _EVEN:
+            return digit
+    return 0.0
+
+
+def are_numbers(labels: Field) -> bool:
+    """Whether labels are 0, 1, 2, ... or 1, 2, 3, ..., and so no coordinates."""
+    return labels[0] in (0, 1) and np.array_equal(labels, labels[0] + np.arange(labels.size))
+
+
+def without_labels(matrix: Field) -> tuple[Field, Field | None, Field | None]:
+    """Part the heights from evenly spaced labels of the lines and of the columns, None where there are none.
+
+    Where another line or column is evenly spaced too, the first one is no label but a height.
+    """
+    lines: Field | None = None
+    columns: Field | None = None
+    if _labels(matrix[:, 1:]):
+        columns, matrix = matrix[0], matrix[1:]
+    if _labels(matrix.T):
+        lines, matrix = matrix[:, 0], matrix[:, 1:]
+        columns = columns if columns is None else columns[1:]
+    return matrix, lines, columns
+
+
+def _labels(matrix: Field) -> bool:
+    """Whether the first row, alone among the first ones, is evenly spaced."""
+    return len(matrix) > 1 and bool(even_step(matrix[0])) and not any(map(even_step, matrix[1:4]))
+
+
+def profile_of(name: str, points: Field) -> tuple[Field, tuple[float]]:
+    """Heights in the order of x, NaN where there is no point, and their distance; points are (n, 2)."""
+    x, z = points[np.isfinite(points[:, 0])].T
+    numbers = _numbered(x)
+    if numbers is None or np.unique(numbers[0]).size < x.size or numbers[0].max() > _SPARSE * x.size:
+        got, advice = f"{len(points)} scattered points", "heights interpolated to an even spacing"
+        raise SurfaceFileError(name, expected="points x, z of even spacing", got=got, advice=advice)
+    heights = np.full(numbers[0].max() + 1, np.nan)
+    heights[numbers[0]] = z
+    return heights, (numbers[1],)
 
 
 def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
@@ -35,7 +110,7 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
     column, row = _numbered(x), _numbered(-y)
     if column is None or row is None or (row[0].max() + 1.0) * (column[0].max() + 1.0) > _SPARSE * z.size:
         expected, got = "points x, y, z of a regular grid", f"{len(points)} scattered points"
-        advice = "heights interpolated to a grid, or the name .txt for a matrix of heights with three columns"
+        advice = "heights interpolated to a grid"
         raise SurfaceFileError(name, expected=expected, got=got, advice=advice)
     heights = np.full((row[0].max() + 1, column[0].max() + 1), np.nan)
     heights[row[0], column[0]] = z
@@ -61,6 +136,7 @@ def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
     # Of equal gaps, but for rounding: a line without any point leaves one of two spacings or more.
     step = side / round(side / float(gaps[gaps < 1.5 * gaps.min()].mean()))
     number = np.rint(from_first / step)
-    if np.abs(from_first / step - number).max() > _OFF:
-        return None
-    return number.astype(np.intp), step
+    lines, line_of = np.unique(places, return_inverse=True)
+    if lines.size <= (1 - _MISSING) * (side / step + 1) and (even := even_step(lines)):
+        return line_of, even
+    return None if np.abs(from_first / step - number).max() > _OFF else (number.astype(np.intp), step)
