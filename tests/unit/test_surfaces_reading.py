@@ -210,6 +210,7 @@ def two(first, second):
             Z[1],
         ),
     ],
+    ids=short,
 )
 def test_of_several_channels_in_one_text_none_is_taken(name, content, channel, right):
     with refuses(name, kind=SurfaceFileError):

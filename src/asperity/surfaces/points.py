@@ -38,7 +38,8 @@ def coordinates(matrix: Field, *, sure: bool) -> list[int]:
     number = int(columns > 3 and are_numbers(first) and are_points(matrix[:, 1:]))
     if number or are_points(matrix) or (sure and columns > 2):
         return [number, number + 1, number + 2]
-    ordered = bool((np.diff(first) >= 0).all() or (np.diff(first) <= 0).all())
+    step = np.diff(first[np.isfinite(first)])
+    ordered = len(step) == len(first) - 1 and ((step >= 0).all() or (step <= 0).all())
     profile = sure or (ordered and np.unique(first).size > 3 and not are_numbers(first))
     return [0, 1] if columns == 2 and profile else []
 
