@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -19,13 +19,7 @@ from asperity.surfaces.text_files import read_text
 Length = Literal["m", "mm", "um", "nm", "pm"]
 
 _TEXT_SUFFIXES = (".txt", ".csv", ".dat", ".asc", ".xyz")
-_ARRAYS: dict[str, Callable[[Path, str | int | None], RawSurface]] = {
-    ".npy": read_npy,
-    ".npz": read_npz,
-    ".mat": read_mat,
-    **dict.fromkeys((".h5", ".hdf5", ".h5-jpk"), read_hdf5),
-}
-_MAGIC = {b"\x93NUMPY": read_npy, b"MATLAB": read_mat, b"\x89HDF": read_hdf5}
+_ARRAYS = {".npy": read_npy, ".npz": read_npz, ".mat": read_mat}
 
 
 def read_raw(file: Path, channel: str | int | None, undefined_value: float | None) -> RawSurface:
@@ -34,15 +28,16 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
     with file.open("rb") as stream:
         begin = stream.read(4096)
     is_text = b"\0" not in begin or begin.startswith((b"\xff\xfe", b"\xfe\xff"))
-    by_content = [read for magic, read in _MAGIC.items() if begin.startswith(magic)]
     if suffix in _ARRAYS:
         raw = _ARRAYS[suffix](file, channel)
+    elif begin.startswith(b"\x89HDF") and suffix != ".datx":  # that of an interferometer
+        raw = read_hdf5(file, channel)
     elif is_text and suffix in _TEXT_SUFFIXES:
         raw = read_text(file, channel)
     elif (found := read_instrument(file, channel)) is not None:
         raw = found
-    elif by_content or is_text or suffix in _TEXT_SUFFIXES:
-        raw = [*by_content, read_text][0](file, channel)
+    elif is_text or suffix in _TEXT_SUFFIXES:
+        raw = read_text(file, channel)
     else:
         got, advice = "a file of no known kind, or a damaged or truncated one", "a matrix of heights as text"
         raise SurfaceFileError(str(file), expected="a surface file", got=got, advice=advice)

@@ -83,6 +83,8 @@ def _opened(path: Path, formats: Sequence[str] | None) -> Any:
         signed = reader.can_read(begin)
         if signed == MagicMatch.NO:
             continue
+        if isinstance(source, io.BytesIO):
+            source.seek(0)
         try:
             return _without_metadata(reader)(source)
         except Exception as error:

@@ -90,37 +90,27 @@ def _labels(matrix: Field) -> bool:
     return len(matrix) > 1 and bool(even_step(matrix[0])) and not any(map(even_step, matrix[1:4]))
 
 
-def profile_of(name: str, points: Field) -> tuple[Field, tuple[float]]:
-    """Heights in the order of x, NaN where there is no point, and their distance; points are (n, 2)."""
-    x, z = points[np.isfinite(points[:, 0])].T
-    numbers = _numbered(x)
-    if numbers is None or np.unique(numbers[0]).size < x.size or numbers[0].max() > _SPARSE * x.size:
-        got, advice = f"{len(points)} scattered points", "heights interpolated to an even spacing"
-        raise SurfaceFileError(name, expected="points x, z of even spacing", got=got, advice=advice)
-    heights = np.full(numbers[0].max() + 1, np.nan)
-    heights[numbers[0]] = z
-    return heights, (numbers[1],)
+def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, ...]]:
+    """Heights of the pixels, NaN where there is no point, and the distance between pixels along each axis.
 
-
-def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
-    """Heights of the pixels, NaN where there is no point, and the distance between rows and between columns.
-
-    Points have the shape (n, 3); x goes to the right and y upward.
+    Points x, z of a profile have the shape (n, 2), points x, y, z the shape (n, 3); y is upward.
     """
-    x, y, z = points[~np.isnan(points[:, 2])].T
-    column, row = _numbered(x), _numbered(-y)
-    if column is None or row is None or (row[0].max() + 1.0) * (column[0].max() + 1.0) > _SPARSE * z.size:
-        expected, got = "points x, y, z of a regular grid", f"{len(points)} scattered points"
-        advice = "heights interpolated to a grid"
+    x, *y, z = points[~np.isnan(points[:, -1])].T
+    lines = [numbered for places in (*(-places for places in y), x) if (numbered := _numbered(places))]
+    shape = tuple(int(number.max()) + 1 for number, _ in lines)
+    if len(shape) < len(y) + 1 or math.prod(shape) > _SPARSE * z.size:
+        expected = f"points {'x, y, z' if y else 'x, z'} of a regular grid"
+        got, advice = f"{len(points)} scattered points", "heights interpolated to a grid"
         raise SurfaceFileError(name, expected=expected, got=got, advice=advice)
-    heights = np.full((row[0].max() + 1, column[0].max() + 1), np.nan)
-    heights[row[0], column[0]] = z
-    double = np.flatnonzero(heights[row[0], column[0]] != z)
+    heights, at = np.full(shape, np.nan), tuple(number for number, _ in lines)
+    heights[at] = z
+    double = np.flatnonzero(heights[at] != z)
     if double.size:
-        at = f"x = {x[double[0]]:g}, y = {y[double[0]]:g}"
-        got = f"another height for {double.size} of them, the first at {at}"
+        first = points[~np.isnan(points[:, -1])][double[0], :-1]
+        where = ", ".join(f"{axis} = {place:g}" for axis, place in zip("xy", first, strict=False))
+        got = f"another height for {double.size} of them, the first at {where}"
         raise SurfaceFileError(name, expected="one height for each point of the grid", got=got)
-    return heights, (row[1], column[1])
+    return heights, tuple(step for _, step in lines)
 
 
 def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:

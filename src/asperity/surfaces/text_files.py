@@ -197,7 +197,7 @@ def _points(
         choose(str(path), channel, {})
     if not used:
         return None
-    heights, size = (points.profile_of, points.grid_of)[len(used) > 2](str(path), raw.heights[:, used])
+    heights, size = points.grid_of(str(path), raw.heights[:, used])
     others = ", ".join(str(i + 1) for i in range(raw.heights.shape[1]) if i not in used)
     length_unit = spelled(units[0] or "".join(block.fact("length_unit")))
     return dataclasses.replace(
