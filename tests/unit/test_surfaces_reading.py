@@ -72,7 +72,8 @@ def arrays(name):
         case "a.mat":
             scipy.io.savemat(name, {"h": H, "dx": 0.5, "mask": H > 0})
         case "matlab.h5":  # columns first, as MATLAB 7.3 does
-            hdf5(name, h=(H.T, {"MATLAB_class": np.bytes_("double")}))
+            word = (np.arange(9, dtype="u2")[:, None], {"MATLAB_class": np.bytes_("char")})
+            hdf5(name, h=(H.T, {"MATLAB_class": np.bytes_("double")}), word=word)
         case "a.h5":
             hdf5(name, h=(H, {}))
 
@@ -249,6 +250,9 @@ TABLE[1:, 1:], TABLE[0, 1:], TABLE[1:, 0] = WIDE, 1e-6 * np.arange(20), -0.25e-6
 PLANE = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
 STEPS = np.arange(60)
 GWYDDION, STYLUS = "# Lateral units: \u00b5m\n# Value units: nm\n", "Tip, 2\nX (mm), Z (um)\n"
+XY = "x in \u00b5m,y in nm\n"
+DEKTAK = files.text(np.c_[np.round(0.156 * STEPS, 1), PROFILE], separator=",").replace(b"\n", b",,\n")
+DEKTAK = b"Scan Parameters\nStylus,Radius: 2.5 um\n\nScan Data\nLateral um,Raw Micrometer,\n" + DEKTAK
 NUMBERED = np.c_[np.arange(1, 33), WIDE]
 
 
@@ -264,6 +268,14 @@ NUMBERED = np.c_[np.arange(1, 33), WIDE]
         ("a.txt", files.text(np.c_[np.round(0.16 * STEPS, 1), PROFILE]), PROFILE, (0.16,), ("1", None)),
         ("a.xyz", files.text(np.c_[np.round(1.57 * STEPS), PROFILE]), PROFILE, (1.57,), ("1", None)),
         ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], STYLUS, ","), PROFILE, (0.1,), ("um", "mm")),
+        ("a.csv", DEKTAK, PROFILE, (0.156,), ("um", "um")),
+        (
+            "a.csv",
+            files.text(np.c_[0.1 * STEPS, PROFILE], "x in \u00b5m,y in nm\n", ","),
+            PROFILE,
+            (0.1,),
+            ("nm", "um"),
+        ),
         ("a.txt", files.text(TABLE), WIDE, (0.25e-6, 1e-6), ("1", None)),
         ("a.txt", files.text(TABLE[:, 1:]), WIDE, None, ("1", None)),
         ("a.txt", files.text(TABLE[1:]), WIDE, None, ("1", None)),

@@ -36,7 +36,7 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
         raw = read_text(file, channel)
     elif (found := read_instrument(file, channel)) is not None:
         raw = found
-    elif is_text or suffix in _TEXT_SUFFIXES:
+    elif suffix in _TEXT_SUFFIXES or (is_text and b"\0" not in file.read_bytes()[len(begin) :]):
         raw = read_text(file, channel)
     else:
         got, advice = "a file of no known kind, or a damaged or truncated one", "a matrix of heights as text"

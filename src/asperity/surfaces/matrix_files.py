@@ -91,8 +91,12 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
     arrays: dict[str, Any] = {}
 
     def visit(name: str, node: Any) -> None:
-        if isinstance(node, h5py.Dataset) and node.dtype.kind in "iuf" and len(node.shape or ()) in (1, 2):
-            arrays.update({name: node} if node.size > 1 and not node.is_scale else {})
+        if name[0] == "#" or not isinstance(node, h5py.Dataset) or node.is_scale:
+            return  # what MATLAB's cells refer to, a group, or coordinates
+        real = node.dtype.kind in "iuf" and len(node.shape or ()) in (1, 2) and node.size > 1
+        named = _NUMERIC.fullmatch(_text(node, "MATLAB_class") or "double")
+        if real and named and "MATLAB_empty" not in node.attrs:
+            arrays[name] = node
 
     with _one_error(path, "HDF5"), h5py.File(path) as file:
         file.visititems(visit)

@@ -12,9 +12,10 @@ from asperity.lattice import Field
 
 # Spellings of units in files; the third is UTF-8 that was taken for Latin-1.
 _SPELLINGS = {
-    **dict.fromkeys(("\u00b5m", "\u03bcm", "\u00c2\u00b5m", "micron", "micrometer"), "um"),
-    **dict.fromkeys(("\u00c5", "\u212b", "A"), "angstrom"),
-    "": "1",
+    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m", "micron", "microns", "micrometer"),
+    "nm": ("nanometer",),
+    "angstrom": ("\u00c5", "\u212b", "A"),
+    "1": ("",),
 }
 
 _SINGLE = 1e-5  # part by which a number may differ from another that is written with six digits
@@ -57,7 +58,7 @@ class RawSurface:
 def spelled(unit: str | None) -> str:
     """A unit in our spelling; "1" for none."""
     unit = (unit or "").strip()
-    return _SPELLINGS.get(unit, unit)
+    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
 
 
 def without(heights: Field, value: float, rule: str) -> tuple[Field, str]:

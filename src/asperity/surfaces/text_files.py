@@ -22,7 +22,7 @@ from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.prepare import conversion, is_length
 from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spelled, without
 
-_WORD = re.compile(r"[\"']?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
+_WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)"
 # Labels of Gwyddion's export in the languages of its menus.
 _CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
@@ -51,8 +51,8 @@ _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGN
 _COLUMNS = Roles(
     (
         ("x", r"^x\b|position|lateral|distance|^length"),
-        ("y", r"^y\b"),
-        ("z", r"^z\b|height|profile|topography|^raw"),
+        ("y", r"^y\d?\b"),
+        ("z", r"^z\d?\b|height|profile|topography|^raw"),
     ),
     dict.fromkeys("xyz", ("m",)),
 )
@@ -149,17 +149,23 @@ def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
 
 def _table(path: Path, lines: list[str], block: _Block) -> Table:
     """Read the numbers of a block; the last line above them may name the columns."""
-    shown = [""] * block.first + lines[block.first : block.end]
+    rows = [line.rstrip(" ") for line in lines[block.first : block.end]]
+    empty = min((len(row) - len(row.rstrip(",;")) for row in rows if row), default=0)  # columns at the end
+    rows = ["" if _WORD.match(row.strip()) else row[: len(row) - empty] for row in rows]
+    shown = [""] * block.first
     above = next((i for i in range(block.first - 1, -1, -1) if lines[i].strip()), None)
-    if above is not None:
-        shown[above] = f"# {lines[above].strip().lstrip('#% ')}" * bool(block.header)
-    text = "\n".join("" if _WORD.match(line.strip()) else line for line in shown)
+    if above is not None and block.header:
+        shown[above] = f"# {lines[above].strip().lstrip('#% ').rstrip(',;')}"
+    text = "\n".join(shown + rows)
     return read_table(path, matrix=True, text=text, failure=SurfaceFileError)
 
 
 def _roles(table: Table) -> list[tuple[str, str | None]]:
-    """What the columns are by their names, if x and heights are among them; else nothing."""
-    found = [_COLUMNS.of(name) for name in table.names]
+    """What the columns are by their names, if x and heights are among them: z, or y alone; else nothing."""
+    words = (re.sub("[A-Z][a-z]+(meter|strom)", lambda unit: unit[0].lower(), name) for name in table.names)
+    found = [_COLUMNS.of(name) for name in words]
+    if "z" not in {role for role, _ in found}:
+        found = [("z" if role == "y" else role, unit) for role, unit in found]
     return found if {"x", "z"} <= {role for role, _ in found} else []
 
 
@@ -223,9 +229,9 @@ def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
             steps.append(step)
             first = ", ".join(f"{label:g}" for label in each[:3])
             remarks.append(f"left out the numbers {first}, ... of the {what}")
-    if heights.shape[1] == 3 and heights.shape[0] > 3:
-        remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")
     size, length_unit = _size(path, heights.shape, block)
+    if size is None and heights.shape[1] == 3 and heights.shape[0] > 3:
+        remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")
     if size is None and len(steps) == 2 and all(steps):
         size, raw = (steps[0], steps[1]), dataclasses.replace(raw, size_from="its coordinates")
     if 1 in heights.shape:
