@@ -13,7 +13,7 @@ from asperity.lattice import Field
 # Spellings of units in files; the third is UTF-8 that was taken for Latin-1.
 _SPELLINGS = {
     "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m", "micron", "microns", "micrometer"),
-    "nm": ("nanometer",),
+    "nm": ("nanometer", "nanometers"),
     "angstrom": ("\u00c5", "\u212b", "A"),
     "1": ("",),
 }

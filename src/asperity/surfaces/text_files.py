@@ -12,7 +12,6 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from asperity.base.columns import Roles
 from asperity.base.tables import Table, read_table, text_of
 from asperity.base.version import __version__
 from asperity.base.words import shortened
@@ -48,14 +47,11 @@ _FACTS = {
 _READER = f"asperity {__version__}"
 _FORMAT = re.compile(r"file ?format|^[ab](iso|bcr)-\d", re.IGNORECASE)
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
-_COLUMNS = Roles(
-    (
-        ("x", r"^x\b|position|lateral|distance|^length"),
-        ("y", r"^y\d?\b"),
-        ("z", r"^z\d?\b|height|profile|topography|^raw"),
-    ),
-    dict.fromkeys("xyz", ("m",)),
-)
+_AXES = {
+    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length)", re.IGNORECASE),
+    "y": re.compile(r"y\d?\b|y_", re.IGNORECASE),
+    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile|topography)", re.IGNORECASE),
+}
 
 
 @dataclass
@@ -161,12 +157,20 @@ def _table(path: Path, lines: list[str], block: _Block) -> Table:
 
 
 def _roles(table: Table) -> list[tuple[str, str | None]]:
-    """What the columns are by their names, if x and heights are among them: z, or y alone; else nothing."""
-    words = (re.sub("[A-Z][a-z]+(meter|strom)", lambda unit: unit[0].lower(), name) for name in table.names)
-    found = [_COLUMNS.of(name) for name in words]
-    if "z" not in {role for role, _ in found}:
+    """What the columns are by their names, and their units, None for one that is no length.
+
+    Nothing where x and heights are not among them; where there is no z, y are the heights.
+    """
+    found: list[tuple[str, str | None]] = []
+    for name in table.names:
+        role = next((axis for axis, words in _AXES.items() if words.match(name)), "")
+        bracket = re.search(r"[\[({<]\s*(.*?)\s*[\])}>]\s*$", name)
+        unit = spelled((bracket[1] if bracket else re.split(r"[\s_/,]+", name)[-1]).replace("M", "m"))
+        known = is_length(unit)
+        found.append((role, unit if known else None if bracket else "1"))
+    if "z" not in dict(found):
         found = [("z" if role == "y" else role, unit) for role, unit in found]
-    return found if {"x", "z"} <= {role for role, _ in found} else []
+    return found if {"x", "z"} <= set(dict(found)) else []
 
 
 def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
@@ -187,7 +191,7 @@ def _points(
     path: Path, raw: RawSurface, table: Table, block: _Block, channel: str | int | None
 ) -> RawSurface | None:
     """Lay points on their grid if columns are coordinates, by their names or their values; else None."""
-    used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["", ""]
+    used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["1", "1"]
     if roles := _roles(table):
         at = {role: [i for i, (each, _) in enumerate(roles) if each == role] for role in "xyz"}
         names = {table.names[i]: f"column {i + 1}" for i in at["z"]}
@@ -205,12 +209,12 @@ def _points(
         return None
     heights, size = points.grid_of(str(path), raw.heights[:, used])
     others = ", ".join(str(i + 1) for i in range(raw.heights.shape[1]) if i not in used)
-    length_unit = spelled(units[0] or "".join(block.fact("length_unit")))
+    length_unit = spelled("".join(block.fact("length_unit"))) if units[0] == "1" else units[0]
     return dataclasses.replace(
         raw,
         heights=heights,
         format="xyz",
-        unit=spelled(units[-1]) if units[-1] else raw.unit,
+        unit=raw.unit if units[-1] == "1" else units[-1],
         pixel_size=size,
         length_unit=None if length_unit == "1" else length_unit,
         orientation=FIRST_LINE if heights.ndim == 1 else LARGEST_Y,
