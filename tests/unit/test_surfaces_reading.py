@@ -12,6 +12,8 @@ import scipy.io
 
 from asperity.errors import SurfaceFileError
 from asperity.surfaces import read
+from asperity.surfaces.files import record_of
+from asperity.surfaces.raw import RawSurface
 from tests import instrument_files as files
 from tests.instrument_files import write
 from tests.refusals import refuses
@@ -300,12 +302,17 @@ def test_a_profile_with_missing_points():
     np.testing.assert_array_equal(np.delete(surface.heights, [7, 31]), np.delete(PROFILE, [7, 31]))
 
 
+def test_a_remark_is_made_once():
+    raw = RawSurface(H, "jpk", "a reader", remarks=("an unknown tag",) * 33)
+    assert record_of(raw)["reader_remarks"] == ["an unknown tag"]
+
+
 def test_headers_that_nobody_understands():
     for content in (
         files.text(H, "Scale = 3\n"),
         files.text(H, ESRI.format("-1").replace("7", "8")),
         files.text(H, "# Width: 5 V\n# Height: 5 V\n"),
-        files.text(POINTS, "x (mm) y (um) z (um)\n"),
+        files.text(POINTS, "x (mm),y (um),z (um)\n", ","),
         files.text(np.c_[np.sort(RNG.uniform(size=60)), PROFILE]),
         files.sdf(H, "aISO-3.0"),
     ):

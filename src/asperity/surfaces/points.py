@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
-POINTS = range(3, 7)
-"""Columns that a list of points can have: x, y, z and a few more quantities."""
 _OFF = 0.1  # how far a point may be off its grid, in spacings; coordinates are written with few digits
 _SAME = 1e-6  # difference of two coordinates that is rounding, as a part of the side of the scan
 _SPARSE = 10  # pixels for each point beyond which points are said to lie on no grid
 _DOUBLED = 0.01  # part of the points that may share x and y with others, where columns are taken for points
+_MOST = 6  # columns of a list of points: x, y, z and a few more quantities
 _FEW = 5, 10  # coordinates from which on even ones are no heights: exact ones, and those of few digits
 _EVEN = 1e-3  # deviation from even spacing, in spacings
 _LARGEST = 1e60  # coordinates beyond it are damaged numbers
@@ -25,7 +24,7 @@ _MISSING = 0.25  # part of the lines of a grid beyond which rounding, and not mi
 def are_points(matrix: Field) -> bool:
     """Whether columns are evidently x, y, z, ...: few values of x and y, in pairs that hardly repeat."""
     rows, columns = matrix.shape
-    if columns not in POINTS or rows < 4 or not np.isfinite(matrix[:, :2]).all():
+    if not 3 <= columns <= _MOST or rows < 4 or not np.isfinite(matrix[:, :2]).all():
         return False
     distinct = [np.unique(matrix[:, column]).size for column in (0, 1)]
     pairs = np.unique(matrix[:, :2], axis=0).shape[0]

@@ -15,7 +15,7 @@ from pathlib import Path
 from asperity.base.tables import Table, read_table, text_of
 from asperity.base.version import __version__
 from asperity.base.words import shortened
-from asperity.errors import SurfaceFileError
+from asperity.errors import MissingExtraError, SurfaceFileError
 from asperity.surfaces import points
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.prepare import conversion, is_length
@@ -77,13 +77,15 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     """Read heights from text: a matrix, a profile, or points x, y, z; see `read_table` for the numbers."""
     lines = text_of(path, SurfaceFileError).split("\n")
     blocks = _blocks(lines)
-    if foreign := [line for line in blocks[0].header if _FORMAT.search(line)]:
-        return _with_other_header(path, channel, foreign[0])
-    blocks = _joined(path, lines, blocks)
-    tables = [_table(path, lines, block) for block in blocks]
-    words = [line for block in blocks for line in block.strange if line[0] not in "#%"]
-    if words and not all(map(_roles, tables)):
-        return _with_other_header(path, channel, words[0])
+    unknown = [line for line in blocks[0].header if _FORMAT.search(line)]
+    if not unknown:
+        blocks = _joined(path, lines, blocks)
+        tables = [_table(path, lines, block) for block in blocks]
+        unknown = [line for block in blocks for line in block.strange if line[0] not in "#%"]
+        unknown = [] if all(map(_roles, tables)) else unknown
+    if unknown:
+        number = 1 + [line.strip() for line in lines].index(unknown[0])
+        return _with_other_header(path, channel, number, unknown[0])
     found, shapes, others = {}, {}, []
     labels = ["".join(block.fact("channel")) or "matrix" * (len(blocks) > 1) for block in blocks]
     for number, (label, table, block) in enumerate(zip(labels, tables, blocks, strict=True), 1):
@@ -101,15 +103,15 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
 
 
-def _with_other_header(path: Path, channel: str | int | None, line: str) -> RawSurface:
+def _with_other_header(path: Path, channel: str | int | None, number: int, line: str) -> RawSurface:
     """Leave the file to the readers of instruments; refuse it if they do not find units and sizes."""
-    with contextlib.suppress(SurfaceFileError):
+    with contextlib.suppress(SurfaceFileError, MissingExtraError):
         raw = read_instrument(path, channel, ("sdf", "bcr", "asc", "xyz"))
         if raw and raw.unit != "1" and raw.pixel_size is not None:
             return raw
-    advice = "a # before header lines, with file_unit and pixel_size (--file-unit, --pixel-size)"
-    expected, got = "a header of a known kind above the numbers", repr(shortened(line, 60))
-    raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
+    expected = f"only numbers, or a header of a known kind, in line {number}"
+    advice = "a # before header lines, and NaN for undefined pixels"
+    raise SurfaceFileError(str(path), expected=expected, got=repr(shortened(line, 60)), advice=advice)
 
 
 def _blocks(lines: list[str]) -> list[_Block]:
