@@ -29,6 +29,9 @@ WHOLE = RNG.integers(-99, 99, size=(5, 7))
 WIDE = RNG.normal(size=(32, 20))
 X, Y = np.meshgrid(0.5 * np.arange(20), 0.3 * np.arange(15) - 7.0)
 Z = RNG.normal(size=(15, 20))
+SPIP = "# x-pixels = 7\n# y-pixels = 5\n# x-length = 7000\n# y-length = 10000\n"
+SPIP = f"# File Format = ASCII\n{SPIP}# x-unit = nm\n# y-unit = nm\n# z-unit = nm\n"
+NOVA = "NX = 7\nNY = 5\nScale X = 1\nScale Y = 2\nUnit X = um\nUnit Y = um\nUnit Data = nm\nStart of Data :\n"
 POINTS = np.stack([X, Y, Z], axis=-1).reshape(-1, 3)
 PROFILE = WIDE[:3].ravel()
 pytestmark = pytest.mark.usefixtures("here")
@@ -97,6 +100,8 @@ def test_the_first_row_of_an_array_is_row_0(name):
         *(("a.sdf", files.sdf(H, f"{kind}-1.0"), "um", H) for kind in ("aISO", "bISO", "aBCR", "bBCR")),
         ("a.sdf", files.sdf(H, "aISO-2.0"), "um", H),
         ("a.txt", files.sdf(H, "aBCR-1.0"), "um", H),
+        ("a.txt", files.text(H, SPIP), "nm", H),
+        ("a.asc", files.text(H, NOVA), "nm", H),
         ("a.x3p", files.x3p(H), "m", H),
         ("a.x3p", files.x3p(H, revision="ISO5436 \u2013 2000", date="N/A"), "m", H),
         ("a.x3p", files.x3p(H, revision="ISO 5436-2"), "m", H),
@@ -233,7 +238,12 @@ def test_of_several_arrays_none_is_taken():
 
 
 def test_what_stands_beside_heights_is_not_pressed():
-    beside = {"thumbnail": (WHOLE, {}), "Phase": (H, {}), "scan__row_index": (WHOLE, {})}
+    beside = {
+        "thumbnail": (WHOLE, {}),
+        "photo": (WHOLE.astype("u1"), {}),
+        "Phase": (H, {}),
+        "scan__row_index": (WHOLE, {}),
+    }
     surface, record = found(hdf5("a.h5", h=(H, {"units": "\u00b5m", "scale_factor": 2.0}), **beside))
     np.testing.assert_array_equal(surface.heights, 2 * H)
     assert (surface.unit, record["channels"]) == ("um", ["h"])
@@ -252,6 +262,8 @@ TABLE[1:, 1:], TABLE[0, 1:], TABLE[1:, 0] = WIDE, 1e-6 * np.arange(20), -0.25e-6
 PLANE = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
 STEPS = np.arange(60)
 GWYDDION, STYLUS = "# Lateral units: \u00b5m\n# Value units: nm\n", "Tip, 2\nX (mm), Z (um)\n"
+WEG = files.text(np.c_[0.1 * STEPS, PROFILE], separator=";").replace(b".", b",")
+WEG = "L\u00e4nge [mm];H\u00f6he [\u00b5m]\n".encode("latin-1") + WEG
 XY = "x in \u00b5m,y in nm\n"
 DEKTAK = files.text(np.c_[np.round(0.156 * STEPS, 1), PROFILE], separator=",").replace(b"\n", b",,\n")
 DEKTAK = b"Scan Parameters\nStylus,Radius: 2.5 um\n\nScan Data\nLateral um,Raw Micrometer,\n" + DEKTAK
@@ -270,6 +282,7 @@ NUMBERED = np.c_[np.arange(1, 33), WIDE]
         ("a.txt", files.text(np.c_[np.round(0.16 * STEPS, 1), PROFILE]), PROFILE, (0.16,), ("1", None)),
         ("a.xyz", files.text(np.c_[np.round(1.57 * STEPS), PROFILE]), PROFILE, (1.57,), ("1", None)),
         ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], STYLUS, ","), PROFILE, (0.1,), ("um", "mm")),
+        ("a.csv", WEG, PROFILE, (0.1,), ("um", "mm")),
         ("a.csv", DEKTAK, PROFILE, (0.156,), ("um", "um")),
         (
             "a.csv",
@@ -350,6 +363,7 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
     for name, content in (
         ("a.nc", None),
         ("a.sur", files.sur(WHOLE, unit=b"%")),
+        ("a.sdf", files.sdf(H[:0], "bISO-1.0")),
         ("b.sur", files.sur(WHOLE, magic=b"DSCOMPRESSED")),
         ("a.gwy", files.gwy({"Phase": (H, "deg")})),
     ):

@@ -41,6 +41,8 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
     else:
         got, advice = "a file of no known kind, or a damaged or truncated one", "a matrix of heights as text"
         raise SurfaceFileError(str(file), expected="a surface file", got=got, advice=advice)
+    if not raw.heights.size:
+        raise SurfaceFileError(str(file), expected="heights", got="none")
     if undefined_value is not None:
         heights, rule = without(raw.heights, undefined_value, "undefined_value")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(*raw.undefined_by, rule))

@@ -105,7 +105,8 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
             advice = "a single image, exported in another format"
             raise SurfaceFileError(str(path), expected="a matrix of heights", got=got, advice=advice)
         units = {name: spelled(_text(node, "units") or _text(node, "unit")) for name, node in arrays.items()}
-        likely = [n for n in arrays if not _OTHERS.search(n) and (units[n] == "1" or is_length(units[n]))]
+        lengths = [name for name in arrays if units[name] == "1" or is_length(units[name])]
+        likely = [name for name in lengths if arrays[name].dtype.itemsize > 1 and not _OTHERS.search(name)]
         listed = likely if channel is None else list(arrays)
         if arrays and not listed:
             got = ", ".join(f"{name!r} in {units[name]}".removesuffix(" in 1") for name in arrays)

@@ -21,7 +21,7 @@ from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.prepare import conversion, is_length
 from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spelled, without
 
-_WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]", re.IGNORECASE)
+_WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)"
 # Labels of Gwyddion's export in the languages of its menus.
 _CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
@@ -45,12 +45,12 @@ _FACTS = {
     }.items()
 }
 _READER = f"asperity {__version__}"
-_FORMAT = re.compile(r"file ?format|^[ab](iso|bcr)-\d", re.IGNORECASE)
+_SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
 _AXES = {
-    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length)", re.IGNORECASE),
+    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length|l\u00e4nge|weg\b|longueur)", re.IGNORECASE),
     "y": re.compile(r"y\d?\b|y_", re.IGNORECASE),
-    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile|topography)", re.IGNORECASE),
+    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile?|topography|h\u00f6he|hauteur)", re.IGNORECASE),
 }
 
 
@@ -77,17 +77,25 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     """Read heights from text: a matrix, a profile, or points x, y, z; see `read_table` for the numbers."""
     lines = text_of(path, SurfaceFileError).split("\n")
     blocks = _blocks(lines)
-    unknown = [line for line in blocks[0].header if _FORMAT.search(line)]
-    if not unknown:
-        blocks = _joined(path, lines, blocks)
-        tables = [_table(path, lines, block) for block in blocks]
-        unknown = [line for block in blocks for line in block.strange if line[0] not in "#%"]
-        unknown = [] if all(map(_roles, tables)) else unknown
-    if unknown:
-        number = 1 + [line.strip() for line in lines].index(unknown[0])
-        return _with_other_header(path, channel, number, unknown[0])
+    if any(map(_SDF.match, blocks[0].header)) and (raw := _by_library(path, channel)):
+        return raw
+    blocks = _joined(path, lines, blocks)
+    tables = [_table(path, lines, block) for block in blocks]
+    strange = [line for block in blocks for line in block.strange if not all(map(_roles, tables))]
+    words = [line for line in strange if line[0] not in "#%"]
+    other = len(blocks) == 1 and (words or any(map(_MEASURES.search, strange)))
+    if other and (raw := _by_library(path, channel)):
+        return raw
+    if words:
+        number = 1 + [line.strip() for line in lines].index(words[0])
+        expected = f"only numbers, or a header of a known kind, in line {number}"
+        advice = "a # before header lines, and NaN for undefined pixels"
+        got = repr(shortened(words[0], 60))
+        raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
     found, shapes, others = {}, {}, []
-    labels = ["".join(block.fact("channel")) or "matrix" * (len(blocks) > 1) for block in blocks]
+    labels = [
+        shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
+    ]
     for number, (label, table, block) in enumerate(zip(labels, tables, blocks, strict=True), 1):
         name = f"{label}#{labels[:number].count(label)}" if labels.count(label) > 1 else label
         unit = "".join(block.fact("unit"))
@@ -103,15 +111,12 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
 
 
-def _with_other_header(path: Path, channel: str | int | None, number: int, line: str) -> RawSurface:
-    """Leave the file to the readers of instruments; refuse it if they do not find units and sizes."""
+def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
+    """What the readers of instruments find, if they find unit and size: they know other headers."""
     with contextlib.suppress(SurfaceFileError, MissingExtraError):
         raw = read_instrument(path, channel, ("sdf", "bcr", "asc", "xyz"))
-        if raw and raw.unit != "1" and raw.pixel_size is not None:
-            return raw
-    expected = f"only numbers, or a header of a known kind, in line {number}"
-    advice = "a # before header lines, and NaN for undefined pixels"
-    raise SurfaceFileError(str(path), expected=expected, got=repr(shortened(line, 60)), advice=advice)
+        return raw if raw and raw.unit != "1" and raw.pixel_size is not None else None
+    return None
 
 
 def _blocks(lines: list[str]) -> list[_Block]:
@@ -183,9 +188,10 @@ def _surface(path: Path, table: Table, block: _Block, channel: str | int | None)
     if void := block.fact("nodata_value"):
         heights, rule = without(raw.heights, _number(void), "NODATA_value in the header,")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(rule,))
-    strange = [] if _roles(table) else filter(_MEASURES.search, block.strange)
-    remarks = tuple(f"not understood in the header: {shortened(line, 60)!r}" for line in strange)
-    raw = dataclasses.replace(raw, remarks=remarks)
+    strange = [] if _roles(table) else list(filter(_MEASURES.search, block.strange))
+    if strange:
+        remark = f"not understood in the header: {', '.join(strange)}"
+        raw = dataclasses.replace(raw, remarks=(shortened(remark, 120),))
     return _points(path, raw, table, block, channel) or _matrix(path, raw, block)
 
 
