@@ -162,6 +162,11 @@ def test_a_value_stands_for_undefined_pixels(void):
         assert found(name, **options)[1]["undefined_pixels"] == 5
 
 
+def test_nan_may_be_the_value_of_a_header():
+    holed = np.where(np.eye(5, 7) > 0, np.nan, H)
+    assert found("a.asc", files.text(holed, ESRI.format("nan")))[1]["undefined_pixels"] == 5
+
+
 def test_a_grid_whose_header_names_its_void():
     surface, record = found(scan("corner-nodata.asc"))
     measured = np.loadtxt(scan("corner-nodata.asc"), skiprows=6)

@@ -22,7 +22,7 @@ from asperity.surfaces.prepare import conversion, is_length
 from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spelled, without
 
 _WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
-_NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?)"
+_NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?|nan)"
 # Labels of Gwyddion's export in the languages of its menus.
 _CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
 _WIDTH = "width|šířka|breite|anchura|largeur|larghezza|largura|幅|폭|\u0448\u0438\u0440\u0438\u043d\u0430"
