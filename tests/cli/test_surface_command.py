@@ -175,3 +175,13 @@ def test_a_file_of_an_instrument(asperity, says):
     assert row(text, "size") == "94.4319 x 125.909 um"
     assert "nm" in row(text, "rms height")
     assert asperity("surface", DATA / "opd-1.opd", "--channel", "nonsense", "--overwrite")[0] == 2
+
+
+def test_undefined_values_and_channels_by_flags(says):
+    heights = gaussian((24, 16), seed=5)
+    heights[3:8, 4] = -9999
+    np.savetxt("a.txt", heights)
+    Path("two.txt").write_text(f"{Path('a.txt').read_text()}\n{Path('a.txt').read_text()}")
+    for words in (["a.txt"], ["two.txt", "--channel", "1"]):
+        text = says("surface", *words, "--undefined-value", "-9999", "--out", f"{words[0]}.png")
+        assert row(text, "pixels") == "24 x 16 (rows x columns), undefined: 5"

@@ -4,7 +4,7 @@ How does a scan become a contact?
 
 A profilometer writes heights on a grid, tilted and with pixels that it could not see.
 ``asp.surfaces.read`` levels the scan, fills what is undefined from its rim, and gives it units; it
-records all of it. Text matrices, ``.npy`` and ``.npz`` are read directly. The formats of instruments need
+records all of it. Text, and arrays of numpy and MATLAB, are read directly. The formats of instruments need
 the extra ``asperity[instruments]``.
 
 This script writes a scan of which it knows the truth: a made surface, a tilt, and holes in the valleys.

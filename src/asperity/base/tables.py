@@ -13,7 +13,6 @@ import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,21 +65,23 @@ class Table:
         return "".join(_cells(self.lines[row][1], self.separator)[column : column + 1])
 
 
-def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = InputError) -> Table:
+def read_table(
+    path: Path, *, matrix: bool = False, text: str | None = None, failure: type[InputError] = InputError
+) -> Table:
     """Read a table of numbers: text in UTF-8, in UTF-16 with its mark, or in Latin-1.
 
     Of a `matrix`, each line but comments, which begin with # or %, is a row of as many numbers as the
     first has; an empty cell, NaN or NA is a missing one. Else there are two columns or more; lines
     beginning with ; are comments too; cells may hold words; the last cells of a row may be left out; rows of
     empty cells are skipped. The header is the last line before the rows that has as many cells and no number,
-    and a row of units may follow it; lines above are metadata.
+    and a row of units may follow it; lines above are metadata. `text` stands for the content of the file.
 
     Raises the `failure`, with the number of the line that is wrong, if there is no such file or no such
     table.
     """
     path = expanded(path)
     fail = functools.partial(failure, str(path))
-    everything = _text(path, fail).split("\n")
+    everything = (text_of(path, failure) if text is None else text).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
     lines = [
         (number, line.partition("#")[0])
@@ -169,7 +170,9 @@ def _named(line: str, separator: str, width: int) -> list[str]:
     return [cell[1:-1] if re.fullmatch("'.*'", cell) else cell for cell in cells]
 
 
-def _text(path: Path, fail: Callable[..., InputError]) -> str:
+def text_of(path: Path, failure: type[InputError] = InputError) -> str:
+    """Content of a text file, its lines ended by a newline; raises the `failure` where there is none."""
+    fail = functools.partial(failure, str(path))
     if path.is_dir() or not path.exists():
         got = "a folder" if path.is_dir() else "no such file"
         raise fail(expected="a file with a table of numbers", got=got)

@@ -38,6 +38,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "path": ("surface file", ""),
     "undefined": ("what is done about undefined pixels", ""),
     "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
+    "undefined_value": ("height that stands for an undefined pixel", _HEIGHT),
     "tilt": ("what is removed from the heights", ""),
     "periodic": ("how the surface is made periodic", ""),
     "unit": ("unit of the heights", ""),

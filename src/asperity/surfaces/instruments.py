@@ -1,7 +1,7 @@
 """Files of microscopes and profilometers, through the optional library SurfaceTopography.
 
-That library puts x first and y, upward, second. Here a surface is a matrix like any other: rows
-downward, as its picture is seen, and columns to the right.
+That library puts x first and y second, such that the picture that an instrument's program shows is the
+transpose. Here a surface is that picture: rows downward, and columns to the right.
 """
 
 from __future__ import annotations
@@ -11,8 +11,11 @@ import dataclasses
 import importlib.metadata
 import io
 import logging
+import re
+import traceback
 import warnings
-from collections.abc import Iterator
+import zipfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,23 +24,29 @@ import numpy as np
 from asperity.base import checks
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
-from asperity.surfaces.points import grid_of
-from asperity.surfaces.raw import RawSurface
+from asperity.surfaces.raw import PICTURE, RawSurface, spelled
 
-# These formats have no signature: the library takes any file of a suitable size for one of them.
-_UNSIGNED_FORMATS = {"hgt": ".hgt", "nms": ".nms"}
-# Spellings of units that the instruments' files are known to use.
-_SPELLINGS = {"\u00b5m": "um", "\u03bcm": "um", "\u00c5": "angstrom", "\u212b": "angstrom", "A": "angstrom"}
+_OURS = ("asc", "xyz", "npy", "npz", "mat", "h5")  # formats that are read without the library
+_UNSIGNED = ("nms", "hgt")  # without a signature: any file of a suitable size would be taken for one
+_PIXELS = 0.01, 100.0  # pixels of a confocal microscope, in um
 
 
-def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one channel of heights, by its name or number; by None the default of the file."""
+def read_instrument(
+    path: Path, channel: str | int | None, formats: Sequence[str] | None = None
+) -> RawSurface | None:
+    """Read one channel of heights, by its name or number; by None the default of the file.
+
+    Readers of the file's extension are tried first, then those that know it by its content; where `formats`
+    are given, those alone. None where no reader knows the file.
+    """
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):
-            from SurfaceTopography.IO import open_topography  # slow to import
+            import SurfaceTopography.IO  # noqa: F401  # slow to import
         remarks.clear()  # the import's warnings are no remark on this file
         try:
-            with open_topography(str(path)) as reader:
+            if (opened := _opened(path, formats)) is None:
+                return None
+            with opened as reader:
                 raw = _read_channel(reader, path, channel)
         except SurfaceFileError:
             raise
@@ -47,58 +56,122 @@ def read_instrument(path: Path, channel: str | int | None) -> RawSurface:
             got = _diagnosis(error)
             advice = "another format that the instrument's software exports, or a matrix of heights as text"
             raise SurfaceFileError(str(path), expected="a surface file", got=got, advice=advice) from error
-    told = tuple(str(w.message) for w in remarks if issubclass(w.category, (UserWarning, RuntimeWarning)))
-    return dataclasses.replace(raw, remarks=told)
+    warned = (str(w.message) for w in remarks if issubclass(w.category, (UserWarning, RuntimeWarning)))
+    return dataclasses.replace(raw, remarks=(*raw.remarks, *warned))
+
+
+def _opened(path: Path, formats: Sequence[str] | None) -> Any:
+    """Open a file; raise the error of the reader that should know it, None if there is none."""
+    from SurfaceTopography.IO import readers
+    from SurfaceTopography.IO.Reader import MagicMatch
+
+    suffix = path.suffix.lower().removeprefix(".")
+    by_name = {reader: suffix in reader.file_extensions() for reader in readers}
+    if formats is None:
+        unsigned = {reader for reader in readers if reader.format() in _UNSIGNED and not by_name[reader]}
+        foreign = [r for r in readers if r.format() not in _OURS and r not in unsigned]
+        candidates = sorted(foreign, key=lambda reader: not by_name[reader])
+    else:
+        by_format = {reader.format(): reader for reader in readers}
+        candidates = [by_format[name] for name in formats]
+    with path.open("rb") as file:
+        begin = file.read(512)
+    source = _repaired(path, begin)
+    begin = source.getvalue()[:512] if isinstance(source, io.BytesIO) else begin
+    failures = []
+    for reader in candidates:
+        signed = reader.can_read(begin)
+        if signed == MagicMatch.NO:
+            continue
+        if isinstance(source, io.BytesIO):
+            source.seek(0)
+        try:
+            return _without_metadata(reader)(source)
+        except Exception as error:
+            failures += [error] if by_name[reader] or signed == MagicMatch.YES else []
+    if failures:
+        raise failures[0]
+    return None
+
+
+def _without_metadata(reader: Any) -> Any:
+    """Let a reader look for no metadata beside units and sizes, such as dates: nobody needs them."""
+    found = getattr(reader, "_channel_bindings", None)
+    if not found:
+        return reader
+    bindings = [{name: value for name, value in each.items() if name != "info"} for each in found]
+    return type(reader.__name__, (reader,), {"_channel_bindings": bindings})
+
+
+def _repaired(path: Path, begin: bytes) -> io.BytesIO | str:
+    """Spell as the library expects what others spell differently and mean the same."""
+    if begin.startswith(b"DSCOMPRESSED"):
+        expected, got = "an uncompressed file", "a compressed one"
+        raise SurfaceFileError(str(path), expected=expected, got=got, advice="saving it without compression")
+    if begin[:8] in (b"aISO-2.0", b"aBCR-1.0", b"bBCR-1.0"):  # the same header, in meters
+        return io.BytesIO(begin[:1] + b"ISO-1.0" + path.read_bytes()[8:])
+    if begin.startswith(b"DIGITAL SURF"):  # a micro sign in UTF-8
+        content = path.read_bytes()
+        return io.BytesIO(re.sub(rb"\xc2\xb5m([\0 ])", b"\xb5m\\1\\1", content[:512]) + content[512:])
+    if path.suffix.lower() == ".x3p":
+        repaired = io.BytesIO()
+        with zipfile.ZipFile(path) as old, zipfile.ZipFile(repaired, "w") as new:
+            for name in old.namelist():
+                content = old.read(name)
+                if name == "main.xml":  # another dash
+                    content = re.sub(rb"(<Revision>)[^<]*5436[^<]*<", rb"\1ISO5436 - 2000<", content)
+                new.writestr(name, content)
+        return repaired
+    return str(path)
 
 
 def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurface:
     kind = str(reader.format())
-    if path.suffix.lower() != _UNSIGNED_FORMATS.get(kind, path.suffix.lower()):
-        raise SurfaceFileError(str(path), expected="a surface file", got="a file of no known kind")
     chosen = _choose(reader, path, channel)
     if chosen.is_uniform is False:
         raise SurfaceFileError(str(path), expected="heights on a regular grid", got="scattered points")
     _require_whole(reader, chosen)
     topography = _topography(chosen)
-    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
-    heights = heights.T[::-1] if heights.ndim == 2 else heights
-    unit = _SPELLINGS.get(str(topography.unit), topography.unit)
+    heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan).T
+    unit = spelled(topography.unit)
     sizes = chosen.physical_sizes
     known = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
     downward = sizes[::-1] if known else ()
     pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True)) if known else None
-    # Of points that are no full grid, the library makes a matrix.
-    if points := kind == "asc" and not known and heights.ndim == 2 and heights.shape[1] == 3:
-        heights, pixel = grid_of(str(path), heights)
+    remarks: tuple[str, ...] = ()
+    if kind == "nms" and pixel and not _PIXELS[0] <= pixel[-1] <= _PIXELS[1]:
+        # The library takes the spacing for mm, which gives pixels of meters in the files there are.
+        pixel = tuple(1e-6 * side for side in pixel)
+        remarks = (f"the file has no unit of the pixel size, {1e3 * pixel[-1]:.6g}: taken as nm",)
     return RawSurface(
         np.array(heights, dtype=np.float64, order="C"),
-        format="xyz" if points else kind,
+        format=kind,
         reader=f"SurfaceTopography {importlib.metadata.version('SurfaceTopography')}",
-        unit=unit or "1",
+        unit=unit,
         pixel_size=pixel,
-        length_unit=unit if known else None,
+        length_unit=unit if known and unit != "1" else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),
         says_periodic=bool(topography.is_periodic),
+        orientation=PICTURE,
+        remarks=remarks,
     )
 
 
 def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
     """Pick the channel, which must hold heights."""
     listed = [c for c in reader.channels if _holds_heights(c)]
+    if not listed:
+        got = "none in a unit of length"
+        raise SurfaceFileError(str(path), expected="a channel of heights", got=got)
+    candidates = [c for c in listed if channel in (c.channel_id, c.index)]
+    candidates += [c for c in listed if c.name == channel]
     if channel is None:
         candidates = [c for c in [reader.default_channel, *listed] if _holds_heights(c)]
-    elif isinstance(channel, int):
-        candidates = [c for c in listed if c.index == channel]
-    else:
-        candidates = [c for c in listed if c.channel_id == channel] or [
-            c for c in listed if c.name == channel
-        ]
     if not candidates:
         known = ", ".join(f"{c.channel_id!r} (number {c.index})" for c in listed)
-        expected = f"one of its channels of heights: {known}" if listed else "a channel of heights"
-        got = "none" if channel is None else f"channel {channel!r}"
-        raise SurfaceFileError(str(path), expected=expected, got=got)
+        expected = f"one of its channels of heights: {known}"
+        raise SurfaceFileError(str(path), expected=expected, got=f"channel {channel!r}")
     return candidates[0]
 
 
@@ -130,11 +203,12 @@ def _require_whole(reader: Any, chosen: Any) -> None:
 
 def _diagnosis(error: Exception) -> str:
     """Say in one line what the library's error means."""
-    if type(error).__name__ == "CannotDetectFileFormat":
-        return "a file of no known kind, or a damaged or truncated one"
     # Its own errors speak of the file, others (list index out of range) of its code.
-    told = type(error).__module__.startswith("SurfaceTopography") and str(error)
-    return "a damaged, truncated or unsupported file" + (f" ({reason_of(error)})" if told else "")
+    raised = traceback.extract_tb(error.__traceback__)[-1].filename
+    of_file = type(error).__module__.startswith("SurfaceTopography") or type(error) is ValueError
+    if of_file and "SurfaceTopography" in raised and str(error):
+        return f"a file that cannot be read ({reason_of(error)})"
+    return "a damaged or truncated file, or one of another kind"
 
 
 @contextlib.contextmanager

@@ -1,41 +1,51 @@
-"""Plain matrices of heights in files: numpy's ``.npy`` and ``.npz``, and text.
+"""Arrays of heights in files: numpy's ``.npy`` and ``.npz``, MATLAB's ``.mat``, and HDF5.
 
-A matrix carries no unit and no pixel size. Its first axis is the rows, its second the columns.
+An array carries no pixel size, and a unit only in HDF5. Its first axis is the rows, its second the columns.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
+import re
 import warnings
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from asperity.base.tables import read_table
+from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
-from asperity.surfaces.points import are_points
-from asperity.surfaces.raw import RawSurface
+from asperity.surfaces.prepare import is_length
+from asperity.surfaces.raw import RawSurface, choose, spelled, without
 
 _READER = f"asperity {__version__}"
-_LABELS = 5  # columns from which a line 0, 1, 2, ... above heights with decimals is taken for their numbers
+_EXPECTED = "real numbers in one or two dimensions"
+_NUMERIC = re.compile("double|single|u?int(8|16|32|64)")  # MATLAB's classes of numbers
+# HDF5 of JPK and of pycroscopy, in which the pixels of an image are a column.
+_FLATTENED = re.compile(r"(^|/)Measurement_\d+/Channel_\d+/", re.IGNORECASE)
+# What stands beside heights in files of instruments.
+_OTHERS = re.compile(
+    r"thumb|preview|phase|index|indices|mask|valid|error|ampl|intens|deflection", re.IGNORECASE
+)
 
 
-def read_npy(path: Path) -> RawSurface:
+def read_npy(path: Path, channel: str | int | None) -> RawSurface:
     """Read a ``.npy`` file of real numbers; pickled objects are refused, not loaded."""
+    if channel is not None:
+        choose(str(path), channel, {})
     with _one_error(path, ".npy", npy.MAGIC_PREFIX), path.open("rb") as file:
-        if fault := _fault(file, path.stat().st_size):
+        _, fault = _header(file, path.stat().st_size)
+        if fault:
             advice = "numpy.save of an array of floats" if "objects" in fault else ""
-            expected = "real numbers in one or two dimensions"
-            raise SurfaceFileError(str(path), expected=expected, got=fault, advice=advice)
+            raise SurfaceFileError(str(path), expected=_EXPECTED, got=fault, advice=advice)
         file.seek(0)
         return RawSurface(_heights(npy.read_array(file)), format="npy", reader=_READER)
 
@@ -43,29 +53,86 @@ def read_npy(path: Path) -> RawSurface:
 def read_npz(path: Path, channel: str | int | None) -> RawSurface:
     """Read one array of a ``.npz`` file, by its name or number; by None where there is a single one."""
     with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
-        members = {}
+        shapes: dict[str, tuple[int, ...]] = {}
         for info in archive.infolist():
             with archive.open(info) as file:
-                if info.filename.endswith(".npy") and not _fault(file, info.file_size):
-                    members[info.filename.removesuffix(".npy")] = info
-        chosen = dict(enumerate(members)).get(channel, "") if isinstance(channel, int) else channel
-        if chosen is None and len(members) == 1:
-            (chosen,) = members
-        if chosen not in members:
-            known = ", ".join(f"{name!r} (number {i})" for i, name in enumerate(members))
-            expected = f"as the channel one of its arrays of real numbers: {known}"
-            if not members:
-                expected = "an array of real numbers in one or two dimensions"
-            got = "none" if channel is None or not members else repr(channel)
-            raise SurfaceFileError(str(path), expected=expected, got=got)
-        with archive.open(members[chosen]) as file:
+                if info.filename.endswith(".npy"):
+                    shape, fault = _header(file, info.file_size)
+                    shapes |= {} if fault else {info.filename.removesuffix(".npy"): shape}
+        chosen = _chosen(path, channel, shapes)
+        with archive.open(f"{chosen}.npy") as file:
             heights = _heights(npy.read_array(file))
-    return RawSurface(heights, format="npz", reader=_READER, channel=chosen, channels=tuple(members))
+    return RawSurface(heights, format="npz", reader=_READER, channel=chosen, channels=tuple(shapes))
+
+
+def read_mat(path: Path, channel: str | int | None) -> RawSurface:
+    """Read one matrix of a MATLAB file; of version 7.3 see `read_hdf5`."""
+    from scipy.io import loadmat, whosmat
+
+    with path.open("rb") as file:
+        if file.read(10) == b"MATLAB 7.3":
+            return read_hdf5(path, channel)
+    with _one_error(path, ".mat"):
+        found = [(name, shape) for name, shape, kind in whosmat(path) if _NUMERIC.fullmatch(kind)]
+        shapes = {name: shape for name, shape in found if len(shape) == 2 and math.prod(shape) > 1}
+        chosen = _chosen(path, channel, shapes)
+        heights = _heights(loadmat(path, variable_names=[chosen])[chosen])
+    heights = heights.ravel() if 1 in heights.shape else heights
+    return RawSurface(heights, format="mat", reader=_READER, channel=chosen, channels=tuple(shapes))
+
+
+def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
+    """Read one array of an HDF5 file, by None the only one that neither name nor unit call something else.
+
+    MATLAB writes columns first, and marks its arrays; all others have rows first.
+    """
+    with checks.extra("instruments", f"{path}: reading HDF5"):
+        import h5py
+    arrays: dict[str, Any] = {}
+
+    def visit(name: str, node: Any) -> None:
+        if name[0] == "#" or not isinstance(node, h5py.Dataset) or node.is_scale:
+            return  # what MATLAB's cells refer to, a group, or coordinates
+        real = node.dtype.kind in "iuf" and len(node.shape or ()) in (1, 2) and node.size > 1
+        named = _NUMERIC.fullmatch(_text(node, "MATLAB_class") or "double")
+        if real and named and "MATLAB_empty" not in node.attrs:
+            arrays[name] = node
+
+    with _one_error(path, "HDF5"), h5py.File(path) as file:
+        file.visititems(visit)
+        if any(map(_FLATTENED.search, arrays)):
+            got = "images or spectra whose pixels are one column"
+            advice = "a single image, exported in another format"
+            raise SurfaceFileError(str(path), expected="a matrix of heights", got=got, advice=advice)
+        units = {name: spelled(_text(node, "units") or _text(node, "unit")) for name, node in arrays.items()}
+        lengths = [name for name in arrays if units[name] == "1" or is_length(units[name])]
+        likely = [name for name in lengths if arrays[name].dtype.itemsize > 1 and not _OTHERS.search(name)]
+        listed = likely if channel is None else list(arrays)
+        if arrays and not listed:
+            got = ", ".join(f"{name!r} in {units[name]}".removesuffix(" in 1") for name in arrays)
+            advice = f"the name of the array of heights: channel = {next(iter(arrays))!r} (--channel)"
+            raise SurfaceFileError(str(path), expected="an array of heights", got=got, advice=advice)
+        chosen = _chosen(path, channel, {name: arrays[name].shape for name in listed})
+        values, attributes = _heights(arrays[chosen][...]), arrays[chosen].attrs
+        void = float(attributes.get("_FillValue", math.nan))
+        values, rule = without(values, void, "_FillValue")
+        values = values * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
+        heights = _heights(values.T if "MATLAB_class" in attributes else values)
+    heights = heights.ravel() if 1 in heights.shape else heights
+    return RawSurface(
+        heights,
+        "hdf5",
+        _READER,
+        units[chosen],
+        channel=chosen,
+        channels=tuple(likely),
+        undefined_by=(rule,) * math.isfinite(void),
+    )
 
 
 @contextlib.contextmanager
-def _one_error(path: Path, kind: str, magic: bytes) -> Iterator[None]:
-    """Check how a file begins; turn whatever numpy and zipfile raise for damaged ones into one error."""
+def _one_error(path: Path, kind: str, magic: bytes = b"") -> Iterator[None]:
+    """Check how a file begins; turn whatever libraries raise for damaged ones into one error."""
     with path.open("rb") as file:
         begin = file.read(len(magic))
     if begin != magic[: len(begin)]:
@@ -83,8 +150,8 @@ def _one_error(path: Path, kind: str, magic: bytes) -> Iterator[None]:
         raise SurfaceFileError(str(path), expected=f"a {kind} file of numbers", got=got) from error
 
 
-def _fault(file: IO[bytes], size: int) -> str:
-    """Say what is wrong with an array of which nothing but the header is read; "" if it may be heights.
+def _header(file: IO[bytes], size: int) -> tuple[tuple[int, ...], str]:
+    """Read the shape of an array, and say what is wrong with it; "" if it may be heights.
 
     `ValueError` if the header is damaged, or promises more than the `size` bytes of the file.
     """
@@ -94,65 +161,27 @@ def _fault(file: IO[bytes], size: int) -> str:
     except (MemoryError, RecursionError) as error:  # of the parser
         raise ValueError("a damaged header") from error
     if dtype.hasobject:
-        return "pickled Python objects"
+        return shape, "pickled Python objects"
     if dtype.kind not in "iuf" or len(shape) not in (1, 2) or min(shape) == 0:
-        return f"an array of type {dtype} and shape {shape}"
+        return shape, f"an array of type {dtype} and shape {shape}"
     promised, there = math.prod(shape) * dtype.itemsize, size - file.tell()
     if min(shape) < 0 or promised > there:
         raise ValueError(f"the header promises {promised} bytes, there are {there}")
-    return ""
+    return shape, ""
+
+
+def _chosen(path: Path, channel: str | int | None, shapes: Mapping[str, tuple[int, ...]]) -> str:
+    """Pick an array; refuse a file without any."""
+    if not shapes:
+        raise SurfaceFileError(str(path), expected=f"an array of {_EXPECTED}", got="none")
+    return choose(str(path), channel, {name: " x ".join(map(str, shape)) for name, shape in shapes.items()})
+
+
+def _text(node: Any, attribute: str) -> str:
+    """An attribute of an HDF5 array as text."""
+    value = node.attrs.get(attribute, "")
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
 def _heights(array: NDArray[np.generic]) -> Field:
     return np.array(array, dtype=np.float64, order="C")
-
-
-def read_text(path: Path) -> RawSurface:
-    """Read a matrix of heights from text, see `read_table`. One row or one column is a profile."""
-    matrix = read_table(path, matrix=True, failure=SurfaceFileError).values
-    matrix, remarks = _without_labels(matrix)
-    if 1 not in matrix.shape:
-        _refuse_coordinates(str(path), matrix)
-        if matrix.shape[1] == 3 and matrix.shape[0] > 3:
-            remarks += ("three columns, taken as pixels; points x, y, z are read from files named .xyz",)
-    heights = _heights(matrix.ravel() if 1 in matrix.shape else matrix)
-    return RawSurface(heights, format="text", reader=_READER, remarks=remarks)
-
-
-def _without_labels(matrix: Field) -> tuple[Field, tuple[str, ...]]:
-    """Leave out the numbers of lines and columns that pandas writes, and say so."""
-    if (
-        min(matrix.shape) > 1
-        and math.isnan(matrix[0, 0])
-        and _counts(matrix[0, 1:])
-        and _counts(matrix[1:, 0])
-    ):
-        return matrix[1:, 1:], ("left out the numbers 0, 1, 2, ... of the columns and lines",)
-    for turned, what in ((matrix, "columns"), (matrix.T, "lines")):
-        labels, heights = turned[0], turned[1:]
-        if labels.size >= _LABELS and _counts(labels) and (heights % 1 > 0).any():
-            left = heights if turned is matrix else heights.T
-            return left, (f"left out the numbers 0, 1, 2, ... of the {what}",)
-    return matrix, ()
-
-
-def _counts(labels: Field) -> bool:
-    return np.array_equal(labels, np.arange(labels.size))
-
-
-def _refuse_coordinates(name: str, matrix: Field) -> None:
-    """Refuse tables of (x, z) or (x, y, z): as a matrix they would be a strip of ramps."""
-    if matrix.shape[1] == 2 and matrix.shape[0] >= 4 and np.isfinite(matrix[:, 0]).all():
-        step = np.diff(matrix[:, 0])
-        is_table = step[0] != 0 and bool(np.allclose(step, step[0], rtol=1e-3, atol=0))
-    else:
-        is_table = are_points(matrix)
-    if is_table:
-        columns = matrix.shape[1]
-        named = "the name .xyz for points of a grid, or " if columns == 3 else ""
-        raise SurfaceFileError(
-            name,
-            expected="a matrix of heights",
-            got=f"{columns} columns that look like coordinates and a height",
-            advice=f"{named}a file of the heights alone, one row of pixels a line",
-        )

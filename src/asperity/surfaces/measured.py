@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal, get_args
@@ -14,26 +12,20 @@ from numpy.typing import NDArray
 from scipy.ndimage import find_objects
 
 from asperity.base import checks
-from asperity.base.files import expanded
-from asperity.errors import InputError, SurfaceFileError
+from asperity.errors import SurfaceFileError
 from asperity.lattice import Edges, Field
-from asperity.surfaces import doubts, levelling, prepare
-from asperity.surfaces.heights import sides_of_pixels
-from asperity.surfaces.instruments import read_instrument
+from asperity.surfaces import doubts, files, levelling, prepare
+from asperity.surfaces.files import Length
 from asperity.surfaces.levelling import Lines, Tilt
-from asperity.surfaces.matrix_files import read_npy, read_npz, read_text
-from asperity.surfaces.raw import RawSurface
 from asperity.surfaces.surface import Provenance, Surface
 
 Undefined = Literal["fill", "refuse"]
 Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
-Length = Literal["m", "mm", "um", "nm", "pm"]
 Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
 CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
 
 # Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
 _LARGEST = 1e60
-_TEXT_SUFFIXES = (".txt", ".csv", ".dat")
 
 
 def read(
@@ -41,6 +33,7 @@ def read(
     *,
     undefined: Undefined = "fill",
     max_undefined: float = 0.1,
+    undefined_value: float | None = None,
     tilt: Tilt = "plane",
     despike: bool = False,
     lines: Lines = "none",
@@ -58,12 +51,13 @@ def read(
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
 
-    ``.npy`` and ``.npz`` files and text (``.txt``, ``.csv``, ``.dat``: a matrix of numbers) are read
-    directly, everything else by the optional library SurfaceTopography; rows run downward, as the surface
-    is seen in a picture. Points x, y, z (``.xyz``) lie on a regular grid, whose pixels without a point are
-    undefined. What is asked for is done in this order: a part is cut out, the tilt of the defined pixels is
-    removed, then the offsets of lines, undefined pixels and spikes are filled, pixels are made square, waves
-    left out, units converted, and the surface made periodic.
+    Arrays (``.npy``, ``.npz``, ``.mat``, ``.h5``) and text (``.txt``, ``.csv``, ``.dat``, ``.asc``,
+    ``.xyz``: a matrix of numbers, a profile, or points x, y, z) are read directly, everything else by the
+    optional library SurfaceTopography. Row 0 is the top line of the picture that the instrument's program
+    shows, the first line of a text, or the largest y of points. Points lie on a regular grid, whose pixels
+    without a point are undefined. What is asked for is done in this order: a part is cut out, the tilt of the
+    defined pixels is removed, then the offsets of lines, undefined pixels and spikes are filled, pixels are
+    made square, waves left out, units converted, and the surface made periodic.
 
     Parameters
     ----------
@@ -75,6 +69,8 @@ def read(
         filling creates no summit. `Surface.filled` says which these are. "refuse" raises if there is any.
     max_undefined
         Largest fraction of undefined pixels that is filled, from 0 to below 1.
+    undefined_value
+        Height that stands for an undefined pixel, as it is in the file: -9999, 0, 1e38.
     tilt
         "plane" removes the least-squares plane of the defined pixels, "quadratic" their least-squares
         polynomial of second order, as a scanner bows; "mean" only their mean, "none" nothing.
@@ -98,8 +94,8 @@ def read(
         too, and counts as contact. "wrap" takes it as it is: the seam keeps its step. "free" takes it as a
         body that ends there, which half-spaces know.
     channel
-        Name or number of the channel, for instrument files with several, or of the array in a ``.npz``
-        file; None for the file's default.
+        Name or number of the channel or the array. None takes the default of an instrument's file, and the
+        only one of others.
     resample
         Make pixels that are not square, to 1 %, square: along the axis of the shorter spacing, means over the
         larger one take the place of the heights, and what is left of the last pixel is dropped.
@@ -145,8 +141,9 @@ def read(
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
-    file, checksum = _checked_file(path)
-    raw = _with_lengths(_read_raw(file, channel), file_unit, pixel_size, length_unit)
+    void = None if undefined_value is None else checks.number("undefined_value", undefined_value)
+    file, checksum = files.checked_file(path)
+    raw = files.with_lengths(files.read_raw(file, channel, void), file_unit, pixel_size, length_unit)
     heights, size = raw.heights, raw.pixel_size
     cut: Provenance = {}
     if crop is not None:
@@ -164,7 +161,7 @@ def read(
     final = prepare.make_periodic(level * factor, periodic)
     if periodic == "mirror":
         filled = prepare.make_periodic(filled.astype(float), periodic) > 0
-    told: Provenance = {"file": file.name, "sha256": checksum, **_origin(raw)}
+    told: Provenance = {"file": file.name, "sha256": checksum, **files.record_of(raw)}
     told |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
@@ -185,84 +182,6 @@ def read(
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
     return Surface(final, final_unit, size, raw.length_unit, told, edges, filled)
-
-
-def _with_lengths(
-    raw: RawSurface,
-    file_unit: Length | None,
-    pixel_size: float | str | Sequence[float | str] | None,
-    length_unit: Length | None,
-) -> RawSurface:
-    """Take what the user says of units and pixels in place of what the file says."""
-    if file_unit is not None:
-        raw = dataclasses.replace(raw, unit=file_unit)
-    if pixel_size is not None:
-        chosen = length_unit or raw.length_unit
-        sizes, known = sides_of_pixels(pixel_size, raw.heights.ndim, chosen)
-        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=known)
-    elif length_unit is not None:
-        if raw.pixel_size is None:
-            advice = "pixel_size (--pixel-size)"
-            raise InputError("length_unit", expected="pixels of known size", got="none", advice=advice)
-        raw = dataclasses.replace(raw, length_unit=length_unit)
-    return raw
-
-
-def _origin(raw: RawSurface) -> Provenance:
-    """Describe the file's content as it was found; lengths are in the file's units."""
-    sizes = raw.pixel_size or ()
-    return {
-        "format": raw.format,
-        "reader": raw.reader,
-        "reader_remarks": list(raw.remarks),
-        "channel": raw.channel,
-        "channels": list(raw.channels),
-        "original_shape": list(raw.heights.shape),
-        "original_unit": raw.unit,
-        "physical_size": [s * n for s, n in zip(sizes, raw.heights.shape, strict=False)],
-        "length_unit": raw.length_unit or "",
-        "declared_periodic": raw.says_periodic,
-    }
-
-
-def _read_raw(file: Path, channel: str | int | None) -> RawSurface:
-    suffix = file.suffix.lower()
-    # The MetroPro format of interferometers shares the extension .dat with text.
-    is_text = suffix in _TEXT_SUFFIXES
-    if suffix == ".dat":
-        with file.open("rb") as stream:
-            is_text = b"\0" not in stream.read(4096)
-    if suffix == ".npz":
-        return read_npz(file, channel)
-    if suffix != ".npy" and not is_text:
-        return read_instrument(file, channel)
-    if channel is not None:
-        expected = "no channel: this format has a single one"
-        raise SurfaceFileError(str(file), expected=expected, got=f"channel {channel!r}")
-    return read_text(file) if is_text else read_npy(file)
-
-
-def _checked_file(path: str | Path) -> tuple[Path, str]:
-    """The file, and its checksum."""
-    got = ""
-    try:
-        file = expanded(path)
-        if not file.exists():
-            got = "no such file"
-        elif not file.is_file():
-            got = "a directory" if file.is_dir() else "something that is not a regular file"
-        elif file.stat().st_size == 0:
-            got = "an empty file"
-    except (TypeError, ValueError, OSError) as error:
-        expected = "the path of a surface file"
-        raise SurfaceFileError("path", expected=expected, got=f"{path!r} ({error})") from error
-    if got:
-        raise SurfaceFileError(str(path), expected="a surface file", got=got)
-    try:
-        with file.open("rb") as stream:
-            return file, hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise SurfaceFileError(str(file), expected="a readable file", got=str(error.strerror)) from error
 
 
 def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[int]) -> NDArray[np.bool_]:

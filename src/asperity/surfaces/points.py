@@ -1,4 +1,4 @@
-"""Points x, y, z of a regular grid, as instruments list them that leave out undefined pixels."""
+"""Coordinates in tables of numbers: points of a grid or a profile, and labels of lines and columns."""
 
 from __future__ import annotations
 
@@ -14,37 +14,102 @@ _OFF = 0.1  # how far a point may be off its grid, in spacings; coordinates are 
 _SAME = 1e-6  # difference of two coordinates that is rounding, as a part of the side of the scan
 _SPARSE = 10  # pixels for each point beyond which points are said to lie on no grid
 _DOUBLED = 0.01  # part of the points that may share x and y with others, where columns are taken for points
+_MOST = 6  # columns of a list of points: x, y, z and a few more quantities
+_FEW = 5, 10  # coordinates from which on even ones are no heights: exact ones, and those of few digits
+_EVEN = 1e-3  # deviation from even spacing, in spacings
+_LARGEST = 1e60  # coordinates beyond it are damaged numbers
+_MISSING = 0.25  # part of the lines of a grid beyond which rounding, and not missing points, made the gaps
 
 
 def are_points(matrix: Field) -> bool:
-    """Whether three columns are evidently x, y, z: few values of x and y, in pairs that hardly repeat."""
+    """Whether columns are evidently x, y, z, ...: few values of x and y, in pairs that hardly repeat."""
     rows, columns = matrix.shape
-    if columns != 3 or rows < 4 or not np.isfinite(matrix[:, :2]).all():
+    if not 3 <= columns <= _MOST or rows < 4 or not np.isfinite(matrix[:, :2]).all():
         return False
     distinct = [np.unique(matrix[:, column]).size for column in (0, 1)]
     pairs = np.unique(matrix[:, :2], axis=0).shape[0]
     return min(distinct) > 1 and distinct[0] * distinct[1] <= 2 * rows and pairs >= (1 - _DOUBLED) * rows
 
 
-def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, float]]:
-    """Heights of the pixels, NaN where there is no point, and the distance between rows and between columns.
+def coordinates(matrix: Field, *, sure: bool) -> list[int]:
+    """Columns of x, y and z, or of x and z; none of a matrix of heights, unless coordinates are `sure`."""
+    columns, first = matrix.shape[1], matrix[:, 0]
+    number = int(columns > 3 and are_numbers(first) and are_points(matrix[:, 1:]))
+    if number or are_points(matrix) or (sure and columns > 2):
+        return [number, number + 1, number + 2]
+    step = np.diff(first[np.isfinite(first)])
+    ordered = len(step) == len(first) - 1 and ((step >= 0).all() or (step <= 0).all())
+    profile = sure or (ordered and np.unique(first).size > 3 and not are_numbers(first))
+    return [0, 1] if columns == 2 and profile else []
 
-    Points have the shape (n, 3); x goes to the right and y upward.
+
+def even_step(places: Field) -> float | None:
+    """Step of evenly spaced coordinates, but for the digits in which they are written; None of others."""
+    if places.size < _FEW[0] or not np.abs(places).max() < _LARGEST:
+        return None
+    step = float(places[-1] - places[0]) / (places.size - 1)
+    if step == 0:
+        return None
+    off = float(np.abs(places - np.linspace(places[0], places[-1], places.size)).max())
+    digit = _last_digit(places, abs(step)) if places.size >= _FEW[1] else 0.0
+    return step if off <= max(_EVEN * abs(step), 1.001 * digit) else None
+
+
+def _last_digit(places: Field, step: float) -> float:
+    """The power of ten, at most twice the step, of which all are multiples; 0 if there is none."""
+    first = math.floor(math.log10(2 * step))
+    for digit in (10.0**power for power in range(first, first - 4, -1)):
+        if np.abs(places / digit - np.rint(places / digit)).max() < _EVEN:
+            return digit
+    return 0.0
+
+
+def are_numbers(labels: Field) -> bool:
+    """Whether labels are 0, 1, 2, ... or 1, 2, 3, ..., and so no coordinates."""
+    return labels[0] in (0, 1) and np.array_equal(labels, labels[0] + np.arange(labels.size))
+
+
+def without_labels(matrix: Field) -> tuple[Field, Field | None, Field | None]:
+    """Part the heights from evenly spaced labels of the lines and of the columns, None where there are none.
+
+    Where another line or column is evenly spaced too, the first one is no label but a height.
     """
-    x, y, z = points[~np.isnan(points[:, 2])].T
-    column, row = _numbered(x), _numbered(-y)
-    if column is None or row is None or (row[0].max() + 1.0) * (column[0].max() + 1.0) > _SPARSE * z.size:
-        expected, got = "points x, y, z of a regular grid", f"{len(points)} scattered points"
-        advice = "heights interpolated to a grid, or the name .txt for a matrix of heights with three columns"
+    lines: Field | None = None
+    columns: Field | None = None
+    if _labels(matrix[:, 1:]):
+        columns, matrix = matrix[0], matrix[1:]
+    if _labels(matrix.T):
+        lines, matrix = matrix[:, 0], matrix[:, 1:]
+        columns = columns if columns is None else columns[1:]
+    return matrix, lines, columns
+
+
+def _labels(matrix: Field) -> bool:
+    """Whether the first row, alone among the first ones, is evenly spaced."""
+    return len(matrix) > 1 and bool(even_step(matrix[0])) and not any(map(even_step, matrix[1:4]))
+
+
+def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, ...]]:
+    """Heights of the pixels, NaN where there is no point, and the distance between pixels along each axis.
+
+    Points x, z of a profile have the shape (n, 2), points x, y, z the shape (n, 3); y is upward.
+    """
+    x, *y, z = points[~np.isnan(points[:, -1])].T
+    lines = [numbered for places in (*(-places for places in y), x) if (numbered := _numbered(places))]
+    shape = tuple(int(number.max()) + 1 for number, _ in lines)
+    if len(shape) < len(y) + 1 or math.prod(shape) > _SPARSE * z.size:
+        expected = f"points {'x, y, z' if y else 'x, z'} of a regular grid"
+        got, advice = f"{len(points)} scattered points", "heights interpolated to a grid"
         raise SurfaceFileError(name, expected=expected, got=got, advice=advice)
-    heights = np.full((row[0].max() + 1, column[0].max() + 1), np.nan)
-    heights[row[0], column[0]] = z
-    double = np.flatnonzero(heights[row[0], column[0]] != z)
+    heights, at = np.full(shape, np.nan), tuple(number for number, _ in lines)
+    heights[at] = z
+    double = np.flatnonzero(heights[at] != z)
     if double.size:
-        at = f"x = {x[double[0]]:g}, y = {y[double[0]]:g}"
-        got = f"another height for {double.size} of them, the first at {at}"
+        first = points[~np.isnan(points[:, -1])][double[0], :-1]
+        where = ", ".join(f"{axis} = {place:g}" for axis, place in zip("xy", first, strict=False))
+        got = f"another height for {double.size} of them, the first at {where}"
         raise SurfaceFileError(name, expected="one height for each point of the grid", got=got)
-    return heights, (row[1], column[1])
+    return heights, tuple(step for _, step in lines)
 
 
 def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
@@ -61,6 +126,7 @@ def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
     # Of equal gaps, but for rounding: a line without any point leaves one of two spacings or more.
     step = side / round(side / float(gaps[gaps < 1.5 * gaps.min()].mean()))
     number = np.rint(from_first / step)
-    if np.abs(from_first / step - number).max() > _OFF:
-        return None
-    return number.astype(np.intp), step
+    lines, line_of = np.unique(places, return_inverse=True)
+    if lines.size <= (1 - _MISSING) * (side / step + 1) and (even := even_step(lines)):
+        return line_of, even
+    return None if np.abs(from_first / step - number).max() > _OFF else (number.astype(np.intp), step)

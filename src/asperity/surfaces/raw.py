@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
+
+# Spellings of units in files; the third is UTF-8 that was taken for Latin-1.
+_SPELLINGS = {
+    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m", "micron", "microns", "micrometer"),
+    "nm": ("nanometer", "nanometers"),
+    "angstrom": ("\u00c5", "\u212b", "A"),
+    "1": ("",),
+}
+
+_SINGLE = 1e-5  # part by which a number may differ from another that is written with six digits
+PICTURE = "row 0 is the top line of the picture that the instrument's program shows"
+FIRST_LINE = "row 0 is the first line of numbers in the file"
+FIRST_ROW = "row 0 is the first row of the array"
+LARGEST_Y = "row 0 has the largest y"
 
 
 @dataclass(frozen=True)
@@ -28,4 +46,49 @@ class RawSurface:
     channels: tuple[str, ...] = ()
     says_periodic: bool = False
     """Whether the file declares itself one period of a periodic surface."""
+    orientation: str = FIRST_ROW
+    """Which line of the file is row 0."""
+    undefined_by: tuple[str, ...] = ()
+    """Values that stand for undefined pixels, where each comes from, and how many there are."""
+    size_from: str = "the file"
+    unit_from: str = "the file"
     remarks: tuple[str, ...] = ()
+
+
+def spelled(unit: str | None) -> str:
+    """A unit in our spelling; "1" for none."""
+    unit = (unit or "").strip()
+    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
+
+
+def without(heights: Field, value: float, rule: str) -> tuple[Field, str]:
+    """Take a value for undefined, as far as single precision tells; also say by which rule, and how often."""
+    void = np.isclose(heights, value, rtol=_SINGLE, atol=0)
+    return np.where(void, np.nan, heights), f"{rule} {value:g}: {void.sum()} pixels"
+
+
+def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) -> str:
+    """Pick a channel by its name or number, by None the only one; `channels` describes each.
+
+    Raises
+    ------
+    SurfaceFileError
+        If there is no such channel, or None of several; the message lists them.
+    """
+    if not channels:
+        expected = "no channel: this file has a single one"
+        raise SurfaceFileError(name, expected=expected, got=f"channel {channel!r}")
+    names = list(channels)
+    if channel is None and len(names) == 1:
+        return names[0]
+    if isinstance(channel, int) and 0 <= channel < len(names):
+        return names[channel]
+    if isinstance(channel, str) and channel in channels:
+        return channel
+    listed = [f"{each!r} (number {i}, {what})" for i, (each, what) in enumerate(channels.items())]
+    if len(listed) > 8:
+        listed[8:] = [f"and {len(names) - 8} more"]
+    got = "none" if channel is None else f"channel {channel!r}"
+    advice = f"channel = {names[0]!r} (--channel {names[0]!r})"
+    expected = f"as the channel one of: {', '.join(listed)}"
+    raise SurfaceFileError(name, expected=expected, got=got, advice=advice)

@@ -302,6 +302,9 @@ class MeasuredSurface(SurfaceSection):
     max_undefined: Annotated[float, Field(ge=0, lt=1)] = usual(
         0.1, "Largest fraction of undefined pixels to fill."
     )
+    undefined_value: Real | None = usual(
+        None, "Height that stands for an undefined pixel in the file, such as -9999."
+    )
     tilt: Literal["plane", "quadratic", "mean", "none"] = usual(
         "plane", "What to remove; quadratic also removes the bow of a scanner."
     )
@@ -322,7 +325,7 @@ class MeasuredSurface(SurfaceSection):
         "For spectral and spectrum the unit of all lengths; by default none.",
     )
     channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = usual(
-        None, "Name or number of the channel. By default the file's."
+        None, "Name or number of the channel or array. By default the file's."
     )
     resample: bool = usual(False, "Average pixels that are not square to the larger spacing.")
     crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = usual(

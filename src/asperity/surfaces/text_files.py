@@ -1,0 +1,280 @@
+"""Text files: matrices of heights, profiles and points, with the headers that programs write.
+
+The file is cut into blocks of lines of numbers; comments, blank lines and lines that begin with a word stand
+between them. Each block is a channel. Its header may name it, and give its size, unit and undefined value.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from asperity.base.tables import Table, read_table, text_of
+from asperity.base.version import __version__
+from asperity.base.words import shortened
+from asperity.errors import MissingExtraError, SurfaceFileError
+from asperity.surfaces import points
+from asperity.surfaces.instruments import read_instrument
+from asperity.surfaces.prepare import conversion, is_length
+from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spelled, without
+
+_WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
+_NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?|nan)"
+# Labels of Gwyddion's export in the languages of its menus.
+_CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
+_WIDTH = "width|šířka|breite|anchura|largeur|larghezza|largura|幅|폭|\u0448\u0438\u0440\u0438\u043d\u0430"
+_HEIGHT = "height|výška|höhe|altura|hauteur|altezza|高さ|높이|\u0432\u044b\u0441\u043e\u0442\u0430"
+_UNIT = (
+    "value units|jednotky hodnot|einheiten|unités|unità valore|unidades de valor|値の単位|값 단위"
+    "|\u0435\u0434\u0438\u043d\u0438\u0446\u044b \u0438\u0437\u043c\u0435\u0440\u0435\u043d\u0438\u044f"
+)
+_KEYWORDS = ("ncols", "nrows", "cellsize", "dx", "dy", "nodata_value")  # of ESRI's grids
+_FACTS = {
+    name: re.compile(rf"[#%\s]*{fact}", re.IGNORECASE)
+    for name, fact in {
+        "channel": rf"(?:{_CHANNEL})\s*[:=\uff1a]\s*(.+)",
+        "width": rf"(?:{_WIDTH})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
+        "height": rf"(?:{_HEIGHT})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
+        "unit": rf"(?:{_UNIT})\s*[:=\uff1a]\s*(\S*)",
+        "length_unit": r"lateral units\s*:\s*(\S*)",
+        **{name: rf"{name}\s+{_NUMBER}\s*$" for name in _KEYWORDS},
+        "corner": rf"[xy]ll(?:corner|center)\s+{_NUMBER}\s*$",
+    }.items()
+}
+_READER = f"asperity {__version__}"
+_SDF = re.compile(r"[ab](ISO|BCR)-\d")
+_MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
+_AXES = {
+    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length|l\u00e4nge|weg\b|longueur)", re.IGNORECASE),
+    "y": re.compile(r"y\d?\b|y_", re.IGNORECASE),
+    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile?|topography|h\u00f6he|hauteur)", re.IGNORECASE),
+}
+
+
+@dataclass
+class _Block:
+    """Lines of numbers, from the `first` to before the `end`, and the header around them."""
+
+    first: int
+    end: int
+    header: list[str]
+
+    def fact(self, name: str) -> list[str]:
+        """What the header says of something: a value, and a unit where there can be one."""
+        matches = (_FACTS[name].match(line) for line in self.header)
+        return next(([part or "" for part in match.groups()] for match in matches if match), [])
+
+    @property
+    def strange(self) -> list[str]:
+        """Lines of the header that are not understood."""
+        return [line for line in self.header if not any(fact.match(line) for fact in _FACTS.values())]
+
+
+def read_text(path: Path, channel: str | int | None) -> RawSurface:
+    """Read heights from text: a matrix, a profile, or points x, y, z; see `read_table` for the numbers."""
+    lines = text_of(path, SurfaceFileError).split("\n")
+    blocks = _blocks(lines)
+    if any(map(_SDF.match, blocks[0].header)) and (raw := _by_library(path, channel)):
+        return raw
+    blocks = _joined(path, lines, blocks)
+    tables = [_table(path, lines, block) for block in blocks]
+    strange = [line for block in blocks for line in block.strange if not all(map(_roles, tables))]
+    words = [line for line in strange if line[0] not in "#%"]
+    other = len(blocks) == 1 and (words or any(map(_MEASURES.search, strange)))
+    if other and (raw := _by_library(path, channel)):
+        return raw
+    if words:
+        number = 1 + [line.strip() for line in lines].index(words[0])
+        expected = f"only numbers, or a header of a known kind, in line {number}"
+        advice = "a # before header lines, and NaN for undefined pixels"
+        got = repr(shortened(words[0], 60))
+        raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
+    found, shapes, others = {}, {}, []
+    labels = [
+        shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
+    ]
+    for number, (label, table, block) in enumerate(zip(labels, tables, blocks, strict=True), 1):
+        name = f"{label}#{labels[:number].count(label)}" if labels.count(label) > 1 else label
+        unit = "".join(block.fact("unit"))
+        if unit and not is_length(spelled(unit)):
+            others.append(f"{name!r} in {unit}")
+            continue
+        found[name], shapes[name] = (table, block), " x ".join(map(str, table.values.shape))
+    if not found:
+        raise SurfaceFileError(str(path), expected="heights in a unit of length", got=", ".join(others))
+    if "" in found:
+        return _surface(path, *found[""], channel)
+    name = choose(str(path), channel, shapes)
+    return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
+
+
+def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
+    """What the readers of instruments find, if they find unit and size: they know other headers."""
+    with contextlib.suppress(SurfaceFileError, MissingExtraError):
+        raw = read_instrument(path, channel, ("sdf", "bcr", "asc", "xyz"))
+        return raw if raw and raw.unit != "1" and raw.pixel_size is not None else None
+    return None
+
+
+def _blocks(lines: list[str]) -> list[_Block]:
+    """Cut a file where something stands between lines of numbers."""
+    blocks: list[_Block] = []
+    header: list[str] = []
+    apart = True
+    for number, line in enumerate(map(str.strip, lines)):
+        if not line and "\t" in lines[number]:
+            continue  # a row of missing cells
+        if not line or line[0] in "#%" or _WORD.match(line):
+            apart = True
+            header += filter(None, [line])
+        elif apart:
+            blocks.append(_Block(number, number + 1, header))
+            header, apart = [], False
+        else:
+            blocks[-1].end = number + 1
+    if not blocks:
+        return [_Block(0, 0, [])]
+    blocks[-1].header += header
+    return blocks
+
+
+def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
+    """Join blocks where blank lines part the lines of one matrix, or the points of one list."""
+    whole = _Block(blocks[0].first, blocks[-1].end, [line for block in blocks for line in block.header])
+    apart = len(blocks) > 1 and any(block.end - block.first > 1 for block in blocks)
+    if apart and len(re.split(r"[\s,;]+", lines[whole.first].strip())) == 3:
+        apart = not points.are_points(_table(path, lines, whole).values)
+    return blocks if apart else [whole]
+
+
+def _table(path: Path, lines: list[str], block: _Block) -> Table:
+    """Read the numbers of a block; the last line above them may name the columns."""
+    rows = [line.rstrip(" ") for line in lines[block.first : block.end]]
+    empty = min((len(row) - len(row.rstrip(",;")) for row in rows if row), default=0)  # columns at the end
+    rows = ["" if _WORD.match(row.strip()) else row[: len(row) - empty] for row in rows]
+    shown = [""] * block.first
+    above = next((i for i in range(block.first - 1, -1, -1) if lines[i].strip()), None)
+    if above is not None and block.header:
+        shown[above] = f"# {lines[above].strip().lstrip('#% ').rstrip(',;')}"
+    text = "\n".join(shown + rows)
+    return read_table(path, matrix=True, text=text, failure=SurfaceFileError)
+
+
+def _roles(table: Table) -> list[tuple[str, str | None]]:
+    """What the columns are by their names, and their units, None for one that is no length.
+
+    Nothing where x and heights are not among them; where there is no z, y are the heights.
+    """
+    found: list[tuple[str, str | None]] = []
+    for name in table.names:
+        role = next((axis for axis, words in _AXES.items() if words.match(name)), "")
+        bracket = re.search(r"[\[({<]\s*(.*?)\s*[\])}>]\s*$", name)
+        unit = spelled((bracket[1] if bracket else re.split(r"[\s_/,]+", name)[-1]).replace("M", "m"))
+        known = is_length(unit)
+        found.append((role, unit if known else None if bracket else "1"))
+    if "z" not in dict(found):
+        found = [("z" if role == "y" else role, unit) for role, unit in found]
+    return found if {"x", "z"} <= set(dict(found)) else []
+
+
+def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
+    """Heights of a block; channels are the columns of heights beside the same coordinates."""
+    raw = RawSurface(
+        table.values, "text", _READER, spelled("".join(block.fact("unit"))), orientation=FIRST_LINE
+    )
+    if void := block.fact("nodata_value"):
+        heights, rule = without(raw.heights, _number(void), "NODATA_value in the header,")
+        raw = dataclasses.replace(raw, heights=heights, undefined_by=(rule,))
+    strange = [] if _roles(table) else list(filter(_MEASURES.search, block.strange))
+    if strange:
+        remark = f"not understood in the header: {', '.join(strange)}"
+        raw = dataclasses.replace(raw, remarks=(shortened(remark, 120),))
+    return _points(path, raw, table, block, channel) or _matrix(path, raw, block)
+
+
+def _points(
+    path: Path, raw: RawSurface, table: Table, block: _Block, channel: str | int | None
+) -> RawSurface | None:
+    """Lay points on their grid if columns are coordinates, by their names or their values; else None."""
+    used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["1", "1"]
+    if roles := _roles(table):
+        at = {role: [i for i, (each, _) in enumerate(roles) if each == role] for role in "xyz"}
+        names = {table.names[i]: f"column {i + 1}" for i in at["z"]}
+        name = choose(str(path), channel, names)
+        used = [*at["x"][:1], *at["y"][:1], table.names.index(name)]
+        found = [roles[i][1] for i in used]
+        units = [unit for unit in found if unit is not None]
+        if units != found or len(set(units[:-1])) > 1:
+            expected, got = "lengths, x and y in the same unit", ", ".join(map(repr, table.names))
+            raise SurfaceFileError(str(path), expected=expected, got=got)
+        raw = dataclasses.replace(raw, channel=name, channels=tuple(names)) if len(names) > 1 else raw
+    elif channel is not None:
+        choose(str(path), channel, {})
+    if not used:
+        return None
+    heights, size = points.grid_of(str(path), raw.heights[:, used])
+    others = ", ".join(str(i + 1) for i in range(raw.heights.shape[1]) if i not in used)
+    length_unit = spelled("".join(block.fact("length_unit"))) if units[0] == "1" else units[0]
+    return dataclasses.replace(
+        raw,
+        heights=heights,
+        format="xyz",
+        unit=raw.unit if units[-1] == "1" else units[-1],
+        pixel_size=size,
+        length_unit=None if length_unit == "1" else length_unit,
+        orientation=FIRST_LINE if heights.ndim == 1 else LARGEST_Y,
+        size_from="its coordinates",
+        remarks=(*raw.remarks, *[f"left out column {others}"] * bool(others)),
+    )
+
+
+def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
+    """Part labels of lines and columns from heights, and find the size of the pixels."""
+    heights, *labels = points.without_labels(raw.heights)
+    remarks, steps = list(raw.remarks), []
+    for each, what in zip(labels, ("lines", "columns"), strict=True):
+        if each is not None:
+            step = 0.0 if points.are_numbers(each) else abs(points.even_step(each) or 0)
+            steps.append(step)
+            first = ", ".join(f"{label:g}" for label in each[:3])
+            remarks.append(f"left out the numbers {first}, ... of the {what}")
+    size, length_unit = _size(path, heights.shape, block)
+    if size is None and heights.shape[1] == 3 and heights.shape[0] > 3:
+        remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")
+    if size is None and len(steps) == 2 and all(steps):
+        size, raw = (steps[0], steps[1]), dataclasses.replace(raw, size_from="its coordinates")
+    if 1 in heights.shape:
+        size = size and size[heights.shape[0] == 1 :][:1]
+    heights = heights.ravel() if 1 in heights.shape else heights.copy()
+    return dataclasses.replace(
+        raw, heights=heights, pixel_size=size, length_unit=length_unit, remarks=tuple(remarks)
+    )
+
+
+def _size(path: Path, shape: tuple[int, ...], block: _Block) -> tuple[tuple[float, ...] | None, str | None]:
+    """Distance between rows and between columns that the header gives, and its unit."""
+    stated = [block.fact(name) for name in ("nrows", "ncols")]
+    if any(each and _number(each) != n for each, n in zip(stated, shape, strict=True)):
+        expected = f"{' x '.join(each[0] if each else '?' for each in stated)} numbers, as the header says"
+        raise SurfaceFileError(str(path), expected=expected, got=" x ".join(map(str, shape)))
+    cell = block.fact("cellsize")
+    if (down := block.fact("dy") or cell) and (across := block.fact("dx") or cell):
+        return (_number(down), _number(across)), None
+    height, width = (block.fact(side) for side in ("height", "width"))
+    if not (height and width):
+        return None, None
+    unit, other = spelled(height[1]), spelled(width[1])
+    factor = 1.0 if unit == other else conversion(other, unit)
+    if factor is None or not (is_length(unit) or unit == "1"):
+        got = f"{' '.join(width)} and {' '.join(height)}"
+        raise SurfaceFileError(str(path), expected="a width and a height in units of length", got=got)
+    size = _number(height) / shape[0], factor * _number(width) / shape[1]
+    return size, None if unit == "1" else unit
+
+
+def _number(fact: list[str]) -> float:
+    """The number of a fact, whose decimals may follow a comma."""
+    return float(fact[0].replace(",", "."))

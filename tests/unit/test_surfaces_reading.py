@@ -1,0 +1,377 @@
+"""Scans as instruments and their programs write them: read as what they are, or refused."""
+
+import importlib.util
+import os
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.io
+
+from asperity.errors import SurfaceFileError
+from asperity.surfaces import read
+from asperity.surfaces.files import record_of
+from asperity.surfaces.raw import RawSurface
+from tests import instrument_files as files
+from tests.instrument_files import write
+from tests.refusals import refuses
+
+AS_IT_IS: dict[str, Any] = {"tilt": "none", "periodic": "wrap", "max_undefined": 0.5}
+SCANS = (
+    Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared" / "data"))
+    / "scans"
+)
+RNG = np.random.default_rng(3)
+H = RNG.normal(size=(5, 7))
+WHOLE = RNG.integers(-99, 99, size=(5, 7))
+WIDE = RNG.normal(size=(32, 20))
+X, Y = np.meshgrid(0.5 * np.arange(20), 0.3 * np.arange(15) - 7.0)
+Z = RNG.normal(size=(15, 20))
+SPIP = "# x-pixels = 7\n# y-pixels = 5\n# x-length = 7000\n# y-length = 10000\n"
+SPIP = f"# File Format = ASCII\n{SPIP}# x-unit = nm\n# y-unit = nm\n# z-unit = nm\n"
+NOVA = "NX = 7\nNY = 5\nScale X = 1\nScale Y = 2\nUnit X = um\nUnit Y = um\nUnit Data = nm\nStart of Data :\n"
+POINTS = np.stack([X, Y, Z], axis=-1).reshape(-1, 3)
+PROFILE = WIDE[:3].ravel()
+pytestmark = pytest.mark.usefixtures("here")
+needs_library = pytest.mark.skipif(
+    importlib.util.find_spec("SurfaceTopography") is None, reason="SurfaceTopography is not installed"
+)
+
+
+def short(value):
+    """Name of a case: no content of a file."""
+    return value if isinstance(value, str) and len(value) < 12 else ""
+
+
+def scan(name):
+    if not (SCANS / name).is_file():
+        pytest.skip(f"{name} is not in {SCANS}; set ASPERITY_DATA")
+    return SCANS / name
+
+
+def found(name, content=None, **options):
+    """A surface, and its record."""
+    surface = read(write(name, content) if content is not None else name, **AS_IT_IS, **options)
+    return surface, surface.provenance
+
+
+def hdf5(name, **arrays):
+    """Arrays, each with its attributes."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(name, "w") as file:
+        for path, (values, attributes) in arrays.items():
+            file[path.replace("__", "/")] = values
+            file[path.replace("__", "/")].attrs.update(attributes)
+    return name
+
+
+def arrays(name):
+    """One matrix as programs for arrays write it: rows first, in memory and in the file."""
+    match name:
+        case "a.npy":
+            np.save(name, H)
+        case "a.npz":
+            np.savez(name, h=np.asfortranarray(H), when=np.array("today"))
+        case "a.mat":
+            scipy.io.savemat(name, {"h": H, "dx": 0.5, "mask": H > 0})
+        case "matlab.h5":  # columns first, as MATLAB 7.3 does
+            word = (np.arange(9, dtype="u2")[:, None], {"MATLAB_class": np.bytes_("char")})
+            hdf5(name, h=(H.T, {"MATLAB_class": np.bytes_("double")}), word=word)
+        case "a.h5":
+            hdf5(name, h=(H, {}))
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.npz", "a.mat", "a.h5", "matlab.h5"])
+def test_the_first_row_of_an_array_is_row_0(name):
+    arrays(name)
+    surface, record = found(name)
+    np.testing.assert_array_equal(surface.heights, H)
+    assert record["orientation"] == "row 0 is the first row of the array"
+
+
+@needs_library
+@pytest.mark.parametrize(
+    # Each format stores its lines from the top of the picture; a point is 1 um wide, and a line 2 um.
+    ("name", "content", "unit", "heights"),
+    [
+        ("a.gwy", files.gwy({"Phase": (H + 1, "deg"), "Height": (H, "m")}), "m", H),
+        *(("a.sdf", files.sdf(H, f"{kind}-1.0"), "um", H) for kind in ("aISO", "bISO", "aBCR", "bBCR")),
+        ("a.sdf", files.sdf(H, "aISO-2.0"), "um", H),
+        ("a.txt", files.sdf(H, "aBCR-1.0"), "um", H),
+        ("a.txt", files.text(H, SPIP), "nm", H),
+        ("a.asc", files.text(H, NOVA), "nm", H),
+        ("a.x3p", files.x3p(H), "m", H),
+        ("a.x3p", files.x3p(H, revision="ISO5436 \u2013 2000", date="N/A"), "m", H),
+        ("a.x3p", files.x3p(H, revision="ISO 5436-2"), "m", H),
+        ("a.sur", files.sur(WHOLE), "um", WHOLE / 2),
+        ("a.sur", files.sur(WHOLE, unit=b"\xc2\xb5m", month=13), "um", WHOLE / 2),
+        ("a.sur", files.sur(WHOLE, unit=b"nm"), "nm", WHOLE / 2),
+    ],
+    ids=short,
+)
+def test_the_top_line_of_the_picture_is_row_0(name, content, unit, heights):
+    surface, record = found(name, content)
+    np.testing.assert_allclose(surface.heights, heights, rtol=1e-15)
+    factor = {"m": 1e-6, "um": 1.0, "nm": 1e3}[unit]
+    assert (surface.unit, surface.length_unit) == (unit, unit)
+    assert surface.pixel_size == pytest.approx((2 * factor, factor))
+    assert record["orientation"].startswith("row 0 is the top line of the picture")
+    assert (record["size_from"], record["unit_from"]) == ("the file", "the file")
+
+
+@needs_library
+def test_one_scan_that_another_program_wrote_both_ways():
+    """Its first ten lines are five times as rough: 4.9741 nm about their plane."""
+    top = 1e9 * np.loadtxt(scan("top-rough.txt"))[:10]
+    terms = np.stack([np.ones(600), *np.indices((10, 60)).reshape(2, -1)], axis=1)
+    left = top.ravel() - terms @ np.linalg.lstsq(terms, top.ravel(), rcond=None)[0]
+    assert left.std() == pytest.approx(4.9741, abs=5e-5)
+    for name in ("top-rough.gwy", "top-rough.txt"):
+        level = read(scan(name), crop=[0, 10, 0, 60], unit="nm", file_unit="m", periodic="wrap")
+        assert level.heights.std() == pytest.approx(left.std(), rel=1e-6)
+
+
+ESRI = "NCOLS 7\nnrows 5\nXLLCENTER 0.0\nyllcorner 0.0\nCellSize 0.5\nNoData_Value {}\n"
+
+
+@pytest.mark.parametrize("void", [-9999.0, -32768.0, 0.0, 1e38, -3.4028234663852886e38])
+def test_a_value_stands_for_undefined_pixels(void):
+    holed = np.where(np.eye(5, 7) > 0, void, H)
+    for name, content, options in (
+        ("a.asc", files.text(holed, ESRI.format(f"{void:g}")), {}),
+        ("a.txt", files.text(holed, ESRI.format(f"{void:.9g}").lower()), {}),
+        ("a.txt", files.text(holed), {"undefined_value": void}),
+    ):
+        surface, record = found(name, content, **options)
+        assert record["undefined_pixels"] == 5
+        np.testing.assert_array_equal(
+            surface.heights[~np.eye(5, 7, dtype=bool)], H[~np.eye(5, 7, dtype=bool)]
+        )
+        assert [rule.rpartition(": ")[2] for rule in record["undefined_by"]] == ["5 pixels"]
+        assert surface.pixel_size == (None if options else (0.5, 0.5))
+    np.save("a.npy", holed.astype("f4"))
+    scipy.io.savemat("a.mat", {"h": holed})
+    hdf5("a.h5", h=(holed, {"_FillValue": void}))
+    for name, options in (
+        ("a.npy", {"undefined_value": void}),
+        ("a.mat", {"undefined_value": void}),
+        ("a.h5", {}),
+    ):
+        assert found(name, **options)[1]["undefined_pixels"] == 5
+
+
+def test_nan_may_be_the_value_of_a_header():
+    holed = np.where(np.eye(5, 7) > 0, np.nan, H)
+    assert found("a.asc", files.text(holed, ESRI.format("nan")))[1]["undefined_pixels"] == 5
+
+
+def test_a_grid_whose_header_names_its_void():
+    surface, record = found(scan("corner-nodata.asc"))
+    measured = np.loadtxt(scan("corner-nodata.asc"), skiprows=6)
+    assert record["undefined_pixels"] == (measured == -9999).sum() == 465
+    assert (surface.heights == measured).sum() == measured.size - 465
+    assert surface.pixel_size == (1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("labels", "numbers"),
+    [
+        (("Channel", "Width", "Height", "Value units"), ("7.00", "10.00")),
+        (("Kanal", "Breite", "H\u00f6he", "Einheiten"), ("7,00", "10,00")),
+        (("Canal", "Largeur", "Hauteur", "Unit\u00e9s"), ("7.00", "1e1")),
+        (("\u30c1\u30e3\u30cd\u30eb", "\u5e45", "\u9ad8\u3055", "\u5024\u306e\u5358\u4f4d"), ("7", "10.")),
+    ],
+)
+def test_sizes_and_units_of_the_header(labels, numbers):
+    channel, width, height, units = labels
+    header = f"# {channel}: H\u00f6he\n# {width}: {numbers[0]} \u00b5m\n# {height}: {numbers[1]} \u03bcm\n"
+    header += f"# {units}: nm\n"
+    surface, record = found("a.txt", files.text(H, header))
+    assert (surface.unit, surface.length_unit, record["channel"]) == ("nm", "um", "H\u00f6he")
+    assert surface.pixel_size == pytest.approx((2.0, 1.0))
+    np.testing.assert_array_equal(surface.heights, H)
+    in_um, _ = found("a.txt", unit="um", pixel_size=0.5, length_unit="mm")
+    assert (in_um.pixel_size, in_um.length_unit, in_um.provenance["size_from"]) == (
+        (0.5, 0.5),
+        "mm",
+        "pixel_size",
+    )
+
+
+def two(first, second):
+    return files.text(H, first) + files.text(WIDE, second)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "channel", "right"),
+    [
+        (
+            "a.txt",
+            two("# Channel: Height (trace)\n", "# Channel: Height (retrace)\n"),
+            "Height (retrace)",
+            WIDE,
+        ),
+        ("a.txt", two("# Channel: Z\n# Value units: m\n", "# Channel: Z\n# Value units: m\n"), 1, WIDE),
+        ("a.csv", two("", "\n"), 0, H),
+        ("a.dat", two("# slice\n", "# slice\n"), "matrix#2", WIDE),
+        (
+            "a.csv",
+            files.text(np.c_[X[0], Z[:2].T], "X (mm);Z raw (um);Z level (um)\n", ";"),
+            "Z level (um)",
+            Z[1],
+        ),
+    ],
+    ids=short,
+)
+def test_of_several_channels_in_one_text_none_is_taken(name, content, channel, right):
+    with refuses(name, kind=SurfaceFileError):
+        found(name, content)
+    surface, record = found(name, channel=channel)
+    np.testing.assert_array_equal(surface.heights, right)
+    assert len(record["channels"]) == 2
+
+
+def test_of_several_arrays_none_is_taken():
+    scipy.io.savemat("a.mat", {"x": X[0], "y": Y[:, 0], "z": Z})
+    hdf5("a.h5", scan__z=(Z, {}), x=(X[0], {}))
+    for name, channel in (("a.mat", "z"), ("a.h5", "scan/z")):
+        with refuses(name, kind=SurfaceFileError):
+            found(name)
+        np.testing.assert_array_equal(found(name, channel=channel)[0].heights, Z)
+
+
+def test_what_stands_beside_heights_is_not_pressed():
+    beside = {
+        "thumbnail": (WHOLE, {}),
+        "photo": (WHOLE.astype("u1"), {}),
+        "Phase": (H, {}),
+        "scan__row_index": (WHOLE, {}),
+    }
+    surface, record = found(hdf5("a.h5", h=(H, {"units": "\u00b5m", "scale_factor": 2.0}), **beside))
+    np.testing.assert_array_equal(surface.heights, 2 * H)
+    assert (surface.unit, record["channels"]) == ("um", ["h"])
+    assert found("a.h5", channel="Phase")[1]["channel"] == "Phase"
+    hdf5("volts.h5", h=(H, {"units": "V"}))
+    hdf5("a.h5-jpk", Measurement_000__Channel_000__Height=(np.zeros((64, 4)), {}))
+    for name in (hdf5("b.h5", **beside), "volts.h5", "a.h5-jpk"):
+        with refuses(name, kind=SurfaceFileError):
+            found(name)
+    with refuses("a.txt", kind=SurfaceFileError):
+        found("a.txt", files.text(H, "# Channel: Phase\n# Width: 1 um\n# Height: 1 um\n# Value units: deg\n"))
+
+
+TABLE = np.zeros((33, 21))
+TABLE[1:, 1:], TABLE[0, 1:], TABLE[1:, 0] = WIDE, 1e-6 * np.arange(20), -0.25e-6 * np.arange(32)
+PLANE = np.add.outer(0.1 * np.arange(30), 0.3 * np.arange(20))
+STEPS = np.arange(60)
+GWYDDION, STYLUS = "# Lateral units: \u00b5m\n# Value units: nm\n", "Tip, 2\nX (mm), Z (um)\n"
+WEG = files.text(np.c_[0.1 * STEPS, PROFILE], separator=";").replace(b".", b",")
+WEG = "L\u00e4nge [mm];H\u00f6he [\u00b5m]\n".encode("latin-1") + WEG
+XY = "x in \u00b5m,y in nm\n"
+DEKTAK = files.text(np.c_[np.round(0.156 * STEPS, 1), PROFILE], separator=",").replace(b"\n", b",,\n")
+DEKTAK = b"Scan Parameters\nStylus,Radius: 2.5 um\n\nScan Data\nLateral um,Raw Micrometer,\n" + DEKTAK
+NUMBERED = np.c_[np.arange(1, 33), WIDE]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "heights", "pixel", "units"),
+    [
+        ("a.xyz", files.text(np.c_[POINTS, np.arange(300) % 7]), Z[::-1], (0.3, 0.5), ("1", None)),
+        ("a.txt", files.text(POINTS), Z[::-1], (0.3, 0.5), ("1", None)),
+        ("a.txt", b"\n".join(map(files.text, np.split(POINTS, 15))), Z[::-1], (0.3, 0.5), ("1", None)),
+        ("a.csv", files.text(np.c_[np.arange(300), POINTS], "", ","), Z[::-1], (0.3, 0.5), ("1", None)),
+        ("a.csv", files.text(POINTS, "X [mm],Y [mm],Z [um]\n", ","), Z[::-1], (0.3, 0.5), ("um", "mm")),
+        ("a.xyz", files.text(POINTS, GWYDDION), Z[::-1], (0.3, 0.5), ("nm", "um")),
+        ("a.txt", files.text(np.c_[np.round(0.16 * STEPS, 1), PROFILE]), PROFILE, (0.16,), ("1", None)),
+        ("a.xyz", files.text(np.c_[np.round(1.57 * STEPS), PROFILE]), PROFILE, (1.57,), ("1", None)),
+        ("a.csv", files.text(np.c_[0.1 * STEPS, PROFILE], STYLUS, ","), PROFILE, (0.1,), ("um", "mm")),
+        ("a.csv", WEG, PROFILE, (0.1,), ("um", "mm")),
+        ("a.csv", DEKTAK, PROFILE, (0.156,), ("um", "um")),
+        (
+            "a.csv",
+            files.text(np.c_[0.1 * STEPS, PROFILE], "x in \u00b5m,y in nm\n", ","),
+            PROFILE,
+            (0.1,),
+            ("nm", "um"),
+        ),
+        ("a.txt", files.text(TABLE), WIDE, (0.25e-6, 1e-6), ("1", None)),
+        ("a.txt", files.text(TABLE[:, 1:]), WIDE, None, ("1", None)),
+        ("a.txt", files.text(TABLE[1:]), WIDE, None, ("1", None)),
+        ("a.txt", files.text(NUMBERED), WIDE, None, ("1", None)),
+        ("a.txt", files.text(np.c_[STEPS, PROFILE]), PROFILE, None, ("1", None)),
+        ("a.txt", b"\n\n".join(map(files.text, H[:, None])), H, None, ("1", None)),
+        ("a.txt", files.text(PLANE), PLANE, None, ("1", None)),  # of which no line is a label
+    ],
+    ids=short,
+)
+def test_coordinates_and_numbers_are_no_heights(name, content, heights, pixel, units):
+    surface, _ = found(name, content)
+    np.testing.assert_allclose(surface.heights, heights, rtol=1e-15)
+    assert (surface.unit, surface.length_unit) == units
+    assert surface.pixel_size == (None if pixel is None else pytest.approx(pixel, rel=0.01))
+
+
+def test_a_profile_with_missing_points():
+    x = np.delete(0.5 * np.arange(60), [7, 31])
+    surface, record = found("a.xyz", files.text(np.c_[x, np.delete(PROFILE, [7, 31])]))
+    assert (surface.shape, record["undefined_pixels"]) == ((60,), 2)
+    np.testing.assert_array_equal(np.delete(surface.heights, [7, 31]), np.delete(PROFILE, [7, 31]))
+
+
+def test_a_remark_is_made_once():
+    raw = RawSurface(H, "jpk", "a reader", remarks=("an unknown tag",) * 33)
+    assert record_of(raw)["reader_remarks"] == ["an unknown tag"]
+
+
+def test_headers_that_nobody_understands():
+    for content in (
+        files.text(H, "Scale = 3\n"),
+        files.text(H, ESRI.format("-1").replace("7", "8")),
+        files.text(H, "# Width: 5 V\n# Height: 5 V\n"),
+        files.text(POINTS, "x (mm),y (um),z (um)\n", ","),
+        files.text(np.c_[np.sort(RNG.uniform(size=60)), PROFILE]),
+        files.sdf(H, "aISO-3.0"),
+    ):
+        with refuses("a.asc", kind=SurfaceFileError):
+            found("a.asc", content)
+    (remark,) = found("a.txt", files.text(H, "# measured today\n# z-scale = 3\n"))[0].remarks
+    assert "z-scale = 3" in remark
+
+
+@needs_library
+def test_the_extension_tells_the_format():
+    right = 2.0 + (WHOLE + 100) * 3.0 / 65534
+    for pixel in (312.5, 312.5e-6):  # in nm, and in mm: no confocal microscope has pixels of a meter
+        surface, _ = found("a.nms", files.nms(WHOLE + 100, pixel))
+        np.testing.assert_allclose(surface.heights, right, rtol=1e-15)
+        assert surface.pixel_size == pytest.approx((0.3125, 0.3125))
+    for name in ("confocal-1.nms", "confocal-2.nms"):
+        surface, record = found(scan(name))
+        assert record["physical_size"] == pytest.approx((20.0, 20.0))
+        nx, ny = struct.unpack("<II", scan(name).read_bytes()[1368:1376])
+        low, high = struct.unpack("<dd", scan(name).read_bytes()[16:32])
+        raw = np.frombuffer(scan(name).read_bytes(), "<u2", count=nx * ny, offset=3468).reshape(ny, nx)
+        np.testing.assert_allclose(surface.heights, low + raw * (high - low) / 65534, rtol=1e-12)
+
+
+@needs_library
+def test_whole_files_of_another_kind_are_not_called_damaged():
+    with scipy.io.netcdf_file("a.nc", "w") as file:
+        for axis, n in (("x", 7), ("y", 5)):
+            file.createDimension(axis, n)
+            places = file.createVariable(axis, "d", (axis,))
+            places[:], places.unit, places.length = np.arange(n), "um", float(n)
+        heights = file.createVariable("heights", "d", ("x", "y"))
+        heights[:], heights.unit = H.T, "nm"
+    for name, content in (
+        ("a.nc", None),
+        ("a.sur", files.sur(WHOLE, unit=b"%")),
+        ("a.sdf", files.sdf(H[:0], "bISO-1.0")),
+        ("b.sur", files.sur(WHOLE, magic=b"DSCOMPRESSED")),
+        ("a.gwy", files.gwy({"Phase": (H, "deg")})),
+    ):
+        with refuses(name, kind=SurfaceFileError) as raised:
+            found(name, content)
+        assert "damaged" not in str(raised.value)
