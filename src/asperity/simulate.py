@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -22,7 +23,7 @@ from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import WHERE_FROM, Contact, control_of
-from asperity.errors import InputError
+from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.progress import listener
 from asperity.protocols import Hold as HoldLeg
@@ -277,6 +278,9 @@ def age(
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
+    if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
+        slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
+        warnings.warn(f"{slides}: friction times load is not above the shear force", Remark, stacklevel=2)
     return History(dataset, final)
 
 
