@@ -170,6 +170,8 @@ class _Way:
             if control.rate and not now.contact.load and now.contact.has_not_crept:
                 begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
                 stops = stops[stops > begun]
+                if not stops.size:
+                    return pace
         approach = self.now.approach if here is None else here.approach
         told = None if here is None else here.pace
 

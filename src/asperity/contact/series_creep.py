@@ -206,9 +206,12 @@ class _Run(LocalRun):
         entering = np.where(self.yielding, below < -rounding, ~touching & self.body & (below > rounding))
         touching |= entering
         self.yielding &= ~entering
-        if self.stage.load is not None and not touching.any() and self.yielding.any():  # one bears the rest
-            least = int(np.argmin(np.where(self.yielding, below, np.inf)))
-            touching.flat[least], self.yielding.flat[least] = True, False
+        load, yielding = self.stage.load, self.yielding
+        if load is not None and not touching.any() and yielding.any():  # one bears the rest
+            more = load > solver.interface.high * np.count_nonzero(yielding)
+            far, among = (-below, self.body & ~yielding) if more else (below, yielding)
+            bears = int(np.argmin(np.where(among, far, np.inf)))
+            touching.flat[bears], yielding.flat[bears] = True, False
         self.linear = LinearStep(solver, law.drag, touching, held=self.stage.load is None)
         known = np.array([self.stage.load or 0.0, 0.0])[self.linear.first : len(self.x)]
         self.missing = known - self.x[self.linear.first :].sum(axis=tuple(range(1, self.x.ndim)))
