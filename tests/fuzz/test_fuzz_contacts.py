@@ -215,7 +215,8 @@ class Bodies:
 def coming(draw: Draw, bodies: Bodies) -> tuple[Contact, list[Any], list[float]]:
     """Bodies that do not bear anything, what puts a load on, and times."""
     lasting, top = bodies.time * draw.decades(-2, 2), float(bodies.rough.max())
-    start, legs = {"load": 0.0}, [asp.protocols.Ramp(lasting, load=bodies.load)]
+    legs: list[Any] = [asp.protocols.Ramp(lasting, load=bodies.load)]
+    start = {"load": 0.0}
     if bodies.hangs and draw.chance(0.3):
         legs = [asp.protocols.Ramp(lasting, separation=top - bodies.length * draw.decades(-2, 0))]
         start = draw.one([start, {"separation": top + bodies.length * draw.decades(-2, 0)}])
@@ -234,9 +235,9 @@ def test_loads_that_come_from_nothing():
     def attempt(draw: Draw) -> None:
         bodies = Bodies.drawn(draw)
         contact, legs, times = coming(draw, bodies)
-        carried = None
+        carried, shear, friction = None, bodies.load * draw.decades(-3, 0), draw.decades(-1, 0.3)
         if bodies.solid.kind == "half_space" and contact.heights.ndim == 2 and draw.chance(0.5):
-            carried = asp.Carried(shear=bodies.load * draw.decades(-3, 0), friction=draw.decades(-1, 0.3))
+            carried = asp.Carried(shear=shear, friction=friction)
         draw.say(carried)
         history = asp.age(contact, times, protocol=legs, rtol=draw.one([1e-2, 0.1]), carried=carried)
         series, final = history.dataset, history.final
@@ -247,7 +248,7 @@ def test_loads_that_come_from_nothing():
         if final.control.load_controlled:
             assert abs(final.load / legs[-2].load - 1) <= 1e-9
         if carried is not None:
-            sticks = carried.shear < carried.friction * series["load"]
+            sticks = shear < friction * series["load"]
             assert ((series["stick_fraction"] > 0) == sticks).all()
 
     fuzz("loads that come from nothing", 20, attempt)

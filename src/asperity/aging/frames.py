@@ -88,7 +88,7 @@ class Midway:
 
 @dataclass(frozen=True)
 class Pace:
-    """What a march begins with: the length of its first step, inf for its own, and the scale of errors."""
+    """What a march begins with: the length of its first step, 0 for its own, and the scale of errors."""
 
     length: float
     deformation: float

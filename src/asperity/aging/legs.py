@@ -236,7 +236,7 @@ class _Way:
         begun_at += self.rtol * (reached - touching)
         start = pressed_anew(now.contact, at(begun_at), self.solver, least_force=first.residual_scale)
         self.at_once(start, now)
-        return begun_at, replace(at(begun_at), rate=control.rate), Pace(math.inf, float(first.u.std()))
+        return begun_at, replace(at(begun_at), rate=control.rate), Pace(0.0, float(first.u.std()))
 
 
 def _control(now: Frame, leg: Leg, lasting: float) -> Control:

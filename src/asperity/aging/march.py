@@ -208,9 +208,8 @@ class _March:
         self.raise_deformation()
         self.controller.begin(self.deformation, self.now.speed())
         if pace is not None:
+            self.controller.length = pace.length or self.controller.length
             self.deformation = max(self.deformation, pace.deformation)
-            if math.isfinite(pace.length):
-                self.controller.length = pace.length
 
     def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""

@@ -138,9 +138,8 @@ class SeparableSteps(Steps):
         own, u = np.maximum(own, 0.0), u - system.datum
         loads = [0.0, 0.0, control.value + float(shares @ own), *own]
         modes = system.mechanics.lattice.forward(anchors - system.datum)
-        # Before any load the surface is flat.
-        arrays = {"loads": np.array(loads), "u": u, "before": np.zeros_like(u), "anchors": modes}
-        return cls(system, solver, arrays)
+        flat = np.zeros_like(u)  # as before any load
+        return cls(system, solver, {"loads": np.array(loads), "u": u, "before": flat, "anchors": modes})
 
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""

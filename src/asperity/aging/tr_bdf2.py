@@ -65,10 +65,7 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """Tolerances of both contact problems of a step, and errors of u0 that a solver may leave instead.
-
-    Errors of steps are relative to the ``deformation``.
-    """
+    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation."""
 
     tolerances: tuple[float, float]
     allowed_errors: tuple[float, float]

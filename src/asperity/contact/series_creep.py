@@ -236,9 +236,7 @@ class _Run(LocalRun):
         dx, rises, spent = self.linear.solve(self.lacking, self.missing, goal)
         new = self.x + dx
         self.changed = False
-        leaving = self.worst(touching & (new[0] < solver.interface.low), -new[0])
-        touching &= ~leaving
-        self.changed = bool(leaving.any())
+        touching &= ~self.worst(touching & (new[0] < solver.interface.low), -new[0])
         np.maximum(new[0], solver.interface.low, out=new[0])
         new[0][~(touching | yielding)] = 0.0
         ways = solver.ways(touching)
@@ -247,7 +245,6 @@ class _Run(LocalRun):
         above = self.worst(touching & (new[0] > solver.interface.high), new[0])
         yielding |= above
         touching &= ~above
-        self.changed |= bool(above.any())
         np.minimum(new[0], solver.interface.high, out=new[0])
         if self.stage.load is not None and not (touching.any() or yielding.any()):
             raise ConvergenceError("creep: no contact is left to carry the load; try a larger rtol")
@@ -258,9 +255,9 @@ class _Run(LocalRun):
         """Sites on the wrong side that are to change it: all; after many revisions a tenth, of one kind."""
         if self.revisions <= TUNING.all_at_once or not wrong.any():
             return wrong
-        if self.changed:
-            return np.zeros_like(wrong)
-        return np.asarray(wrong & (by >= np.quantile(by[wrong], 0.9)))
+        some = wrong & (by >= np.quantile(by[wrong], 0.9)) & (not self.changed)
+        self.changed = True
+        return np.asarray(some)
 
     def tame(self, lacking: Fields) -> Fields:
         """Forces where the law overshoots, each for itself; what then lacks, but for creep."""
