@@ -282,6 +282,9 @@ def age(
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
+    if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
+        slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
+        warnings.warn(f"{slides}: friction times load is not above the shear force", Remark, stacklevel=2)
     return History(dataset, final)
 
 

@@ -1,5 +1,6 @@
 """How far a scan suffices: growth is settled long before area is, on a separable solid under a light load."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,29 @@ def test_bands_are_what_the_filtered_scan_gives(scan, prediction):
     assert band.pressure == pytest.approx(load / band.area, rel=1e-6)
 
 
+def test_bands_see_the_ramp_that_puts_the_load_on():
+    """Beside the effective load L = F [integral of J from t - ramp to t] / ramp on an elastic half-space."""
+    made = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, cutoff=2.0, rms_slope=0.2, seed=0)
+    surface = asp.surfaces.Surface(1e-6 * made, "m", (1e-6, 1e-6), "m", edges="reflecting")
+    share, relaxing, ramp, pressure = 0.6, 1.0, 4.0, 4e6
+    how: dict[str, Any] = {"first": ramp, "last": 100.0, "per_decade": 1, "resolution_study": True}
+    solid = asp.solids.half_space(modulus=1e9, branches=[(share, relaxing)])
+    bands = asp.predict(solid, surface, pressure=pressure, ramp=ramp, **how).bands
+    retarding = relaxing / (1 - share)  # J E* = 1 + share / (1 - share) [1 - exp(-t / retarding)]
+
+    def effective(t):
+        left = retarding / ramp * (math.exp(-(t - ramp) / retarding) - math.exp(-t / retarding))
+        return pressure * (1 + share / (1 - share) * (1 - left))
+
+    for band, part in zip(bands, (surface, surface.band(shortest=4e-6)), strict=False):
+        rigid = asp.solids.half_space(modulus=1e9)
+        first, last = (
+            asp.press(part, rigid, pressure=effective(t)).contact_area_corrected for t in (ramp, 100.0)
+        )
+        assert band.area == pytest.approx(last, rel=2e-3)
+        assert band.growth == pytest.approx(last / first, rel=2e-3)
+
+
 def test_growth_is_settled_where_area_is_not(prediction):
     """On one surface, whose few contacts scatter: growth moves ten times less than area."""
     change = prediction.bands[0].change_to(prediction.bands[2])
@@ -54,7 +78,11 @@ def test_on_average_growth_changes_by_less_than_a_percent():
             (512, 512), hurst=0.8, roll_off=64.0, cutoff=4.0, rms_slope=0.2, seed=seed
         )
         surface = asp.surfaces.Surface(1e-6 * made, "m", (1e-6, 1e-6), "m", edges="reflecting")
-        bands = bands_of(surface, SOLID, {"pressure": 8e5}, (1e-3, 100.0), 2e-3, Progress())
+
+        def followed(surface, times):
+            return asp.age(asp.press(surface, SOLID, pressure=8e5), times)
+
+        bands = bands_of(surface, followed, [1e-3, 100.0], Progress())
         changes.append(bands[0].change_to(bands[2]))
     assert min(change["area"] for change in changes) > 0.2
     assert abs(np.mean([change["growth"] for change in changes])) < 0.01

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.errors import Remark
 from tests.refusals import refuses
 
 PIXEL, SITES = 1 / 256, 200
@@ -70,16 +71,56 @@ def test_a_sheared_sphere_sticks_and_gives_way_as_cattaneo_and_mindlin_say(hertz
     np.testing.assert_allclose(slip.traction[slip.slip], MU * hertz.pressure[slip.slip], rtol=1e-12)
 
 
-def test_a_cycle_loses_what_mindlin_and_deresiewicz_say():
-    """R. D. Mindlin, H. Deresiewicz, J. Appl. Mech. 20, 327 (1953), DOI 10.1115/1.4010702."""
-    half = SITES // 2, SITES // 2
-    sphere = free(-squares(half, pixel=2 * PIXEL) / (2 * RADIUS), 2 * PIXEL)
-    part = 0.7
-    slip = asp.press(sphere, SOLID, load=LOAD).partial_slip(part * MU * LOAD, MU, NU)
-    rest = 1 - part
+@pytest.mark.parametrize(
+    ("part", "tolerance"),
+    [(0.05, 0.05), (0.1, 0.02), (0.3, 2e-3), (0.7, 1e-3), (0.99, 1e-3), (1 - 1e-12, 1e-3)],
+)
+def test_a_cycle_loses_what_mindlin_and_deresiewicz_say(hertz, part, tolerance):
+    """R. D. Mindlin, H. Deresiewicz, J. Appl. Mech. 20, 327 (1953), DOI 10.1115/1.4010702.
+
+    At a part of 0.05 the annulus that slips is one site wide, and of two large numbers the loss is 1e-5.
+    """
+    slip, rest = hertz.partial_slip(part * MU * hertz.load, MU, NU), 1 - part
     lost = 1 - rest ** (5 / 3) - 5 * part / 6 * (1 + rest ** (2 / 3))
     scale = 24 * MU**2 * LOAD**2 / 5 * A**2 / (RADIUS * LOAD * RATIO)
-    assert slip.energy_lost == pytest.approx(scale * lost, rel=5e-3)
+    assert slip.energy_lost == pytest.approx(scale * lost, rel=tolerance)
+
+
+@pytest.fixture(scope="module")
+def rough():
+    """An aged contact of 66 sites."""
+    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=4.0, seed=2, rms_height=0.1)
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
+    return asp.age(asp.press(free(heights, 1.0), solid, load=1.0), [2.0]).final
+
+
+def test_a_cycle_loses_the_area_of_its_loop(rough):
+    """By Masing's rule 4 Q delta(Q) less 8 times the integral of delta, which has kinks: by short parts."""
+    shear, count = 0.5 * MU * rough.load, 60
+    at = (np.arange(count) + 0.5) / count * shear
+    integral = shear * np.mean([rough.partial_slip(force, MU, NU).displacement for force in at])
+    slip = rough.partial_slip(shear, MU, NU)
+    assert slip.energy_lost == pytest.approx(4 * shear * slip.displacement - 8 * integral, rel=2e-3)
+    losses = [rough.partial_slip(part * shear, MU, NU).energy_lost for part in np.logspace(-6, 0, 13)]
+    assert losses[0] == 0  # no site slips yet
+    assert (np.diff(losses) >= 0).all()
+
+
+def test_nothing_sticks_until_a_ramp_carries_the_shear_force():
+    """On an elastic half-space the state at each load is that of the load alone."""
+    heights = np.random.default_rng(3).normal(size=(16, 16))
+    surface, load, shear = free(heights, 1.0), 20.0, 1.0
+    carried = asp.Carried(shear=shear, friction=MU)
+    times = [0.1, 0.12, 0.13, 0.5, 1.0, 2.0]  # shear / (MU load) is 0.125
+    legs = [asp.protocols.Ramp(1.0, load=load), asp.protocols.Hold(1.0)]
+    with pytest.warns(Remark, match="the bodies slide at 3 of 7 recorded times"):
+        series = asp.age(asp.press(surface, SOLID, load=0.0), times, protocol=legs, carried=carried).dataset
+    now, stuck = (
+        [asp.press(surface, SOLID, load=max(load * min(t, 1.0) - less, 1e-6)).area for t in times]
+        for less in (0.0, shear / MU)
+    )
+    expected = np.array(stuck) / now * [0, 0, 1, 1, 1, 1]
+    np.testing.assert_array_equal(series["stick_fraction"], [0.0, *expected])
 
 
 def test_stiffness_is_the_derivative_of_the_load_on_rough_contacts():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asperity.base import units
+from asperity.base import checks, units
 from asperity.contact.response import check_half_space
 from asperity.contact.state import Contact, Each
 from asperity.errors import InputError
@@ -24,8 +24,9 @@ class Carried:
         Record ``tangential_stiffness``; see `Contact.tangential_stiffness`.
     shear, friction
         Record ``stick_fraction``, the share of the contact that sticks under a shear force with this
-        coefficient of friction; 0 where the bodies slide. See `Contact.partial_slip`. At each time alone:
-        the force is put on at that time.
+        coefficient of friction. It is 0 where the bodies slide: where the load is at most shear / friction,
+        as at the beginning of a ramp from load 0. See `Contact.partial_slip`. At each time alone: the force
+        is put on at that time.
 
     Raises
     ------
@@ -61,8 +62,8 @@ class Carried:
         if self.conductivity is not None:
             found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.shear is not None and self.friction is not None:
-            force = units.converted("shear", self.shear, "N", si=contact.si)
-            slides = isinstance(force, float | int) and force >= self.friction * contact.load > 0
-            stuck = 0.0 if slides else contact.partial_slip(self.shear, self.friction).stick_fraction
-            found["stick_fraction"] = stuck
+            force = checks.number("shear", units.converted("shear", self.shear, "N", si=contact.si), above=0)
+            mu = checks.number("friction", self.friction, above=0)
+            slides = force >= mu * contact.load
+            found["stick_fraction"] = 0.0 if slides else contact.partial_slip(force, mu).stick_fraction
         return found

@@ -49,15 +49,18 @@ def first_contact(
     return contact_from(system, solution, level, level, bodies=bodies)
 
 
-def pressed_anew(contact: Contact, control: Control, solver: ContactSolver | None = None) -> Contact:
+def pressed_anew(
+    contact: Contact, control: Control, solver: ContactSolver | None = None, *, least_force: float = 0.0
+) -> Contact:
     """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
 
-    The anchors keep their shapes. They move as a whole: to the given separation, or with the load.
+    The anchors keep their shapes. They move as a whole: to the given separation, or with the load. See
+    `contact_from` for the least force.
     """
     system = contact.system(control)
     place = contact.separation if system.load is not None else control.value
     u, _, in_contact = contact.whole
-    return _anew(contact, contact, system, (u, in_contact), place, solver)
+    return _anew(contact, contact, system, (u, in_contact), place, solver, least_force)
 
 
 @views.maker
@@ -69,7 +72,13 @@ def partial_slip(
     force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
     mu = checks.number("friction", friction, above=0)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
-    return PartialSlip.of(contact, lambda load: pressed_anew(contact, Load(load)), force, mu, ratio)
+    if force >= mu * contact.load:
+        expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"
+        raise InputError("shear", expected=expected, got=f"{force:.6g}", advice="less shear, or more load")
+    # Tractions are judged beside those of the whole contact, however small the load is that sticks.
+    held = Load(max(contact.load - force / mu, float(np.finfo(float).eps) * contact.load))
+    stuck = pressed_anew(contact, held, least_force=contact.residual_scale)
+    return PartialSlip.of(contact, stuck, force, mu, ratio)
 
 
 def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
@@ -105,6 +114,7 @@ def _anew(
     near: tuple[Field, Mask],
     place: float,
     solver: ContactSolver | None,
+    least_force: float = 0.0,
 ) -> Contact:
     """Solve for the surface above the anchors of a contact, in another system or above other heights.
 
@@ -117,7 +127,7 @@ def _anew(
     anchors = contact.whole[1] - system.datum
     if place != contact.separation:
         anchors += place - contact.separation
-    return above_anchors(anchors, place - system.datum, bodies, system, near, solver)
+    return above_anchors(anchors, place - system.datum, bodies, system, near, solver, least_force)
 
 
 def above_anchors(
@@ -127,6 +137,7 @@ def above_anchors(
     system: System,
     near: tuple[Field, Mask],
     solver: ContactSolver | None = None,
+    least_force: float = 0.0,
 ) -> Contact:
     """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system."""
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
@@ -138,4 +149,5 @@ def above_anchors(
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved
         position += moved
-    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)
+    how = system, solution, anchors, position
+    return contact_from(*how, bodies=bodies, load_may_vanish=True, least_force=least_force)

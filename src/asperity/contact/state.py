@@ -474,12 +474,14 @@ def contact_from(
     *,
     bodies: Bodies | Contact,
     load_may_vanish: bool = False,
+    least_force: float = 0.0,
 ) -> Contact:
     """Publish a solution: fields measured like the user's heights, checked once more as published.
 
     The anchors u_b are fields, the level at which all are flat, or Fourier modes; they and the position of
     the rigid body are relative to the system's datum. `ConvergenceError` where double precision cannot
-    resolve the load, unless it may be so small, as it dies out at a held separation.
+    resolve the load, unless it may be so small, as it dies out at a held separation. Residuals are relative
+    to at least ``least_force``, a mean contact force: that of a contact with which this one is compared.
     """
     datum, mechanics, lattice = system.datum, system.mechanics, system.mechanics.lattice
     lowered, indentation = _lowered(system, solution.u, bodies)
@@ -489,7 +491,7 @@ def contact_from(
     np.copyto(u, heights, where=solution.in_contact)
     in_contact = u == heights
     vanishing = load_may_vanish and not system.load
-    floor = _smallest_force(system, u) if vanishing or not in_contact.any() else 0.0
+    floor = _smallest_force(system, u) if vanishing or not in_contact.any() else least_force
     yielding = solution.u < system.heights
 
     def judged(state: _State) -> float:
@@ -500,9 +502,10 @@ def contact_from(
         if system.load and state.carried is not None:
             # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
             most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
-            part = np.count_nonzero(in_contact) / most
-            left = max(left, abs(state.carried / system.load - 1) * part)
-            left = max(left, abs(float(state.force.sum()) / system.load - 1))
+            touching = np.count_nonzero(in_contact)
+            scale = max(system.load, floor * touching)
+            left = max(left, abs(state.carried - system.load) / scale * touching / most)
+            left = max(left, abs(float(state.force.sum()) - system.load) / scale)
         if not left <= ACCEPTED_RESIDUAL:
             raise ConvergenceError(
                 f"residual {left:.1e} after rounding, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is "

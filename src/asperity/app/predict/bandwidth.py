@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 from asperity.analysis.prediction import Band
 from asperity.progress import Progress
-from asperity.simulate import age, press
-from asperity.solids import Solid
+from asperity.results import History
 from asperity.surfaces import Surface
 from asperity.surfaces.prepare import length_factor
 
@@ -19,14 +18,9 @@ _FEWEST = 8
 
 
 def bands_of(
-    scan: Surface,
-    solid: Solid,
-    pressed: dict[str, Any],
-    span: tuple[float, float],
-    rtol: float,
-    progress: Progress,
+    scan: Surface, followed: Callable[[Surface, list[float]], History], span: list[float], progress: Progress
 ) -> tuple[Band, ...]:
-    """Press the scan, at once, and let it age from the first to the last time (s), with ever fewer waves."""
+    """Follow the scan with ever fewer waves as the prediction does, to the first and the last time (s)."""
     sides = scan.pixel_size or ()
     meter = length_factor(str(scan.length_unit), "m")
     longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST
@@ -36,11 +30,9 @@ def bands_of(
         if factor > 1 and shortest > longest:
             break
         progress.stage(f"waves from {factor * 2} pixels on")
-        part = scan if factor == 1 else scan.band(shortest=shortest)
-        start = press(part, solid, **pressed)
-        first = age(start, [span[0]], rtol=rtol).final
-        last = age(start, [span[1]], rtol=rtol).final
-        area = last.contact_area_corrected
-        growth, pressure = area / first.contact_area_corrected, last.load / area
+        history = followed(scan if factor == 1 else scan.band(shortest=shortest), span)
+        first, last = history.dataset["time"].values == span[0], history.final
+        area, pressure = last.contact_area_corrected, last.load / last.contact_area_corrected
+        growth = area / float(history.dataset["contact_area_corrected"][first][0])
         found.append(Band(shortest * meter, area, pressure, growth, last.normal_stiffness))
     return tuple(found)

@@ -55,7 +55,7 @@ from asperity.relaxation import Fit, Measured, PronySeries, fit
 from asperity.relaxation import read as read_table
 from asperity.relaxation.data import Extrapolate, Modulus
 from asperity.relaxation.files import Kind
-from asperity.results import Checkpoint
+from asperity.results import Checkpoint, History
 from asperity.simulate import age, press
 from asperity.solids import Solid, half_space
 from asperity.solids.continua import checked_poisson
@@ -352,8 +352,13 @@ def _predicted(
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     # There is no contact without a load but where the scan is highest: a ramp begins there.
     legs = [Ramp(ramp, **pressed), Hold(float(times[-1]) - ramp)] if ramp else None
+    at_first = {"load": 0.0} if ramp else pressed
+
+    def followed(surface: Surface, at: list[float]) -> History:
+        return age(press(surface, solid, **at_first), at, protocol=legs, rtol=rtol)
+
     try:
-        contact = press(plain, solid, **({"load": 0.0} if ramp else pressed))
+        contact = press(plain, solid, **at_first)
         if instrument:
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
@@ -369,8 +374,7 @@ def _predicted(
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
-    span = float(times[0]), float(times[-1])
-    bands = bands_of(plain, solid, pressed, span, rtol, progress) if study else ()
+    bands = bands_of(plain, followed, times[[0, -1]].tolist(), progress) if study else ()
     facts |= {"shear_strength": strength, "pressed_by": next(iter(pressed)), "rtol": rtol, "ramp": ramp}
     facts |= {"draws": len(series) - 1} if series else {}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))

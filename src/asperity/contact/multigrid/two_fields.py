@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.arrays import inner
+from asperity.contact.arrays import inner, largest
 from asperity.contact.multigrid.grids import Hierarchy, empty
 from asperity.contact.multigrid.loops import CoarseTwo, Moves, Pair, Single, Sites, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
@@ -123,6 +123,9 @@ class TwoFields:
         size = math.inf
         for cycle in range(max_cycles):
             found = self.descend(correcting=cycle > 0)
+            if self.yielding and self.wanted is not None and found.contacts == 0:
+                self.sink()
+                continue
             missing = 0.0 if self.wanted is None else self.wanted - found.stretch
             far = math.sqrt(found.moves / self.size)
             size, rate = self.find_correction(found.contacts, missing, cycle, size)
@@ -138,6 +141,13 @@ class TwoFields:
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1
         return False, max_cycles
+
+    def sink(self) -> None:
+        """Move the body until one site touches, which is to bear what the yielding sites do not."""
+        e, bound = (self.backend.unpacked(field, self.sites) for field in (self.correction.e, self.bound))
+        gap = float(np.min(e - bound)) + _ROUNDING * largest(e, np)
+        self.correction.e[...] -= np.float32(gap)
+        self.shift, self.weights = self.shift + gap, (0.0, 0.0)
 
     def left_of(self, error: Single) -> tuple[float, float]:
         """Mean and rms of what an implicit step leaves of an error of u0, while the contacts stay.
