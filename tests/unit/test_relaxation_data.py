@@ -170,7 +170,9 @@ def test_one_solid_creeps_alike_by_its_three_tables(kind, exponent, plateau):
     assert 0.997 * low < exact[-1] / exact[0] < 1.003 * high
     assert found.rms < 0.006
     if kind == "relaxation":
-        before = sin(pi * exponent) / (pi * exponent)  # G(first) J(first) of a power; 1 where nothing precedes
+        before = sin(pi * exponent) / (
+            pi * exponent
+        )  # G(first) J(first) of a power; 1 where nothing precedes
         assert (found.assumed != "") == (before < (0.99 if plateau == 0 else 0.97))
         assert high / low > 1 + (1 - before) / 2
 
