@@ -40,9 +40,6 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 _FALLS = 2.0
 """Fall of AICc at the most branches tried from which on there may be more."""
 
-_CORRELATED = 0.2
-"""Correlation of neighbors that is stated."""
-
 _LEAST_ERROR = 1e-9
 """Relative errors that data have at least: those of rounding."""
 
@@ -388,7 +385,7 @@ def _problem(
         problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
         misfit = misfit * v / problem.error
         found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
-        found += f", whose neighbors correlate by {rho:.2f}" if rho > _CORRELATED else ""
+        found += f", whose neighbors correlate by {rho:.2f}"
         remarks.append(f"no errors were given: they are taken as {found}")
     if priors and not own:
         before, problem = misfit, replace(problem, model=made(branches=count, priors=priors))

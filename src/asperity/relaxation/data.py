@@ -34,7 +34,7 @@ _SMALLEST_LOSS = 1e-3
 _PLATEAU = 100.0
 """Times the last time up to which a plateau is fitted."""
 _STEEPEST = 0.9  # a steeper power of time has too much before the first time
-_BEFORE = 0.01, 0.1  # ends of the time, over the first of the data, in which what came before relaxes
+_BEFORE = 0.1  # time, over the first of the data, in which what came before relaxes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,12 +88,9 @@ class _InTime(_Data):
         return float(self.time[self.time > 0][0]), float(self.time[-1])
 
     def reach(self, decades: float) -> tuple[float, float]:
-        """Shortest and longest time of branches that go so far beyond the data.
-
-        Only a value at time 0 tells of times before the first.
-        """
+        """Ends of the times of branches, so far beyond the data; before the first if there is a value at 0."""
         first, last = self.span
-        return first * (_BEFORE[1] if self.time[0] == 0 else 1), last * 10**decades
+        return first * (_BEFORE if self.time[0] == 0 else 1), last * 10**decades
 
     @property
     def fitted(self) -> Self:
@@ -145,8 +142,7 @@ class Relaxation(_InTime):
     def continued(self, series: PronySeries, part: float = 1.0) -> PronySeries:
         """See `_Data`: up to the first time, what is not permanent is a power, of its slope over a decade.
 
-        One branch stands for what that has more. Its area and its mean time, on which later strains depend,
-        are the same.
+        One branch stands for what that has more. It has the same area, on which later strains depend.
         """
         (first, last), held = self.span, series.permanent * series.modulus
         end = min(10 * first, last)
@@ -154,17 +150,10 @@ class Relaxation(_InTime):
         if self.time[0] == 0 or not start > 0:
             return series
         slope = min(math.log(start / max(later, 1e-9 * start)) / math.log(end / first), _STEEPEST)
-        nodes, parts = np.polynomial.legendre.leggauss(16)
-        times = first * (1 + nodes) / 2
-        fitted = first * parts / 2 * (series.modulus_at(times) - held)
-        area = start * first / (1 - slope) - float(fitted.sum())
-        moment = start * first**2 / (2 - slope) - float(times @ fitted)
-        if not area * part > 0:
-            return series
-        time = float(np.clip(moment / area, _BEFORE[0] * first, _BEFORE[1] * first))
-        shares, taus = np.reshape(series.branches, (-1, 2)).T
-        weights = np.concatenate([[part * area / time], shares * series.modulus, [held]])
-        return of_weights(weights, np.append(time, taus))
+        shares, times = np.reshape(series.branches, (-1, 2)).T
+        weights, time = shares * series.modulus, _BEFORE * first
+        more = start * first / (1 - slope) + float(weights * times @ np.expm1(-first / times))
+        return of_weights(np.r_[part * max(more, 0.0) / time, weights, held], np.append(time, times))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -251,7 +240,7 @@ class Dynamic(_Data):
         return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
 
     def reach(self, decades: float) -> tuple[float, float]:
-        """Shortest and longest time of branches that go so far beyond the data, on both sides."""
+        """Ends of the times of branches, so far beyond the data on both sides."""
         first, last = self.span
         return first / 10**decades, last * 10**decades
 

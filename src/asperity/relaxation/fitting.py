@@ -32,7 +32,6 @@ MOST_FREE = 5
 _DRAWS = 200
 _GRIDS = ((1.0, 0), (1.0, 1), (2.0, 0), (2.0, 1))
 """Times a decade, and decades beyond the data, in the order in which they are tried."""
-_BEYOND = 2  # decades beyond the data where free times may be
 _FEW_RUNS = -2.326  # runs of one sign over what chance gives, standard deviations: 1 % of noise has less
 _CLOSE = 1.25  # misfit of free times over that of one time a decade, up to which the fewer times are taken
 _SEEN = 0.01  # relative change of J by what precedes the first time from which on that is assumed
@@ -85,11 +84,11 @@ class Fit(views.InNotebooks):
         first, last = self.data.span
         after = f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
         said = [after] if self.data.extrapolate else []
-        if change := _change(self.data, self._fitted, self.series):
+        if self.series.branches != self._fitted.branches:
             said.append(
                 f"before the first time of the table, {first:.4g} s, relaxation is assumed to have the slope "
-                f"there: it changes J({first:.4g} s) by {100 * change:.2g} %, and later times by less; the "
-                "band holds from none to twice of it"
+                f"there: J({first:.4g} s) changes by {100 * self.unseen:.2g} %, later ones by less; the band "
+                "holds from none to twice of it"
             )
         return "; ".join(said)
 
@@ -97,6 +96,12 @@ class Fit(views.InNotebooks):
     def _fitted(self) -> PronySeries:
         """The branches that were fitted, without what is assumed before the first time."""
         return self.data.fitted.series(self.times)
+
+    @functools.cached_property
+    def unseen(self) -> float:
+        """Relative change of J at the first time if relaxation before it has the slope there."""
+        longer = self.data.continued(self._fitted)
+        return float(np.divide(*(one.compliance_at(self.data.span[0]) for one in (longer, self._fitted))) - 1)
 
     @functools.cached_property
     def alternatives(self) -> tuple[PronySeries, ...]:
@@ -134,11 +139,8 @@ class Fit(views.InNotebooks):
 
     @functools.cached_property
     def finer(self) -> float | None:
-        """Times in each decade, twice as many, that would miss the data by less than half; else None.
-
-        There must be three points for each of the present times or more.
-        """
-        if self.per_decade is None or self.data.columns[0].size < 3 * len(self.times):
+        """Twice as many times in each decade, if they would miss the data by less than half; else None."""
+        if self.per_decade is None or sum(one.size for one in self.data.columns[1]) < 3 * len(self.times):
             return None
         density = 2 * self.per_decade
         return density if _log_spaced(self.data, density, self.beyond).rms < self.rms / 2 else None
@@ -148,7 +150,7 @@ class Fit(views.InNotebooks):
         """Fits of tables that the noise of this one would have given, 200 or a few less; of no noise none.
 
         Each has other deviations, drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1
-        (1979), DOI 10.1214/aos/1176344552), which are widened by what the fit has taken of them.
+        (1979), DOI 10.1214/aos/1176344552), widened by what the fit has taken of them, and by Student's t.
         """
         if self.systematic or self.rms < _DIGITS:
             return ()
@@ -156,7 +158,6 @@ class Fit(views.InNotebooks):
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
         found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
         free = max(x.size - found, 1)
-        # What the fit has taken of the deviations; and by Student's t, for their size is known by few.
         wider = math.sqrt(x.size / free) * stdtrit(free, 0.975) / ndtri(0.975)
         drawn = []
         for _ in range(_DRAWS):
@@ -221,7 +222,7 @@ def fit(
     taken, five at most, whose deviations look like noise: they are not `Fit.systematic`, and their rms is at
     most a quarter more than that of log-spaced times. Where no number is so, as for broad spectra, those are
     taken: one or two in each decade, within the times of the data or up to a decade beyond, by Akaike's
-    criterion, AICc. Free times are beyond the data where none within suffice.
+    criterion, AICc.
 
     Only losses, and a value at time 0, tell of times before the first. A load that is put on at time 0 feels
     these: where J(first) changes by one percent or more, log-spaced times go on there, with the slope of
@@ -291,8 +292,7 @@ def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
 
     def score(one: Fit) -> float:
         numbers = len(one.series.branches) + 1
-        price = 2 * numbers * values / (values - numbers - 1)
-        return values * 2 * math.log(max(one.rms, _ROUNDING)) + price
+        return values * (math.log(max(one.rms, _ROUNDING)) + numbers / (values - numbers - 1))
 
     tried = [_log_spaced(data, *grids[0])]
     for density, beyond in grids[1:]:
@@ -312,19 +312,17 @@ def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
 def _with_few_times(data: Measured, broad: Fit) -> Fit | None:
     """The smallest number of free times that fit as well, and leave what looks like noise; None without one.
 
-    One or more in each decade stand for a broad spectrum: not where what precedes the data matters.
+    As many as decades stand for a broad spectrum: not where what precedes the data matters.
     """
     points = sum(values.size for values in data.columns[1])
     most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
-    for beyond in (0, _BEYOND) if broad.beyond else (0,):
-        for times in islice(_free_times(data, beyond), most):
-            with suppress(InputError):  # creep of few times may have no elastic strain
-                found = _with(data, times, beyond=beyond)
-                if found.rms >= max(_CLOSE * broad.rms, _ROUNDING) or found.systematic:
-                    continue
-                unseen = abs(_change(data, found.series, data.continued(found.series)))
-                if len(times) < found.decades or unseen < max(_SEEN, found.rms):
-                    return found
+    for times in islice(_free_times(data, broad.beyond), most):
+        with suppress(InputError):  # creep of few times may have no elastic strain
+            found = _with(data, times, beyond=broad.beyond)
+            close = found.rms < max(_CLOSE * broad.rms, _ROUNDING) and not found.systematic
+            few = len(times) < found.decades
+            if close and (few or abs(found.unseen) < max(_SEEN, found.rms)):
+                return found
     return None
 
 
@@ -375,18 +373,13 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond
     """A fit of given times; log-spaced ones go on before the first time of the data."""
     fitted = data.fitted
     series, (first, last) = fitted.series(times), data.span
-    if per_decade is not None and abs(_change(data, series, longer := data.continued(series))) > _SEEN:
-        series = longer
     of_data, of_all = (np.concatenate(_residuals(one, series)) for one in (data, fitted))
     span = (first, math.inf if data.extrapolate else last)
     series = replace(series, span=span, error=float(np.abs(of_all).max()))
-    return Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade, beyond)
-
-
-def _change(data: Measured, series: PronySeries, other: PronySeries) -> float:
-    """Relative change of J at the first time of the data."""
-    one, two = (float(each.compliance_at(data.span[0])) for each in (series, other))
-    return two / one - 1
+    found = Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade, beyond)
+    if per_decade is None or abs(found.unseen) < _SEEN:
+        return found
+    return replace(found, series=replace(data.continued(series), span=span, error=series.error))
 
 
 def _measured(data: object) -> Measured:
