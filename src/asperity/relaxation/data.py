@@ -88,7 +88,7 @@ class _InTime(_Data):
         return float(self.time[self.time > 0][0]), float(self.time[-1])
 
     def reach(self, decades: float) -> tuple[float, float]:
-        """Ends of the times of branches, so far beyond the data; before the first if there is a value at 0."""
+        """Ends of the times of branches, so far beyond the data; before them with a value at 0."""
         first, last = self.span
         return first * (_BEFORE if self.time[0] == 0 else 1), last * 10**decades
 
