@@ -339,7 +339,8 @@ def test_more_branches_follow_a_table_of_few_times(files, undrawn, asperity):
         assert asperity("predict", "dma.csv", *call, *more)[0] == 0
     few, many, free = (found.fit.series.error for found in undrawn)
     assert (few > 0.1, many < 0.02, free < 1e-6) == (True, True, True)
-    assert any("more branches per decade" in remark for remark in undrawn[0].remarks)
+    assert undrawn[0].fit.finer == 2
+    assert any("2 branches per decade" in remark for remark in undrawn[0].remarks)
 
 
 def test_what_python_refuses(files, scan):

@@ -45,6 +45,18 @@ def sphere(n):
     return -((x[:, None] - 0.5037) ** 2 + (x - 0.4859) ** 2) * n
 
 
+def test_a_separable_solid_is_exact_over_thirty_decades():
+    series = asp.relaxation.PronySeries(1.0, tuple((0.02, 10.0**decade) for decade in range(-2, 29)))
+    solid = asp.solids.half_space(modulus=1.0, branches=series.branches)
+    times = [1e-2, 1e10, 1e29]
+    history = asp.age(asp.press(sphere(32), solid, load=20.0), times)
+    for time, area in zip(times, history.dataset["area"].values[1:], strict=True):
+        elastic = asp.press(
+            sphere(32), asp.solids.half_space(modulus=1.0), load=20.0 * float(series.compliance_at(time))
+        )
+        assert area == pytest.approx(elastic.area, abs=1)
+
+
 @pytest.mark.parametrize(("name", "path"), [("one", "constant"), ("three", "ramp"), ("twelve", "ramp")])
 @pytest.mark.parametrize("exact", [True, False], ids=["exact", "march"])
 def test_a_sphere_follows_lee_and_radok(name, exact, path):

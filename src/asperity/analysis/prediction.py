@@ -7,8 +7,9 @@ Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552):
     table   deviations of the relaxation table from its fit, if they are noise; each draw is fitted anew. A
             separable solid under a constant pressure p has the contact of an elastic one at p J(t), so that A
             as a function of J, which the history has sampled, gives the curve of every draw. With a hardness
-            this holds nearly, see docs/predict.md. A solid that is given in numbers has no such spread but
-            that of draws of its branches, if these come with it.
+            this holds nearly, see docs/predict.md. Each draw has a part, from none to twice, of what is
+            assumed before the first time. A solid that is given in numbers has no such spread but that of
+            draws of its branches, if these come with it.
     scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
             give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
             load that they bear. Tiles are few, so that the deviations are widened as Student's t is.

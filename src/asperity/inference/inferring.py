@@ -20,8 +20,8 @@ from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.base.files import expanded
 from asperity.base.words import counted
-from asperity.errors import InputError
-from asperity.fits.comparison import lack_of, neighbors, price_of
+from asperity.errors import LARGEST, InputError
+from asperity.fits.comparison import lack_of, price_of
 from asperity.fits.curve import Series, refuse_decline
 from asperity.fits.result import rms, student
 from asperity.friction import Record, hold_peaks
@@ -40,6 +40,9 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 
 _MOST_POINTS = 1000
 """Points of a curve that are used, for each of which thousands of walkers have a number."""
+
+_FALLS = 2.0
+"""Fall of AICc at the most branches tried from which on there may be more."""
 
 _LEAST_ERROR = 1e-9
 """Relative errors that data have at least: those of rounding."""
@@ -210,7 +213,7 @@ def infer(
         `absolute`.
     error
         Standard errors, one or shape (n,). By default they are found from the scatter about the best fit,
-        widened where neighbors correlate, as in `asperity.fits.compare`.
+        widened by as much as neighbors may correlate, see `Problem.scatter`.
     model
         ``"relaxation"``, ``"power"``, ``"lattice"``, ``"eyring"`` or ``"healing"``, see
         `asperity.inference.models`; or a function of the times, and of parameters by name.
@@ -337,6 +340,8 @@ def _checked(
         got = f"{t[at]:g} before {t[at + 1]:g}"
         advice = "order = np.argsort(time)"
         raise InputError("time", expected="times that do not fall", got=got, advice=advice)
+    if t[-1] > LARGEST:
+        raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if error is None:
         return t, v, None
     given = checks.positive("error", error)
@@ -359,7 +364,7 @@ def _problem(
     """
     remarks: list[str] = []
     own, scatters = callable(made.args[0]), error is None
-    tried: list[tuple[float, int, Problem, Floats]] = []
+    tried: list[tuple[float, int, Problem, Floats, Floats]] = []
     for count in counts:
         usual = made(branches=count, priors=priors if own else None)
         if not own:
@@ -375,30 +380,35 @@ def _problem(
                 f"at least {needed} points, for {problem.rank} parameters{' and the scatter' * scatters}"
             )
             raise InputError("time", expected=expected, got=t.size, advice="more points, or fewer parameters")
-        _, misfit = _best(problem, informed=not scatters)
+        at, misfit = _best(problem, informed=not scatters)
         score = math.inf
         if t.size > needed + 1:
             lack = lack_of(misfit, given=not scatters, rounding=_LEAST_ERROR)
             score = t.size * lack + price_of(t.size, needed)
-        tried.append((score, count, problem, misfit))
-    score, count, problem, misfit = min(tried, key=lambda one: one[0])
+        tried.append((score, count, problem, at, misfit))
+    score, count, problem, at, misfit = min(tried, key=lambda one: one[0])
     if len(tried) > 1:
         others = ", ".join(f"{one[0] - score:+.3g} with {one[1]}" for one in tried if one[1] != count)
         remarks.append(f"{counted(count, 'relaxation time')} by Akaike's criterion, AICc ({others})")
+        if count == tried[-1][1] and score < tried[-2][0] - _FALLS:
+            remarks.append(
+                f"{count} relaxation times are the most that were tried, and AICc still falls: there may be "
+                "more, or a broad spectrum (try the model power); the verdicts hold for this model only"
+            )
     free = max(t.size - problem.rank, 1)
     if scatters:
-        rho, worth = neighbors(misfit)
+        scatter, rho = problem.scatter(at)
         # Few points know it badly: by Student's t intervals are as wide as if it were known.
-        scatter = math.sqrt(float(misfit @ misfit) / free / worth) * student(free) / student(math.inf)
+        scatter *= student(free) / student(math.inf)
         problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
         misfit = misfit * v / problem.error
         found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
-        found += f", whose neighbors correlate by {rho:.2f}" if worth < 1 else ""
+        found += f", whose neighbors correlate by {rho:.2f}"
         remarks.append(f"no errors were given: they are taken as {found}")
     if priors and not own:
         before, problem = misfit, replace(problem, model=made(branches=count, priors=priors))
-        squares, misfit = _best(problem)
-        if squares - before @ before > _MUCH_BETTER:
+        at, misfit = _best(problem)
+        if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
             advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
@@ -411,10 +421,10 @@ def _problem(
     return problem, remarks
 
 
-def _best(problem: Problem, *, informed: bool = True) -> tuple[float, Floats]:
-    """Least squares, and the misfit, that some searches find from the best of draws of the prior."""
+def _best(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
+    """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
     z = problem.of_prior(np.random.default_rng(0), _TRIED)
     best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
     found = [problem.improved(start, problem.used, informed=informed) for start in best]
-    squares, at = min(found, key=lambda one: one[0])
-    return squares, problem.misfit(at[np.newaxis])[0]
+    _, at = min(found, key=lambda one: one[0])
+    return at, problem.misfit(at[np.newaxis])[0]

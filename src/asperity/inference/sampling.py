@@ -42,6 +42,9 @@ _WALKS, _MOVED = 20, 0.9
 """Times that walkers walk in a stage, at most, until that part of them has moved: copies must part."""
 _TRIED, _STEP, _TOLD = 64, 1e-6, 1e-7
 """Draws of the prior, step of a coordinate, and least singular value, by which a rank is found."""
+_CORRELATIONS = np.linspace(-0.3, 0.98, 65)
+"""Correlations of neighbors that are weighed, alike before the data."""
+_NOTHING = 1e-150
 _FAR = 1e9
 """Misfit, in errors, where there is no curve."""
 _LOST = -1e300
@@ -100,16 +103,42 @@ class Problem:
     def rank(self) -> int:
         """How many combinations of the parameters the curve knows, however many points it has."""
         time = np.geomspace(self.time[self.time > 0][0], self.time[-1], 50)
-        center = self.of_prior(np.random.default_rng(0), _TRIED)[:, np.newaxis]
-        step = _STEP * np.eye(center.shape[-1])[self.used]
-        with np.errstate(all="ignore"):
-            up, down, here = (
-                self.model.curve(time, self.values(z.reshape(-1, z.shape[-1]))).reshape(*z.shape[:-1], -1)
-                for z in (center + step, center - step, center)
-            )
-            slopes = np.nan_to_num((up - down) / here, posinf=0.0, neginf=0.0)
+        slopes = self._slopes(self.of_prior(np.random.default_rng(0), _TRIED), time)
         told = np.linalg.svd(slopes, compute_uv=False)
         return int((told > _TOLD * told.max(-1, keepdims=True)).sum(-1).max())
+
+    def _slopes(self, z: Floats, time: Floats) -> Floats:
+        """Relative change of the curve with each used coordinate, at z (m, parameters): (m, used, n)."""
+        center, step = z[:, np.newaxis], _STEP * np.eye(z.shape[1])[self.used]
+        with np.errstate(all="ignore"):
+            up, down, here = (
+                self.model.curve(time, self.values(at.reshape(-1, z.shape[1]))).reshape(*at.shape[:-1], -1)
+                for at in (center + step, center - step, center)
+            )
+            return np.asarray(np.nan_to_num((up - down) / here, posinf=0.0, neginf=0.0))
+
+    def scatter(self, z: Floats) -> tuple[float, float]:
+        """Relative error, and correlation rho of neighbors, about the best fit z; `error` are the values.
+
+        A sum of n errors of an autoregressive series of first order is known as that of n (1 - rho)/(1 + rho)
+        independent ones: the error is larger by as much. It is a geometric mean over rho, by the likelihood
+        of what the parameters cannot take up, which the fit does not bias (H. D. Patterson, R. Thompson,
+        Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
+        """
+        columns, told, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
+        most = min(self.rank, int(np.sum(told > _TOLD * told[0])), self.time.size - 1)
+        both, free = (
+            np.column_stack([columns[:, :most], self.misfit(z[np.newaxis])[0]]),
+            self.time.size - most,
+        )
+        logs, weights = np.empty((2, _CORRELATIONS.size))
+        for n, rho in enumerate(_CORRELATIONS):
+            apart = np.vstack([both[:1], (both[1:] - rho * both[:-1]) / math.sqrt(1 - rho**2)])
+            *known, left = np.log(np.maximum(np.abs(np.diag(np.linalg.qr(apart, mode="r"))), _NOTHING))
+            logs[n] = left + math.log((1 + rho) / (1 - rho) / free) / 2
+            weights[n] = (1 - self.time.size) / 2 * math.log(1 - rho**2) - sum(known) - free * left
+        weights = np.exp(weights - weights.max())
+        return math.exp(weights @ logs / weights.sum()), float(weights @ _CORRELATIONS / weights.sum())
 
     def of_prior(self, random: np.random.Generator, count: int) -> Floats:
         """Draws of the prior that are allowed, as coordinates: shape (count, parameters)."""

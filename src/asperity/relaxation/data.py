@@ -32,9 +32,10 @@ FEWEST = 5
 _NOISE = 0.05
 _FLOWS = 0.01  # creep flows where the data are missed by this without flow, rms, and twice as much as with it
 _SMALLEST_LOSS = 1e-3
-_PLATEAU = (
-    100.0  # times the last time to which a plateau is fitted; no relaxation time is beyond the last time
-)
+_PLATEAU = 100.0
+"""Times the last time up to which a plateau is fitted."""
+_STEEPEST = 0.9  # a steeper power of time has too much before the first time
+_BEFORE = 0.1  # time, over the first of the data, in which what came before relaxes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,6 +71,10 @@ class _Data(views.Brief):
         """What branches are fitted to: the data, and the plateau after them where that is assumed."""
         return self
 
+    def continued(self, series: PronySeries, part: float = 1.0) -> PronySeries:  # noqa: ARG002
+        """A series that goes on before the first time as it begins; or by a part of that."""
+        return series
+
     def shifted(self, factor: float) -> Self:
         """Data at another temperature: times multiplied, frequencies divided by `factor`."""
         factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
@@ -87,8 +92,13 @@ class _InTime(_Data):
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time."""
-        return float(self.time[0]), float(self.time[-1])
+        """First and last time after 0."""
+        return float(self.time[self.time > 0][0]), float(self.time[-1])
+
+    def reach(self, decades: float) -> tuple[float, float]:
+        """Ends of the times of branches, so far beyond the data; before them with a value at 0."""
+        first, last = self.span
+        return first * (_BEFORE if self.time[0] == 0 else 1), last * 10**decades
 
     @property
     def fitted(self) -> Self:
@@ -108,7 +118,7 @@ class Relaxation(_InTime):
     Parameters
     ----------
     time
-        Rising times above 0, s, shape (n,), n >= 5.
+        Rising times, s, shape (n,), n >= 5. The first may be 0: the value there is the instantaneous one.
     modulus
         Moduli above 0, Pa, shape (n,); they may rise by `noise` at most.
     noise
@@ -136,6 +146,22 @@ class Relaxation(_InTime):
         """Fit branches of these times."""
         columns = np.column_stack([np.exp(-self.time[:, None] / times), np.ones_like(self.time)])
         return of_weights(positive_weights(columns, self.modulus, self.modulus), times)
+
+    def continued(self, series: PronySeries, part: float = 1.0) -> PronySeries:
+        """See `_Data`: up to the first time, what is not permanent is a power, of its slope over a decade.
+
+        One branch stands for what that has more. It has the same area, on which later strains depend.
+        """
+        (first, last), held = self.span, series.permanent * series.modulus
+        end = min(10 * first, last)
+        start, later = series.modulus_at([first, end]) - held
+        if self.time[0] == 0 or not start > 0:
+            return series
+        slope = min(math.log(start / max(later, 1e-9 * start)) / math.log(end / first), _STEEPEST)
+        shares, times = np.reshape(series.branches, (-1, 2)).T
+        weights, time = shares * series.modulus, _BEFORE * first
+        more = start * first / (1 - slope) + float(weights * times @ np.expm1(-first / times))
+        return of_weights(np.r_[part * max(more, 0.0) / time, weights, held], np.append(time, times))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -221,6 +247,11 @@ class Dynamic(_Data):
         """Shortest and longest time that the data know of: 1/frequency."""
         return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
 
+    def reach(self, decades: float) -> tuple[float, float]:
+        """Ends of the times of branches, so far beyond the data on both sides."""
+        first, last = self.span
+        return first / 10**decades, last * 10**decades
+
     def predicted(self, series: PronySeries, frequency: Floats) -> tuple[Floats, ...]:
         """What a series says in place of the data."""
         return series.storage(frequency), series.loss(frequency)
@@ -258,7 +289,9 @@ def _check_columns(data: Any) -> None:
         values, zero = getattr(data, name), name == "loss"
         if values.shape != along.shape:
             raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
-        if (wrong := values < 0 if zero else values < 1 / LARGEST).any():
+        wrong = values < 0 if zero else values < 1 / LARGEST
+        wrong[0] &= name != "time" or values[0] != 0
+        if wrong.any():
             at = int(np.argmax(wrong))
             expected = f"{name} {'not below' if zero else 'above'} 0"
             got = f"{values[at]:g} at point {at + 1} of {values.size}"

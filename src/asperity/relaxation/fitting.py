@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.special import ndtri, stdtrit
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
@@ -29,8 +30,11 @@ MOST_FREE = 5
 """Most relaxation times that are free unless more are asked for."""
 
 _DRAWS = 200
+_GRIDS = ((1.0, 0), (1.0, 1), (2.0, 0), (2.0, 1))
+"""Times a decade, and decades beyond the data, in the order in which they are tried."""
 _FEW_RUNS = -2.326  # runs of one sign over what chance gives, standard deviations: 1 % of noise has less
 _CLOSE = 1.25  # misfit of free times over that of one time a decade, up to which the fewer times are taken
+_SEEN = 0.01  # relative change of J by what precedes the first time from which on that is assumed
 _DIGITS, _ROUNDING = 1e-5, 1e-9  # misfits, rms, of the digits printed in a table, and of computing
 
 
@@ -51,6 +55,8 @@ class Fit(views.InNotebooks):
         Relaxation times (of creep data: retardation times) that were allowed, s, shape (n,).
     per_decade
         How many of them are in each decade; None where they were free.
+    beyond
+        Decades that they may lie beyond the data, where these know of them.
     """
 
     series: PronySeries
@@ -58,6 +64,7 @@ class Fit(views.InNotebooks):
     data: Measured
     times: Floats
     per_decade: float | None = None
+    beyond: int = 0
 
     def __repr__(self) -> str:
         first, last = self.data.span
@@ -74,10 +81,38 @@ class Fit(views.InNotebooks):
     @property
     def assumed(self) -> str:
         """What is assumed beyond the data; empty where nothing is."""
-        if self.data.extrapolate is None:
-            return ""
-        last = self.data.span[1]
-        return f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
+        first, last = self.data.span
+        after = f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
+        said = [after] if self.data.extrapolate else []
+        if self.series.branches != self._fitted.branches:
+            said.append(
+                f"before the first time of the table, {first:.4g} s, relaxation is assumed to have the slope "
+                f"there: J({first:.4g} s) changes by {100 * self.unseen:.2g} %, later ones by less; the band "
+                "holds from none to twice of it"
+            )
+        return "; ".join(said)
+
+    @functools.cached_property
+    def _fitted(self) -> PronySeries:
+        """The branches that were fitted, without what is assumed before the first time."""
+        return self.data.fitted.series(self.times)
+
+    @functools.cached_property
+    def unseen(self) -> float:
+        """Relative change of J at the first time if relaxation before it has the slope there."""
+        longer = self.data.continued(self._fitted)
+        return float(np.divide(*(one.compliance_at(self.data.span[0]) for one in (longer, self._fitted))) - 1)
+
+    @functools.cached_property
+    def alternatives(self) -> tuple[PronySeries, ...]:
+        """Series that may be in its place: of the noise of the data, and of what they do not tell.
+
+        They are `resampled`, or copies of this one, each with a part from 0 to 2 of what precedes the first
+        time if relaxation goes on with its slope.
+        """
+        drawn = self.resampled or (self,) * _DRAWS
+        parts = 2 * np.random.default_rng(1).random(len(drawn))
+        return tuple(one.data.continued(one._fitted, part) for one, part in zip(drawn, parts, strict=True))
 
     def residuals(self) -> tuple[Floats, ...]:
         """Relative deviations (data - fit) / data of each of the quantities, shape (n,)."""
@@ -88,13 +123,11 @@ class Fit(views.InNotebooks):
         """Whether the deviations are waves rather than noise.
 
         They keep their sign for too long, at 1 % (runs of one sign: A. Wald, J. Wolfowitz, Ann. Math. Stat.
-        11, 147 (1940), DOI 10.1214/aoms/1177731909); or twice as many times in each decade would miss the
-        data by less than half, if there are three points for each of the times or more.
+        11, 147 (1940), DOI 10.1214/aoms/1177731909); or there is a `finer` fit.
         """
         if self.rms < _ROUNDING:
             return False
-        finer = self.per_decade is not None and self.data.columns[0].size >= 3 * len(self.times)
-        if finer and _log_spaced(self.data, 2 * (self.per_decade or 1.0)).rms < self.rms / 2:
+        if self.finer is not None:
             return True
         excess, variance = 0.0, 0.0
         for deviation in self.residuals():
@@ -105,18 +138,27 @@ class Fit(views.InNotebooks):
         return bool(variance <= 0 or excess < _FEW_RUNS * math.sqrt(variance))
 
     @functools.cached_property
+    def finer(self) -> float | None:
+        """Twice as many times in each decade, if they would miss the data by less than half; else None."""
+        if self.per_decade is None or sum(one.size for one in self.data.columns[1]) < 3 * len(self.times):
+            return None
+        density = 2 * self.per_decade
+        return density if _log_spaced(self.data, density, self.beyond).rms < self.rms / 2 else None
+
+    @functools.cached_property
     def resampled(self) -> tuple[Fit, ...]:
         """Fits of tables that the noise of this one would have given, 200 or a few less; of no noise none.
 
         Each has other deviations, drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1
-        (1979), DOI 10.1214/aos/1176344552), which are widened by what the fit has taken of them.
+        (1979), DOI 10.1214/aos/1176344552), widened by what the fit has taken of them, and by Student's t.
         """
         if self.systematic or self.rms < _DIGITS:
             return ()
         random, (x, _) = np.random.default_rng(0), self.data.columns
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
         found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
-        wider = math.sqrt(x.size / max(x.size - found, 1))
+        free = max(x.size - found, 1)
+        wider = math.sqrt(x.size / free) * stdtrit(free, 0.975) / ndtri(0.975)
         drawn = []
         for _ in range(_DRAWS):
             chosen = random.integers(0, x.size, x.size)
@@ -128,8 +170,8 @@ class Fit(views.InNotebooks):
             with suppress(InputError):
                 numbers: dict[str, Any] = dict(zip(self.data.names()[1:], columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
-                times = self.times if self.per_decade else _improved(table, self.times)
-                drawn.append(_with(table, times, self.per_decade))
+                times = self.times if self.per_decade else _improved(table, self.times, self.beyond)
+                drawn.append(_with(table, times, self.per_decade, self.beyond))
         return tuple(drawn)
 
     @property
@@ -142,12 +184,14 @@ class Fit(views.InNotebooks):
         alike = [one.series.branches for one in self.resampled if np.shape(one.series.branches) == shape]
         if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
             return None
-        return np.asarray(np.moveaxis(np.quantile(np.array(alike), (0.025, 0.975), axis=0), 0, -1))
+        ends = np.quantile(np.array(alike), (0.025, 0.975), axis=0, method="weibull")  # unbiased for few
+        return np.asarray(np.moveaxis(ends, 0, -1))
 
     def curve(self, points: int = 200) -> tuple[Floats, tuple[Floats, ...]]:
         """Evaluate the fit between the first and the last of the data: log-spaced times, and its values."""
         points = checks.integer("points", points, least=2)
-        x = np.geomspace(self.data.columns[0][0], self.data.columns[0][-1], points)
+        x = self.data.columns[0]
+        x = np.geomspace(x[x > 0][0], x[-1], points)
         return x, self.data.predicted(self.series, x)
 
     def require(self, first: float, last: float) -> None:
@@ -176,9 +220,13 @@ def fit(
 
     Unless the number of branches or their density is given, the smallest number of free relaxation times is
     taken, five at most, whose deviations look like noise: they are not `Fit.systematic`, and their rms is at
-    most a quarter more than that of one time in each decade. Where no number is so, as for broad spectra, one
-    time in each decade is taken. All relaxation times (of creep data: retardation times) lie within the times
-    of the data; what has not relaxed at the last time is permanent.
+    most a quarter more than that of log-spaced times. Where no number is so, as for broad spectra, those are
+    taken: one or two in each decade, within the times of the data or up to a decade beyond, by Akaike's
+    criterion, AICc.
+
+    Only losses, and a value at time 0, tell of times before the first. A load that is put on at time 0 feels
+    these: where J(first) changes by one percent or more, log-spaced times go on there, with the slope of
+    the first decade, as one branch more. See `Fit.alternatives`.
 
     Parameters
     ----------
@@ -210,8 +258,8 @@ def fit(
     alone = data if data.extrapolate is None else replace(data, extrapolate=None)
     found = _found(alone, per_decade, branches)
     if data.extrapolate is not None:  # the plateau has no say in how many times there are
-        times = found.times if found.per_decade else _improved(data, found.times)
-        found = _with(data, times, found.per_decade)
+        times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
+        found = _with(data, times, found.per_decade, found.beyond)
     if over is not None:
         try:
             start, end = over
@@ -230,46 +278,69 @@ def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fi
         most = (data.columns[0].size - 1) // 2
         expected = f"a number from 1 to {most}, for as many points as there are"
         count = checks.integer("branches", branches, least=1, most=most, expected=expected)
-        return _with(data, next(islice(_free_times(data), count - 1, None)))
-    density = 1.0 if per_decade is None else per_decade
-    found = _log_spaced(data, checks.number("per_decade", density, least=0.2, most=10))
-    return found if per_decade is not None else _with_few_times(data, found.rms) or found
+        return _with(data, next(islice(_free_times(data, 0), count - 1, None)))
+    if per_decade is not None:
+        density = checks.number("per_decade", per_decade, least=0.2, most=10)
+        return _broad(data, [(density, 0), (density, 1)])
+    broad = _broad(data, _GRIDS)
+    return _with_few_times(data, broad) or broad
 
 
-def _log_spaced(data: Measured, density: float) -> Fit:
-    """A fit of so many times in each decade."""
+def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
+    """Log-spaced times, as many as Akaike's criterion for few points asks for."""
+    values = sum(one.size for one in data.columns[1])
+
+    def score(one: Fit) -> float:
+        numbers = len(one.series.branches) + 1
+        return values * (math.log(max(one.rms, _ROUNDING)) + numbers / (values - numbers - 1))
+
+    tried = [_log_spaced(data, *grids[0])]
+    for density, beyond in grids[1:]:
+        with suppress(InputError):  # creep of some times has no elastic strain
+            tried.append(_log_spaced(data, density, beyond))
+    return min((one for one in tried if one is tried[0] or 2 * len(one.times) <= values), key=score)
+
+
+def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
+    """A fit of so many times in each decade, and so many decades beyond the data."""
     first, last = data.span
-    steps = max(1, round(density * math.log10(last / first)))
-    return _with(data, log_times(first, last, steps / math.log10(last / first), first), density)
+    decades = math.log10(last / first)
+    density_used = max(1, round(density * decades)) / decades
+    return _with(data, log_times(*data.reach(beyond), density_used, first), density, beyond)
 
 
-def _with_few_times(data: Measured, rms: float) -> Fit | None:
-    """The smallest number of free times whose deviations look like noise; None without one."""
+def _with_few_times(data: Measured, broad: Fit) -> Fit | None:
+    """The smallest number of free times that fit as well, and leave what looks like noise; None without one.
+
+    As many as decades stand for a broad spectrum: not where what precedes the data matters.
+    """
     points = sum(values.size for values in data.columns[1])
     most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
-    for times in islice(_free_times(data), most):
+    for times in islice(_free_times(data, broad.beyond), most):
         with suppress(InputError):  # creep of few times may have no elastic strain
-            found = _with(data, times)
-            if found.rms < max(_CLOSE * rms, _ROUNDING) and not found.systematic:
+            found = _with(data, times, beyond=broad.beyond)
+            close = found.rms < max(_CLOSE * broad.rms, _ROUNDING) and not found.systematic
+            few = len(times) < found.decades
+            if close and (few or abs(found.unseen) < max(_SEEN, found.rms)):
                 return found
     return None
 
 
-def _free_times(data: Measured) -> Iterator[Floats]:
+def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
     """One free time, two, and so on, which begin with those before and the one that helps most."""
-    first, last = data.span
+    first, last = data.reach(beyond)
     places = np.geomspace(first, last, 2 * max(1, round(math.log10(last / first))) + 1)
     times = np.empty(0)
     while True:
         longer = [np.append(times, place) for place in places]
         missed = [np.linalg.norm(_deviations(data, np.log(tried))) for tried in longer]
-        times = _improved(data, longer[int(np.argmin(missed))])
+        times = _improved(data, longer[int(np.argmin(missed))], beyond)
         yield times
 
 
-def _improved(data: Measured, times: Floats) -> Floats:
+def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
     """The times that fit best, from these on."""
-    low, high = np.log(data.span)
+    low, high = np.log(data.reach(beyond))
     found = least_squares(
         functools.partial(_deviations, data),
         np.clip(np.log(times), low, high),
@@ -298,14 +369,17 @@ def _residuals(data: Measured, series: PronySeries) -> tuple[Floats, ...]:
     return tuple((v - p) / s for v, p, s in zip(values, predicted, scales(data), strict=True))
 
 
-def _with(data: Measured, times: Floats, per_decade: float | None = None) -> Fit:
-    """A fit of given times."""
+def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond: int = 0) -> Fit:
+    """A fit of given times; log-spaced ones go on before the first time of the data."""
     fitted = data.fitted
     series, (first, last) = fitted.series(times), data.span
     of_data, of_all = (np.concatenate(_residuals(one, series)) for one in (data, fitted))
     span = (first, math.inf if data.extrapolate else last)
     series = replace(series, span=span, error=float(np.abs(of_all).max()))
-    return Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade)
+    found = Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade, beyond)
+    if per_decade is None or abs(found.unseen) < _SEEN:
+        return found
+    return replace(found, series=replace(data.continued(series), span=span, error=series.error))
 
 
 def _measured(data: object) -> Measured:

@@ -50,7 +50,7 @@ class PredictFlags:
         [default: what the names of its columns say, else young]
     branches
         How many relaxation times the fit of the table has, which are free. [default: the fewest whose misfit
-        looks like noise, five at most; else --branches-per-decade 1]
+        looks like noise, five at most; else 1 or 2 per decade]
     reference
         Temperature of the table, such as 20degC.
     activation_energy

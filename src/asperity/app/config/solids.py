@@ -268,7 +268,7 @@ class Continuum(SolidSection):
         None,
         "Relaxation times in each decade of that table: more of them for data with few distinct "
         "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
-        "five at most, else 1 a decade.",
+        "five at most, else 1 or 2 a decade.",
     )
     extrapolate: Plateau | None = usual(
         None,

@@ -380,7 +380,7 @@ def _predicted(
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(facts))
     progress.stage("weighing the spread of the table and of the scan")
     if found is not None:
-        series = (found.series, *(one.series for one in found.resampled))
+        series = (found.series, *found.alternatives)
     looked_at = (dataset.isel(field_time=n) for n in range(len(maps) if instrument else 0))
     prediction = Prediction(
         dataset,

@@ -13,6 +13,9 @@ from asperity.base.words import thousands
 
 Row = tuple[str, str]
 
+_WAVES, _NOISE = 1e-3, 0.05
+"""Largest deviations of a table from its fit, in waves or like noise, from which on a remark is made."""
+
 
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
     """Say what was predicted from what, in rows of a name and words."""
@@ -143,14 +146,16 @@ def remarks_on(prediction: Prediction) -> tuple[str, ...]:
             f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
             "which it does not have, would keep bodies further apart"
         )
-    if fit is not None and (fit.systematic or fit.series.error > 0.05):
-        error = f"{100 * fit.series.error:.2g} %"
-        remarks.append(
-            f"the fit misses the table by up to {error} in waves, not by noise, so that the band has no part "
-            "of the table: more branches per decade may follow it"
-            if fit.systematic
-            else f"the fit misses the table by up to {error}, which looks like noise"
-        )
+    if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
+        cause = ", which looks like noise"
+        if fit.systematic:
+            more = (
+                f"{fit.finer:g} branches per decade miss it by less than half"
+                if fit.finer
+                else ("its errors depend on each other, or branches are too few")
+            )
+            cause = f" in waves, so that the band has no noise of the table: {more}"
+        remarks.append(f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}")
     if last.patches < first.patches / 2 and fraction <= 0.5:
         remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
     return tuple(remarks)
