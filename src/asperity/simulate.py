@@ -191,7 +191,7 @@ def age(
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
         ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
         if larger, at a held separation with viscous creep); measured, not proved: see
-        ``STEP_TOLERANCE`` in ``aging/march.py``.
+        `asperity.aging.controller.Tuning`.
     fields_at
         Strictly increasing times >= 0 at which to keep u, u0, in_contact and the forces (of
         continua the pressures), and to count and link patches of contact; they need not be among ``times``.

@@ -1,4 +1,4 @@
-"""The solids of a run: what each may be told, and the `asperity.Solid` that it makes of it."""
+"""The solids of a run: what each may be told, and the `asperity.solids.Solid` that it makes of it."""
 
 from __future__ import annotations
 
