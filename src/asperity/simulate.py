@@ -15,6 +15,7 @@ from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
+from asperity.base.calls import answered as _answered
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
@@ -397,3 +398,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     if hold == "area":
         raise InputError("hold", expected="'load' or 'separation' for the limit", got=repr(hold))
     return relaxed(contact, control_of(contact, hold), solver)
+
+
+__all__ = ["age", "press", "relax", "slide"]
+__dir__ = _answered(globals())

@@ -23,6 +23,10 @@ _SQUARE = 0.01  # pixels are square if their sides differ by no more than this p
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
 
 
+LENGTHS = tuple(_EXPONENTS)
+"""Units of length."""
+
+
 def is_length(unit: str | None) -> TypeGuard[str]:
     """Whether this is a unit of length that can be converted."""
     return unit in _EXPONENTS

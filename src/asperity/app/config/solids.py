@@ -306,8 +306,8 @@ class Continuum(SolidSection):
     @property
     def numbers(self) -> dict[str, Any]:
         """See `SolidSection`; of the solids that have one ratio, that."""
-        poisson = next(iter(self.poisson or []), None)
-        return {"modulus": self.contact_modulus, "branches": self.maxwell or None, "poisson": poisson}
+        told = {"modulus": self.contact_modulus, "young": None, "branches": self.maxwell or None}
+        return {**told, "poisson": next(iter(self.poisson or []), None)}
 
     @property
     def span(self) -> tuple[float, float]:
@@ -403,7 +403,7 @@ class HalfSpace(Creeping, Continuum):
     @property
     def numbers(self) -> dict[str, Any]:
         """See `SolidSection`."""
-        return {**super().numbers, "permanent": self.permanent or None, "creep": self.law}
+        return {**super().numbers, "poisson": None, "permanent": self.permanent or None, "creep": self.law}
 
 
 class BesideTable(Section):
