@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -23,7 +25,7 @@ from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import WHERE_FROM, Contact, control_of
-from asperity.errors import InputError
+from asperity.errors import InputError, Remark
 from asperity.lattice import Field
 from asperity.progress import listener
 from asperity.protocols import Hold as HoldLeg
@@ -135,7 +137,13 @@ def press(
         body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
         bodies = bodies_of(heights, body)
         units.check_units(dict(body.parameters), si=bodies.si)
-        return first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        contact = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        modulus: Any = body.parameters.get("modulus", math.inf)
+        if bodies.si and contact.load > modulus * contact.contact_area:
+            pressure = f"{contact.load / contact.contact_area:.3g} Pa"
+            said = f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa"
+            warnings.warn(Remark(said), stacklevel=4)
+        return contact
 
     value: Any = given[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:

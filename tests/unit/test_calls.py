@@ -1,6 +1,7 @@
 """What TOML takes, Python takes: texts with units, `young`, `unit`; mistaken arguments are answered."""
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ from asperity.errors import CallError, InputError
 from tests.refusals import refuses
 
 SOLIDS, SURFACES, THEORY = asp.solids, asp.surfaces, asp.theory
-FILM = {"poisson": 0.3, "thickness": "1 um"}
+PAIR = np.array([1.0, 3.0])
+FILM: dict[str, Any] = {"poisson": 0.3, "thickness": "1 um"}
 STIFF = SOLIDS.half_space(young="3 GPa", poisson=0.3)
-BASE = {"base_modulus": "200 GPa", "base_poisson": 0.3}
+BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
 
 
 @pytest.mark.parametrize(
@@ -26,7 +28,7 @@ BASE = {"base_modulus": "200 GPa", "base_poisson": 0.3}
         (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere"),
         (SURFACES.spectral, {"shape": 8, "hirst": 0.5}, "spectral"),
         (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface"),
-        (SURFACES.Surface([1.0]).crop, {"bound": [0, 1]}, "crop"),
+        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop"),
         (asp.protocols.Hold, {}, "Hold"),
         (asp.press, {"heights": [1.0], "laod": 1.0}, "press"),
         (asp.predict, {"materiel": 1.0}, "predict"),
@@ -43,7 +45,7 @@ def test_a_mistaken_argument_is_answered(call, given, name):
 def test_what_goes_wrong_within_a_call_stays_what_it_is():
     law = SOLIDS.CreepLaw(lambda s: s, np.ones_like)
     with pytest.raises(TypeError, match="unsupported") as raised:
-        SOLIDS.CreepLaw(lambda s: s + None, np.ones_like)
+        SOLIDS.CreepLaw(lambda s: s + None, np.ones_like)  # type: ignore[operator]
     assert not isinstance(raised.value, InputError)
     assert law.velocity(np.ones(2))[0].tolist() == [1.0, 1.0]
     for function in (asp.press, asp.predict, SOLIDS.half_space, asp.analysis.patches):
@@ -121,6 +123,23 @@ def test_a_unit_makes_a_surface_of_the_same_heights(make, first, numbers, texts)
         assert rough.pixel_size == pytest.approx((0.5, 0.5))
     if waves:
         assert np.array_equal(make(first, **numbers, spacing=0.5), plain)
+
+
+@pytest.mark.parametrize(
+    ("thing", "words"),
+    [
+        (
+            SURFACES.sphere((8, 8), radius="1 mm", pixel_size="1 um"),
+            "8 x 8 sites of 1 x 1 um, rms height 3.24 nm",
+        ),
+        (SURFACES.Surface(PAIR, unit="um", pixel_size=(0.5,)), "2 sites of 0.5, rms height 1 um"),
+        (SURFACES.Surface(PAIR), "2 sites, rms height 1, periodic"),
+        (SOLIDS.half_space(young="2 GPa", poisson=0.5), "half_space, modulus 2.667e+09 Pa, 0 branches"),
+        (SOLIDS.half_space(modulus=2.0), "half_space, modulus 2, 0 branches"),
+    ],
+)
+def test_bodies_are_shown_with_the_units_that_they_have(thing, words):
+    assert words in repr(thing)
 
 
 def test_toml_takes_the_size_of_pixels_for_waves_too():

@@ -171,7 +171,8 @@ def coated_half_space(
         A number is out of its range.
     """
     film = _material("", checked_modulus(modulus, young, poisson), poisson, branches)
-    base = _material("base_", base_modulus, base_poisson, base_branches)
+    stiff = units.number("base_modulus", base_modulus, "Pa", above=0)
+    base = _material("base_", stiff, base_poisson, base_branches)
     coated = Coated(film, base, units.number("thickness", thickness, "m", above=0))
     apparatus = checked_apparatus(apparatus)
     parameters: dict[str, Any] = {
@@ -203,8 +204,7 @@ def coated_half_space(
     return continuum("coated_half_space", parameters, rest, made, apparatus, hardness)
 
 
-def _material(prefix: str, modulus: float | str, poisson: float, branches: Branches) -> Material:
-    modulus = units.number(f"{prefix}modulus", modulus, "Pa", above=0)
+def _material(prefix: str, modulus: float, poisson: float, branches: Branches) -> Material:
     try:
         checked = check_branches(branches)
     except InputError as error:

@@ -7,15 +7,12 @@ import numpy as np
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.app.runs.defaults import remark_on_loading
-from asperity.app.runs.words import carried_words
+from asperity.app.runs.words import carried_words, remarks_on_contact
 from asperity.base.words import counted as how_many
 from asperity.base.words import thousands
 from asperity.surfaces import Surface
 
 Row = tuple[str, str]
-
-_UNEVEN = 1.5
-"""Ratio of steps across rows to steps along them, above which a remark is made."""
 
 
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -109,11 +106,7 @@ def _growth(prediction: Prediction) -> list[Row]:
 
 def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
     """What limits the prediction, in numbers."""
-    between_rows, along_rows = scan.describe().neighbor_steps
-    first, last = prediction.resolved[0], prediction.resolved[-1]
     fraction = float(prediction.series("contact_fraction")[-1])
-    pressure = float(prediction.series("mean_contact_pressure")[0])
-    strain = pressure / prediction.modulus
     remarks = []
     known, fit = prediction.solid.parameters, prediction.fit
     if fit is not None and fit.assumed:
@@ -124,32 +117,7 @@ def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
         reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
         remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
     remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
-    if between_rows > _UNEVEN * along_rows:
-        remarks.append(
-            f"heights change {between_rows / along_rows:.2g} times as much from row to row as along a row: "
-            "if that is noise of the scan's lines, their ridges carry load that asperities would carry"
-        )
-    if first.in_small > 0.2:
-        remarks.append(
-            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
-            "the scan does not resolve them, and a finer one would change the area"
-        )
-    if first.rim > 0.2:
-        remarks.append(
-            f"the rim takes {100 * first.rim:.0f} % of the counted area at first: patches are few pixels wide"
-        )
-    if first.patches < 30:
-        remarks.append(f"{first.patches} patches at first: too few for the statistics of a surface")
-    if strain > 0.05 and not prediction.solid.yields:
-        remarks.append(
-            f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "
-            "real asperities would flow, and nothing flows at once here; try a hardness"
-        )
-    if fraction > 0.5:
-        remarks.append(
-            f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
-            "which it does not have, would keep bodies further apart"
-        )
+    remarks += remarks_on_contact(prediction.dataset, scan, prediction.solid)
     if fit is not None and (fit.systematic or fit.series.error > 0.05):
         error = f"{100 * fit.series.error:.2g} %"
         remarks.append(
@@ -158,6 +126,4 @@ def remarks_on(prediction: Prediction, scan: Surface) -> tuple[str, ...]:
             if fit.systematic
             else f"the fit misses the table by up to {error}, which looks like noise"
         )
-    if last.patches < first.patches / 2 and fraction <= 0.5:
-        remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
     return tuple(remarks)

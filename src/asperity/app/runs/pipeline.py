@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,12 +19,13 @@ from asperity.app.config.models import Independent
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
+from asperity.app.runs.words import remarks_on_contact
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Carried, Contact
 from asperity.contact.bodies import bodies_of
 from asperity.contact.response import check_half_space
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, Remark
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field, Lattice
 from asperity.progress import Progress
@@ -105,6 +107,8 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         observe(contact, **config.output.instrument)  # refuses before hours have passed
     history = _age(contact, config, progress, checkpoint)
     dataset = _observed(history.dataset, config)
+    if solid.in_lengths and rough.has_lengths and rough.heights.ndim == 2:
+        remarks += (*remarks_on_contact(dataset, rough.scan, solid),)
     if law is not None:
         dataset = add_friction(dataset, law)
     if config.protocol:
@@ -182,7 +186,9 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact: Contact = press(rough, solid, **config.contact.model_dump())
+    with warnings.catch_warnings():  # it is among the remarks on the history
+        warnings.filterwarnings("ignore", message="the mean contact pressure", category=Remark)
+        contact: Contact = press(rough, solid, **config.contact.model_dump())
     if contact.area == 0:
         expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
         got = config.contact.separation
@@ -200,6 +206,11 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
     remarks += remarks_on_edges(rough)
+    if rough.has_lengths and not isinstance(config.solid, Continuum):
+        remarks += (
+            f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
+            "load is not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]",
+        )
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
