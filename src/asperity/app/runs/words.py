@@ -41,7 +41,8 @@ def remarks_on_contact(dataset: xr.Dataset, scan: Surface, solid: Solid) -> Iter
     pressure = float(dataset["mean_contact_pressure"][pressed])
     strain = pressure / float(dataset.attrs["modulus"])
     if maps := resolved(dataset) if "in_contact" in dataset else ():
-        yield from _on_patches(*(maps[n] for n in (0, -1)), fraction=float(fraction[-1]))
+        stays = load[-1] >= (1 - 1e-9) * load.max()  # else patches are lost
+        yield from _on_patches(maps[0], maps[-1], may_merge=stays and fraction[-1] <= 0.5)
     if strain > 0.05 and not solid.yields:
         share = f"{100 * strain:.2g} % of E*" if strain < 1 else f"{strain:.3g} times E*"
         when = "at the largest load" if pressed else "at first"
@@ -56,7 +57,7 @@ def remarks_on_contact(dataset: xr.Dataset, scan: Surface, solid: Solid) -> Iter
         )
 
 
-def _on_patches(first: Resolved, last: Resolved, *, fraction: float) -> Iterator[str]:
+def _on_patches(first: Resolved, last: Resolved, *, may_merge: bool) -> Iterator[str]:
     """What the pixels resolve of the first map, and what becomes of its patches."""
     if first.in_small > 0.2:
         yield (
@@ -69,5 +70,5 @@ def _on_patches(first: Resolved, last: Resolved, *, fraction: float) -> Iterator
     if first.patches < 30:
         many = counted(first.patches, "patch", "patches")
         yield f"{many} at first: too few for the statistics of a surface"
-    if last.patches < first.patches / 2 and fraction <= 0.5:
+    if may_merge and last.patches < first.patches / 2:
         yield f"patches merge: {first.patches} at first, {last.patches} at last"
