@@ -2,6 +2,7 @@
 
 AsperityError
 ├── InputError (ValueError)         something given is wrong; the message says what was expected
+│   ├── CallError (TypeError)       a call has an argument that does not exist, or lacks one
 │   ├── SurfaceFileError            a surface file is missing, empty, truncated or of another kind
 │   ├── ConfigError                 a run configuration is wrong; lists every mistake
 │   └── CheckpointError             a file is no checkpoint, or that of another run
@@ -19,6 +20,7 @@ import copyreg
 
 __all__ = [
     "AsperityError",
+    "CallError",
     "CheckpointError",
     "ConfigError",
     "ConvergenceError",
@@ -74,6 +76,10 @@ class InputError(AsperityError, ValueError):
     def __reduce__(self) -> tuple[object, ...]:
         # By default a copy would be made by calling the class with the message alone.
         return copyreg.__newobj__, (type(self), *self.args), vars(self)  # type: ignore[attr-defined]
+
+
+class CallError(InputError, TypeError):
+    """A call of a public function has an argument that does not exist, or lacks one."""
 
 
 class SurfaceFileError(InputError):

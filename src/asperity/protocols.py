@@ -23,6 +23,7 @@ import numpy as np
 from annotated_types import Ge, Gt
 
 from asperity.base import checks
+from asperity.base.calls import answered as _answered
 from asperity.base.parameters import Checked, Quantity, parameters_of
 from asperity.errors import LARGEST, InputError
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from asperity.lattice import Lattice
 
 __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]
-__dir__ = __all__.copy  # dir() lists the public names alone
 
 
 _SAME_TIME = 1e-9
@@ -505,3 +505,6 @@ class Schedule:
     def slides(self) -> bool:
         """Whether the rough surface slides in some leg."""
         return any(leg.speed for leg in self.legs)
+
+
+__dir__ = _answered(globals())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
@@ -16,6 +17,7 @@ from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
+from asperity.base.calls import answered as _answered
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
@@ -136,10 +138,15 @@ def press(
         body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
         bodies = bodies_of(heights, body)
         units.check_units(dict(body.parameters), si=bodies.si)
-        found = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
-        for remark in load_on_filled(getattr(heights, "filled", None), found.pressure):
-            warnings.warn(remark, Remark, stacklevel=3)
-        return found
+        contact = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        for remark in load_on_filled(getattr(heights, "filled", None), contact.pressure):
+            warnings.warn(remark, Remark, stacklevel=4)
+        modulus: Any = body.parameters.get("modulus", math.inf)
+        if bodies.si and contact.load > modulus * contact.contact_area:
+            pressure = f"{contact.load / contact.contact_area:.3g} Pa"
+            said = f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa"
+            warnings.warn(Remark(said), stacklevel=4)
+        return contact
 
     value: Any = given[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
@@ -196,7 +203,7 @@ def age(
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
         ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
         if larger, at a held separation with viscous creep); measured, not proved: see
-        ``STEP_TOLERANCE`` in ``aging/march.py``.
+        `asperity.aging.controller.Tuning`.
     fields_at
         Strictly increasing times >= 0 at which to keep u, u0, in_contact and the forces (of
         continua the pressures), and to count and link patches of contact; they need not be among ``times``.
@@ -405,3 +412,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     if hold == "area":
         raise InputError("hold", expected="'load' or 'separation' for the limit", got=repr(hold))
     return relaxed(contact, control_of(contact, hold), solver)
+
+
+__all__ = ["age", "press", "relax", "slide"]
+__dir__ = _answered(globals())

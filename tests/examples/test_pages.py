@@ -8,7 +8,6 @@ be executed here stands in `UNTRIED`, with the reason. A block of another kind i
 
 import importlib.util
 import os
-import pkgutil
 import re
 import shlex
 import shutil
@@ -25,6 +24,7 @@ from asperity.app.campaign import read_plan
 from asperity.app.cli import main
 from asperity.app.cli.app import with_others
 from asperity.app.config import config_from, read_tables
+from tests.named import in_pages
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
@@ -32,11 +32,6 @@ PAGES = [
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "docs" / "studies").glob("*.md")),
 ]
-SOURCES = (
-    *(ROOT, ROOT / "src" / "asperity", ROOT / "src" / "asperity" / "app", ROOT / "benchmarks"),
-    *(ROOT / "research", ROOT / "research" / "src" / "asperity_research"),
-)
-NAMES = {"asp", "asperity", "challenge", "contact", *filter(str.islower, asperity.__all__)}
 FILES = (".csv", ".html", ".md", ".npy", ".png", ".toml", ".txt", ".zarr")
 TEN_LINES = r"sites in contact: ([\d ]+)"
 
@@ -89,12 +84,6 @@ def name_of(page):
 
 def blocks(page):
     return re.findall(r"^```(.*)\n((?:.*\n)*?)```$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
-
-
-def phrases(page):
-    """Code within sentences."""
-    text = re.sub(r"^```.*\n(?:.*\n)*?```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    return dict.fromkeys(re.findall(r"`([^`\n]+)`", text))
 
 
 def write_configuration(text):
@@ -185,24 +174,20 @@ def test_what_a_page_shows_works(page, tmp_path, monkeypatch, capsys):
                 exec(code, names)
                 for promised in re.findall(TEN_LINES, text):
                     assert capsys.readouterr().out.split() == promised.split()
-    for phrase in phrases(page):
+    for phrase in in_pages(page):
         check_phrase(phrase, names)
 
 
 def check_phrase(phrase, names):
-    """Check code within a sentence: Python, a command, a target of make, or a file."""
+    """Check code within a sentence: Python, a command or a target of make; `tests.named` looks up names."""
     dotted = re.match(r"([A-Za-z_]\w*)[\w.]*\w(?=$|[(\[])", phrase)
     root = dotted[1] if dotted and not phrase.endswith(FILES) else ""
     if phrase.startswith("asperity ") and not phrase.startswith("asperity -"):
         assert phrase.split()[1] in list(with_others()), phrase
     elif phrase.startswith("make "):
         assert make_has(phrase.split()[1]), phrase
-    elif re.fullmatch(r"[\w/]+\.py|\w+/(\w+/?)*", phrase):
-        assert any((folder / phrase).exists() for folder in SOURCES), phrase
     elif dotted and root in names and "..." not in phrase:
         eval(phrase, names)
-    elif dotted and root in NAMES:
-        pkgutil.resolve_name(re.sub(r"^(asp(erity)?(\.|$))?", "asperity.", dotted[0]).rstrip("."))
 
 
 def test_every_exception_is_needed():

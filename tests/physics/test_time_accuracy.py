@@ -129,4 +129,4 @@ def test_contact_counts_at_a_tenth_of_the_tolerance(rough, k1, p):
     times = np.geomspace(1e-3, 1e6, 37)
     usual = np.array([frame.contact.area for frame in creep(contact, times)])
     strict = np.array([frame.contact.area for frame in creep(contact, times, rtol=DEFAULT_RTOL / 10)])
-    assert np.abs(usual / strict - 1).max() <= 0.003  # as docs/design.md has it
+    assert np.abs(usual / strict - 1).max() <= 0.003  # as docs/accuracy.md has it

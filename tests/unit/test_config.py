@@ -131,12 +131,14 @@ MISTAKES = [
     "[output]\nmaps_at = [1e9]",
     "[output]\nfigures = 'png'",
 ]
+BALL = "[surface]\nkind = 'sphere'\nradius = 9.0\npixel_size = 1.0\n"
 UNKNOWN = {
     "k0 = 3": "k0: stands outside any section; it belongs below [solid]",
     "nonsense = 3": "nonsense: stands outside any section",
     "[sweep]\nload = [1.0]": "[sweep]: makes this the file of a campaign, not of a run; try",
     "[surface]\nfile = 'a.npy'": "[surface] file: no such key; try path",
-    "[solid]\nE = 1.0": "[solid] E: no such key; there are kind, creep, creep_",
+    "[solid]\nE = 1.0": "[solid] E: no such key; try young",
+    f"{BALL}spacing = 1.0": "[surface] spacing: no such key; try pixel_size",
     "[solid]\nmodulus = 1.0": "[solid] modulus: not a key of a solid of kind 'spring_lattice', but",
     HALF: "[solid] expected modulus, young and poisson, or relaxation and poisson, got none",
     f"{STIFF}young = 1.0": "[solid] expected modulus or young, got both",

@@ -3,19 +3,24 @@
 import importlib
 import re
 import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.aging import constant_area, controller, march
 from asperity.app.cli.app import with_others
 from asperity.app.config.keys import sections
-from tests.unit.test_house import ROOMS
+from asperity.contact import ActiveSet, Multigrid
+from tests.named import ROOT, SOURCE, Source, in_docstrings, in_pages
+from tests.unit.test_house import ROOMS, ROOMS_OF_RESEARCH
 
-ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
+PAGES = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md")),
+    *(*sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("studies/*.md"))),
+]
 
 
 @pytest.fixture(scope="module")
@@ -174,3 +179,72 @@ def test_the_glossary_is_in_alphabetical_order():
     terms = re.findall(r"^(\S.*)\n    ", (DOCS / "glossary.md").read_text("utf-8"), flags=re.MULTILINE)
     assert len(terms) > 40
     assert terms == sorted(terms, key=str.casefold)
+
+
+@pytest.fixture(scope="module")
+def source():
+    return Source()
+
+
+def test_what_pages_name_is_there(source):
+    for page in PAGES:
+        assert not {code: unknown for code in in_pages(page) if (unknown := [*source.unknown(code, page)])}, (
+            page
+        )
+
+
+def test_what_docstrings_name_is_there(source):
+    for file in sorted(SOURCE.rglob("*.py")):
+        assert not {
+            code: unknown for code in in_docstrings(file) if (unknown := [*source.unknown(code, file)])
+        }, file
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        *("STEP_TOLERANCE", "lattice.wave_numbers", "asp.pres", "asperity.checks.number", "fits.compares"),
+        *("aging/marches.py", "cuts.py", "--poison 0.3", "summaries.txt", "Surface.edge", "age(x, tmies=1)"),
+    ],
+)
+def test_a_false_name_is_found(source, code):
+    assert [*source.unknown(code, DOCS / "start.md")]
+
+
+def test_rooms_of_contributing_are_those_of_the_house():
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8").split("so do imports:")[1].split("Each folder")[0]
+    library, app, research = re.split(r"app:|research:", text)
+    for said, rooms in ((library, ROOMS), (app, ROOMS), (research, ROOMS_OF_RESEARCH)):
+        prefix = "app." if said == app else ""
+        stated = [{f"{prefix}{room.strip()}" for room in level.split(",")} for level in said.split("->")]
+        mine = [{room for room in level if room.startswith("app.") == bool(prefix)} for level in rooms]
+        assert stated == [level for level in mine if level and level != {"__main__"}]
+
+
+@pytest.mark.parametrize(
+    ("page", "sentence"),
+    [
+        ("accuracy", f"steps of error ({controller.TUNING.step_error:g} rtol)^1.5"),
+        ("accuracy", f"may add {march.TUNING.unnoticed:g} of the allowed error"),
+        ("accuracy", f"and {march.TUNING.published:g} in the last stage"),
+        ("accuracy", f"At the default, {march.DEFAULT_RTOL * 1000:g}e-3"),
+        ("histories", f"{100 * constant_area.TUNING.allowed:g} %, the step is repeated once"),
+        ("histories", f"shorter than {constant_area.TUNING.lapse:g} in ln t"),
+        ("histories", f"fewer than {constant_area.FEWEST_SITES} sites in contact"),
+        ("design", f"did not solve in {Multigrid().max_cycles} cycles"),
+        ("design", f"After {ActiveSet().careful_after} revisions"),
+        ("design", f"residual has fallen to {ActiveSet().reduction:g}"),
+    ],
+)
+def test_numbers_of_the_engine_are_what_a_page_says(page, sentence):
+    assert sentence in " ".join((DOCS / f"{page}.md").read_text("utf-8").split())
+
+
+@pytest.mark.parametrize("page", ["performance", "reproduction", "studies", "campaigns"])
+def test_a_speed_on_a_page_names_its_version(page):
+    text = (DOCS / f"{page}.md").read_text("utf-8")
+    sections = re.split(r"^## ", text, flags=re.MULTILINE)
+    timed = [one for one in sections if re.search(r"\d (ms|seconds|minutes|ns)\b|\bseconds\b.*\|\n\|-", one)]
+    assert timed
+    for section in timed:
+        assert re.search(r"([Vv]ersions?|Asperity) 0\.\d+\.\d+", section), section.splitlines()[0]

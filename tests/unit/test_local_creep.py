@@ -21,7 +21,7 @@ from asperity.contact.mechanics import SpringMechanics
 from asperity.creep import LAWS
 from asperity.errors import ConvergenceError
 from asperity.results.parameters import PARAMETERS
-from asperity.solids import CreepLaw, Eyring, Garofalo, Norton, half_space, spring_lattice
+from asperity.solids import CreepLaw, Eyring, Garofalo, LocalCreep, Norton, half_space, spring_lattice
 from tests.refusals import each_refuses
 
 ROUGH = np.random.default_rng(0).normal(size=(12, 12))
@@ -55,16 +55,30 @@ def test_activation_gives_rate_and_stress():
     assert law.stress == pytest.approx(1.380649e-23 * 300 / 1e-28)
 
 
+class Nameless(LocalCreep):
+    """A law that does not say its velocity."""
+
+    def rate(self, stress):
+        return stress
+
+
 def test_what_is_no_law_or_beyond_belief_is_refused():
     def pressed(law):
         return asp.press(ROUGH, spring_lattice(k0=1.0, k1=3.0, creep=law), load=40.0)
 
     threshold = CreepLaw(lambda s: np.maximum(s - 0.1, 0.0), lambda s: (s > 0.1).astype(float))
+    assert (CreepLaw(np.tanh, lambda s: 1 - np.square(np.tanh(s))).velocity(np.ones(2))[0] < 1).all()
+    # It begins beyond the stresses that are tried at first, and then its derivative is wrong.
+    late = CreepLaw(lambda s: np.maximum(s - 1.1, 0.0), lambda s: 2 * (s > 1.1).astype(float))
     cold: dict[str, Any] = {"energy": "20 eV", "volume": 1e-28, "temperature": 100.0, "prefactor": 1.0}
     each_refuses(
         ("energy", lambda: Eyring.activated(**cold)),
         ("rate", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
+        ("derivative", lambda: CreepLaw(lambda s: np.sinh(s / 1e6), lambda s: 0 * s)),
+        ("derivative", lambda: CreepLaw(lambda s: s**3, lambda s: s**2)),
+        ("derivative", lambda: asp.age(pressed(late), [1.0])),
         ("creep", lambda: pressed(1.0)),
+        ("creep", lambda: pressed(Nameless())),
         ("creep", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
         ("creep", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
         ("creep", lambda: asp.relax(pressed(threshold))),

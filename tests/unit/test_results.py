@@ -107,6 +107,8 @@ def test_the_table_of_a_history_has_a_row_for_each_time():
     assert not {"heights", "u", "in_contact", "patches"} & set(table)
     for name in map(str, table):
         np.testing.assert_array_equal(table[name], history[name])
+        assert table.attrs["units"][name] == history[name].attrs["units"]
+    assert table.attrs["units"]["time"] == history.time.attrs["units"]
 
 
 def test_a_history_gives_its_series_by_name():

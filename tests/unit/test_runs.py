@@ -1,13 +1,16 @@
 """One run from its configuration: what is kept when a part of it fails, and the numbers it chooses itself."""
 
+import warnings
+
 import numpy as np
 import pytest
 
+import asperity as asp
 import asperity.app.runs.pipeline as module
 from asperity.app.config import config_from
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.defaults import hold_times, map_times, modest_load
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, Remark
 from tests.refusals import refuses
 
 SMALL = config_from({"surface": {"shape": [12, 12]}, "aging": {"last": 0.1}}, {}, None)
@@ -72,3 +75,49 @@ def test_hold_times_are_even_in_the_decades_and_maps_are_at_round_ones_where_the
         ([0.0], []),
     ):
         np.testing.assert_allclose(map_times(list(recorded)), [0.0, *maps], rtol=1e-9)
+
+
+NM = {"kind": "spectral", "shape": [64, 64], "pixel_size": 20.0, "unit": "nm", "seed": 1}
+SOFT = {"kind": "half_space", "modulus": 3e9, "branches": [[0.3, 1.0]]}
+BRIEF = {"aging": {"times": [1.0]}, "output": {"maps_at": [0.0, 1.0]}}
+SPRINGS, CRUSHED, CLOSED, FEW, PIXELS = (
+    "springs have no",
+    "times E*",
+    "of the surface",
+    "too few",
+    "fewer than 10",
+)
+
+
+@pytest.mark.parametrize(
+    ("surface", "rest", "said"),
+    [
+        (NM, {"contact": {"load": 10.0}}, {SPRINGS}),
+        (NM, {"solid": SOFT, "contact": {"load": 10.0}}, {CRUSHED, CLOSED, FEW}),
+        (NM | {"rms_slope": 0.2}, {"solid": SOFT | {"hardness": 1e8}, "contact": {"pressure": 1e7}}, {FEW}),
+        (
+            NM | {"cutoff": 40.0, "rms_slope": 0.5},
+            {"solid": SOFT, "contact": {"pressure": 1e7}},
+            {FEW, PIXELS},
+        ),
+        ({**NM, "unit": None}, {"solid": SOFT, "contact": {"pressure": 1e10}}, set()),  # plain numbers
+        ({"kind": "gaussian", "shape": [64, 64]}, {"contact": {"load": 100.0}}, set()),
+    ],
+)
+def test_a_run_remarks_what_a_prediction_would(surface, rest, said):
+    surface = {name: value for name, value in surface.items() if value is not None}
+    remarks = execute(config_from({"surface": surface} | rest | BRIEF, {}, None), Progress()).remarks
+    assert {
+        one for one in (SPRINGS, CRUSHED, CLOSED, FEW, PIXELS) if any(one in text for text in remarks)
+    } == said
+
+
+def test_pressing_beyond_the_modulus_is_remarked_where_there_are_units():
+    rough = asp.surfaces.spectral((16, 16), rms_slope=0.1, pixel_size=0.5, unit="um")
+    solid = asp.solids.half_space(modulus="3 GPa")
+    with pytest.warns(Remark, match="above E"):
+        asp.press(rough, solid, pressure="6400 GPa")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        asp.press(rough, solid, pressure="1 MPa")
+        asp.press(rough.heights, asp.solids.half_space(modulus=3.0), pressure=6400.0)

@@ -2,6 +2,7 @@
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import creep
+from asperity.base.calls import answered as _answered
 
 __all__ = ["Frame", "creep"]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -7,6 +7,7 @@ from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
 from asperity.analysis.prediction import Growth, Prediction, Resolved
 from asperity.analysis.tracks import PatchTracks, contact_ages, patch_table, patch_tracks
+from asperity.base.calls import answered as _answered
 from asperity.patches import Links, Patches, Turnover, clustering, link_patches, patches, turnover
 
 __all__ = [
@@ -37,4 +38,4 @@ __all__ = [
     "turnover",
     "with_limit",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

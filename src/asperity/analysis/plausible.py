@@ -1,14 +1,18 @@
-"""What is implausible in the contact of a measured surface."""
+"""What is implausible in the contact of a continuum, and what limits it."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import cast
 
 import numpy as np
 import xarray as xr
 
 from asperity.analysis.maps import on_the_surface
+from asperity.analysis.prediction import Resolved, resolved
+from asperity.analysis.scan import written
+from asperity.base.words import counted
 from asperity.relaxation import PronySeries
 from asperity.relaxation.series import Branches
 from asperity.solids import Solid
@@ -22,12 +26,14 @@ _BEYOND = 3.0
 
 
 def remarks_on_contact(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
-    """What whoever reads a history of a measured surface should know."""
+    """What whoever reads a history should know, in numbers."""
     on_filled: tuple[str, ...] = ()
     if rough.filled is not None and "field_time" in dataset.dims:
         forces = on_the_surface(dataset)["pressure" if "pressure" in dataset else "force"]
         on_filled = load_on_filled(rough.filled, np.asarray(forces))
-    return (*on_filled, *_beyond_theory(rough, solid, dataset))
+    in_lengths = solid.in_lengths and rough.has_lengths and rough.heights.ndim == 2
+    limits = _limits(solid, dataset) if in_lengths else ()
+    return (*on_filled, *_beyond_theory(rough, solid, dataset), *limits)
 
 
 def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
@@ -54,3 +60,43 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
         f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
         "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)",
     )
+
+
+def _limits(solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
+    """What limits a contact of a continuum under a surface with units, in numbers."""
+    load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
+    pressed = int(np.argmax(load >= (1 - 1e-9) * load.max()))
+    pressure = float(dataset["mean_contact_pressure"][pressed])
+    strain = pressure / float(dataset.attrs["modulus"])
+    if maps := resolved(dataset) if "in_contact" in dataset else ():
+        stays = load[-1] >= (1 - 1e-9) * load.max()  # else patches are lost
+        yield from _on_patches(maps[0], maps[-1], may_merge=stays and fraction[-1] <= 0.5)
+    if strain > 0.05 and not solid.yields:
+        share = f"{100 * strain:.2g} % of E*" if strain < 1 else f"{strain:.3g} times E*"
+        when = "at the largest load" if pressed else "at first"
+        yield (
+            f"the mean contact pressure is {written(pressure, 'Pa')} {when}, {share}: "
+            "real asperities would flow, and nothing flows at once here; try a hardness"
+        )
+    if (most := float(fraction.max())) > 0.5:
+        yield (
+            f"{100 * most:.0f} % of the surface touches {'at last' if fraction[-1] == most else 'at most'}: "
+            "waves longer than the scan, which it does not have, would keep bodies further apart"
+        )
+
+
+def _on_patches(first: Resolved, last: Resolved, *, may_merge: bool) -> Iterator[str]:
+    """What the pixels resolve of the first map, and what becomes of its patches."""
+    if first.in_small > 0.2:
+        yield (
+            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
+            "the scan does not resolve them, and a finer one would change the area"
+        )
+    if first.rim > 0.2:
+        part = f"{100 * first.rim:.0f} % of the counted area at first"
+        yield f"the rim takes {part}: patches are few pixels wide"
+    if first.patches < 30:
+        many = counted(first.patches, "patch", "patches")
+        yield f"{many} at first: too few for the statistics of a surface"
+    if may_merge and last.patches < first.patches / 2:
+        yield f"patches merge: {first.patches} at first, {last.patches} at last"

@@ -379,8 +379,8 @@ def growth_of(
 def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
     """Say what is resolved at the times of the maps."""
     said = []
-    for moment in np.asarray(dataset["field_time"]):
-        here = dataset.sel(time=moment, field_time=moment)
+    for number, moment in enumerate(np.asarray(dataset["field_time"])):
+        here = dataset.isel(field_time=number, time=int(np.argmax(np.asarray(dataset["time"]) == moment)))
         touching = np.asarray(here["in_contact"], dtype=bool)
         found = patches(touching, edges=dataset.attrs["edges"])
         counted, corrected = (float(here[name]) for name in ("contact_area", "contact_area_corrected"))
@@ -467,5 +467,5 @@ def _by_decade(time: Field, area: Field) -> tuple[tuple[float, float, float], ..
     ends = np.append(np.arange(0, span - 1e-6), span)
     heights = np.interp(ends, np.log10(time / time[0]), area / area[0])
     slopes = np.diff(heights) / np.diff(ends)
-    times = (time[0] * 10.0**ends).tolist()
+    times = [*(time[0] * 10.0 ** ends[:-1]).tolist(), float(time[-1])]
     return tuple(zip(times[:-1], times[1:], slopes.tolist(), strict=True))

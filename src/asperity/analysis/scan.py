@@ -6,10 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from asperity.surfaces.prepare import is_length, length_factor
-
-_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
-"""Units of length in which figures count, rising by thousands."""
+from asperity.surfaces.prepare import display_unit, is_length
 
 _PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIXED = {
@@ -45,11 +42,8 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     Prefixes of areas are a million apart: their numbers are from 0.1 to 100 000.
     Numbers without a unit ("1") that are very small or large get a power of ten in its place, "1e-06".
     """
-    if is_length(unit) and span > 0:
-        for name in _DISPLAY_UNITS:
-            factor = length_factor(unit, name) if name != unit else 1.0
-            if 1 <= span * factor < 1000:
-                return name, factor
+    if found := display_unit(unit, span):
+        return found
     if unit in _PREFIXED and math.isfinite(span):
         power = {"m^2": 2, "m^3": 3}.get(unit, 1)
         least = _LEAST.get(unit, 1.0) * (1 - 1e-9)

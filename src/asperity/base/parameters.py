@@ -52,7 +52,7 @@ class Parameter:
 
     @property
     def bounds(self) -> dict[str, float]:
-        """Bounds of the number, as `asperity.checks.number` takes them."""
+        """Bounds of the number, as `asperity.base.checks.number` takes them."""
         return {
             word: getattr(fact, name)
             for fact in self.facts

@@ -80,6 +80,11 @@ def numbers(name: str, values: object, unit: str) -> object:
     return values
 
 
+def either(name: str, value: object, unit: str) -> Any:
+    """The same where one text is one number."""
+    return number(name, value, unit) if has_unit(value) else numbers(name, value, unit)
+
+
 def check_units(*tables: object, si: bool, line: bool = False) -> None:
     """Refuse numbers in tables that were written with a unit where nothing else has any; `InputError`.
 

@@ -11,6 +11,9 @@ from typing import Any, Self
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
+MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
+"""Arguments and keys that people write, and what to write where there is such a one."""
+
 
 class InUnits(float):
     """A number that was written with a unit; its value is in SI."""

@@ -1,5 +1,6 @@
 """Contact: one problem (Signorini), one file a solver, and the states that come out."""
 
+from asperity.base.calls import answered as _answered
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.carried import Carried
 from asperity.contact.controls import Control, Load, Separation
@@ -7,4 +8,4 @@ from asperity.contact.multigrid import Multigrid
 from asperity.contact.state import Contact
 
 __all__ = ["ActiveSet", "Carried", "Contact", "Control", "Load", "Multigrid", "Separation"]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -9,7 +9,6 @@ a site on a continuum. Small stresses creep with the mobility v'(0), as with ``R
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, ClassVar
 
@@ -28,7 +27,7 @@ LARGEST_EXPONENT = 600.0
 """Largest exponent of a velocity: it overflows at 710, and velocities are multiplied by times."""
 
 
-class LocalCreep(Checked, ABC):
+class LocalCreep(Checked):
     """A local law of creep.
 
     The keys of a configuration are ``creep_`` and the names of its parameters: the fields of a frozen
@@ -46,9 +45,9 @@ class LocalCreep(Checked, ABC):
         """Numbers to record with every result."""
         return {f"creep_{name}": getattr(self, name) for name in parameters_of(type(self))}
 
-    @abstractmethod
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
-        """Velocity v(s) and its derivative v'(s) >= 0 with respect to the stress."""
+        """Velocity v(s) and its derivative v'(s) >= 0 with respect to the stress; each law has its own."""
+        raise NotImplementedError
 
     def bend(self, stress: Floats) -> Floats | float:
         """Change of the stress over which the derivative changes by about its own size."""
@@ -88,4 +87,8 @@ def checked_law(creep: LocalCreep) -> LocalCreep:
             got=checks.kind_of(creep),
             advice="asperity.solids.Eyring(rate=1.0, stress=1.0)",
         )
+    if type(creep).velocity is LocalCreep.velocity:
+        expected = "a method velocity(stress) that returns v(s) and v'(s)"
+        advice = "CreepLaw(rate, derivative), which takes them as two functions"
+        raise InputError("creep", expected=expected, got=f"{checks.kind_of(creep)} without it", advice=advice)
     return creep

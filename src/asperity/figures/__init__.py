@@ -4,6 +4,7 @@ Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savef
 prediction give pictures and a page.
 """
 
+from asperity.base.calls import answered as _answered
 from asperity.figures.aging import aging_curve
 from asperity.figures.campaign import campaign_figure
 from asperity.figures.cards import html_of
@@ -48,4 +49,4 @@ __all__ = [
     "sliding_figure",
     "surface_figure",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

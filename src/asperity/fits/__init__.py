@@ -1,5 +1,6 @@
 """Laws of the growth of the contact area, fitted with uncertainties; to simulated or measured data."""
 
+from asperity.base.calls import answered as _answered
 from asperity.fits.comparison import Comparison, compare
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.measured import MeasuredGrowth, measured_growth
@@ -31,4 +32,4 @@ __all__ = [
     "read_measurements",
     "saturation",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -1,5 +1,6 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
+from asperity.base.calls import answered as _answered
 from asperity.friction.comparing import StateLaws, compare_state_laws
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
 from asperity.friction.export import save_parameters
@@ -26,4 +27,4 @@ __all__ = [
     "synthetic_record",
     "velocity_steps",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -1,9 +1,10 @@
 """From a measured curve to what it determines: posteriors, verdicts, and what to measure next."""
 
+from asperity.base.calls import answered as _answered
 from asperity.inference.inferring import Inference, infer
 from asperity.inference.models import Model
 from asperity.inference.priors import Prior
 from asperity.inference.verdicts import Candidate, Combination, Verdict
 
 __all__ = ["Candidate", "Combination", "Inference", "Model", "Prior", "Verdict", "infer"]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

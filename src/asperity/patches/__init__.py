@@ -1,5 +1,6 @@
 """Patches of contact: found, measured, linked from map to map, and summed up over the maps of a history."""
 
+from asperity.base.calls import answered as _answered
 from asperity.patches.labels import Labels, Patches, patches
 from asperity.patches.links import Links, Turnover, link_patches, linked, turnover
 from asperity.patches.series import QUANTILES, ages_of, clustering, clustering_box, map_series, quantiles
@@ -23,4 +24,4 @@ __all__ = [
     "shapes_of",
     "turnover",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

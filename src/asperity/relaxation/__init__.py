@@ -8,6 +8,7 @@ A law or a measured table becomes a `PronySeries`, of which the branches make a 
                                    branches=series.branches)
 """
 
+from asperity.base.calls import answered as _answered
 from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.relaxation.files import read
 from asperity.relaxation.fitting import Fit, fit
@@ -32,4 +33,4 @@ __all__ = [
     "read",
     "wlf",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -1,5 +1,6 @@
 """Results: frozen states in, one self-describing Dataset out, and back from disk."""
 
+from asperity.base.calls import answered as _answered
 from asperity.base.tables import read_table
 from asperity.results.checkpoint import Checkpoint
 from asperity.results.contacts import load_contact
@@ -16,4 +17,4 @@ __all__ = [
     "whole_file",
     "whole_folder",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -96,10 +96,13 @@ class History(views.InNotebooks):
     def table(self) -> pd.DataFrame:
         """The series over time, without the fields: a pandas DataFrame with a row for each time.
 
-        Columns have the names and units of the dataset; ``leg`` is one after a protocol.
+        Columns have the names of the dataset; ``leg`` is one after a protocol. Their units, and that of the
+        time, are in ``table.attrs["units"]``, by name.
         """
         series = [name for name, one in self.dataset.data_vars.items() if one.dims == ("time",)]
-        return self.dataset[series].to_dataframe()
+        table = self.dataset[series].to_dataframe()
+        table.attrs["units"] = {name: self.dataset[name].attrs.get("units", "") for name in ("time", *table)}
+        return table
 
     def plot(
         self,

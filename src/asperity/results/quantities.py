@@ -157,9 +157,9 @@ QUANTITIES: tuple[Quantity, ...] = (
     _coordinate("branch", "1", "branch of the solid, from 0", whole=True),
     _coordinate("quantile", "1", "share of the sites in contact that have at most the value"),
     _coordinate("x", "place", "site index along the last axis", of="sites"),
-    _coordinate("x", "place", "position along the last axis", of="continua"),
+    _coordinate("x", "place", "x, along the rows", of="continua"),
     _coordinate("y", "place", "site index along the first axis", of="sites"),
-    _coordinate("y", "place", "position along the first axis", of="continua"),
+    _coordinate("y", "place", "y, from row to row", of="continua"),
 )
 """In the order of the columns of tables."""
 

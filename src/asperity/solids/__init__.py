@@ -1,5 +1,6 @@
 """Solids whose surface is elastic and creeps."""
 
+from asperity.base.calls import answered as _answered
 from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
@@ -36,4 +37,4 @@ __all__ = [
     "layer",
     "spring_lattice",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -30,7 +30,14 @@ from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches
 from asperity.relaxation.positive_sums import positive_weights
-from asperity.solids.continua import Branches, checked_apparatus, checked_poisson, continuum, mounted
+from asperity.solids.continua import (
+    Branches,
+    checked_apparatus,
+    checked_modulus,
+    checked_poisson,
+    continuum,
+    mounted,
+)
 from asperity.solids.laws import FixedRate
 from asperity.solids.solid import CreepBranch, Solid
 
@@ -123,7 +130,8 @@ class CoatedStiffness:
 
 def coated_half_space(
     *,
-    modulus: float | str,
+    modulus: float | str | None = None,
+    young: float | str | None = None,
     poisson: float,
     thickness: float | str,
     base_modulus: float | str,
@@ -139,6 +147,8 @@ def coated_half_space(
     ----------
     modulus, poisson
         Contact modulus E* = E / (1 - nu^2) of the film at once, force per area, and its Poisson's ratio.
+    young
+        Instead of the modulus: Young's modulus of the film.
     thickness
         Thickness of the film, length.
     base_modulus, base_poisson
@@ -160,8 +170,9 @@ def coated_half_space(
     InputError
         A number is out of its range.
     """
-    film = _material("", modulus, poisson, branches)
-    base = _material("base_", base_modulus, base_poisson, base_branches)
+    film = _material("", checked_modulus(modulus, young, poisson), poisson, branches)
+    stiff = units.number("base_modulus", base_modulus, "Pa", above=0)
+    base = _material("base_", stiff, base_poisson, base_branches)
     coated = Coated(film, base, units.number("thickness", thickness, "m", above=0))
     apparatus = checked_apparatus(apparatus)
     parameters: dict[str, Any] = {
@@ -193,8 +204,7 @@ def coated_half_space(
     return continuum("coated_half_space", parameters, rest, made, apparatus, hardness)
 
 
-def _material(prefix: str, modulus: float | str, poisson: float, branches: Branches) -> Material:
-    modulus = units.number(f"{prefix}modulus", modulus, "Pa", above=0)
+def _material(prefix: str, modulus: float, poisson: float, branches: Branches) -> Material:
     try:
         checked = check_branches(branches)
     except InputError as error:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from asperity.base import checks, units
+from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
@@ -28,20 +29,24 @@ _LEAST_PERMANENT = 0.02
 """Least share above 0 that may stand beside a local law: steps with less may not converge."""
 
 
-def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[float]) -> float:
+OneOrTwo = float | str | Sequence[float | str]
+"""A number or a text with a unit, of one body or of each of two."""
+
+
+def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
     r"""Contact modulus E* of two elastic bodies: 1/E* = sum of (1 - nu^2) / E.
 
     Parameters
     ----------
     young
-        Young's modulus E of the one body that is not rigid, or of both, > 0.
+        Young's modulus E of the one body that is not rigid, or of both, > 0; also as texts: ``"3 GPa"``.
     poisson
         Poisson's ratio nu of the same, from -1 to 0.5.
 
     Returns
     -------
     float
-        E*, in the unit of ``young``.
+        E*, in the unit of ``young``; of texts in Pa.
 
     Raises
     ------
@@ -52,6 +57,7 @@ def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[fl
     ----------
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eq. (4.24).
     """
+    young = units.either("young", young, "Pa")
     moduli = checks.positive("young", young).reshape(-1)
     ratios = checks.floats("poisson", poisson).reshape(-1)
     if not 1 <= moduli.size == ratios.size <= 2:
@@ -59,12 +65,23 @@ def contact_modulus(young: float | Sequence[float], poisson: float | Sequence[fl
         raise InputError("young and poisson", expected="one of each for each of one or two bodies", got=got)
     for ratio in ratios.tolist():
         checked_poisson("poisson", ratio)
-    return 1.0 / float(((1 - ratios**2) / moduli).sum())
+    found = 1.0 / float(((1 - ratios**2) / moduli).sum())
+    written = next(written_with_units([young]), None)
+    return found if written is None else InUnits.of(found, written.written, "Pa")
+
+
+def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson: Any) -> float:
+    """The contact modulus at once, of one of the two moduli that is given."""
+    if checks.one_of("modulus='3 GPa'", modulus=modulus, young=young) == "young":
+        return contact_modulus(young, () if poisson is None else poisson)  # type: ignore[arg-type]
+    return units.number("modulus", modulus, "Pa", above=0)
 
 
 def half_space(
     *,
-    modulus: float | str,
+    modulus: float | str | None = None,
+    young: OneOrTwo | None = None,
+    poisson: float | Sequence[float] | None = None,
     branches: Branches = (),
     flow: tuple[float, float] | None = None,
     apparatus: float | str | None = None,
@@ -87,6 +104,8 @@ def half_space(
     modulus
         Contact modulus E* at once, before anything relaxes, force per area; see `contact_modulus`. Under a
         surface with units, in Pa or with a unit: ``"3 GPa"``; so are all numbers here.
+    young, poisson
+        Instead of the modulus: Young's modulus at once and Poisson's ratio, of one body or of both.
     branches
         Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
     flow
@@ -125,7 +144,10 @@ def half_space(
     ----------
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
-    modulus = units.number("modulus", modulus, "Pa", above=0)
+    if modulus is not None and poisson is not None:
+        expected = "none beside the contact modulus, which holds it"
+        raise InputError("poisson", expected=expected, got=checks.shown(poisson), advice="young=...")
+    modulus = checked_modulus(modulus, young, poisson)
     apparatus = checked_apparatus(apparatus)
     law: SpectrumOf = WaveNumberSpectrum(modulus / 2)
     parameters: dict[str, Any] = {"modulus": modulus}
@@ -159,7 +181,8 @@ def half_space(
 
 def layer(
     *,
-    modulus: float | str,
+    modulus: float | str | None = None,
+    young: float | str | None = None,
     poisson: float,
     thickness: float | str,
     branches: Branches = (),
@@ -172,6 +195,8 @@ def layer(
     ----------
     modulus
         Contact modulus E* = E / (1 - nu^2) of its material at once, force per area.
+    young
+        Instead: its Young's modulus E.
     poisson
         Its Poisson's ratio nu, from -1 to 0.5, which does not relax. A bonded layer of 0.5 keeps its volume.
     thickness
@@ -196,7 +221,7 @@ def layer(
         As for `half_space`; or Poisson's ratio is out of its range.
     """
     poisson = checked_poisson("poisson", poisson)
-    modulus = units.number("modulus", modulus, "Pa", above=0)
+    modulus = checked_modulus(modulus, young, poisson)
     thickness = units.number("thickness", thickness, "m", above=0)
     law = LayerSpectrum(modulus, poisson, thickness, bonded)
     checked, rest, made = _maxwell(law, branches)

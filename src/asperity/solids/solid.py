@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.base import checks, units, views
+from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
@@ -226,4 +227,6 @@ def _shown(name: str, value: object) -> str:
     if name.endswith("branches"):
         count = len(list(value))  # type: ignore[call-overload]
         return f"{count} {name if count != 1 else name.removesuffix('es')}"
+    if isinstance(value, InUnits):
+        return f"{name} {value:.4g} {value.unit}"
     return f"{name} {value:g}" if isinstance(value, float) and math.isfinite(value) else f"{name} {value}"

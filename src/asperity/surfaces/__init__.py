@@ -1,5 +1,6 @@
 """Heights of surfaces: made at random, measured, or of single asperities; and what a surface measures."""
 
+from asperity.base.calls import answered as _answered
 from asperity.surfaces.asperities import array, paraboloid, punch, sphere
 from asperity.surfaces.heights import check_heights
 from asperity.surfaces.measured import read
@@ -33,4 +34,4 @@ __all__ = [
     "sphere",
     "statistics",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

@@ -25,8 +25,10 @@ import numpy as np
 from asperity.base import checks
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.surfaces.making import in_unit
 
 
+@in_unit("delta")
 def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int = 0) -> Field:
     """Make a periodic self-affine surface by successive random midpoints.
 
@@ -41,10 +43,12 @@ def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int
         unit that the heights shall have.
     seed
         Seed of the random numbers; the same seed gives the same surface.
+    unit, pixel_size
+        As in `gaussian`.
 
     Returns
     -------
-    ndarray of float64, shape (size, size)
+    ndarray of float64, shape (size, size); with a unit a `Surface`
         The heights; the corner ``[0, 0]`` is 0. The mean is not removed.
 
     Raises

@@ -23,6 +23,14 @@ _SQUARE = 0.01  # pixels are square if their sides differ by no more than this p
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
 
 
+LENGTHS = tuple(_EXPONENTS)
+"""Units of length."""
+
+
+_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
+"""Units of length in which figures and words count, rising by thousands."""
+
+
 def is_length(unit: str | None) -> TypeGuard[str]:
     """Whether this is a unit of length that can be converted."""
     return unit in _EXPONENTS
@@ -31,6 +39,15 @@ def is_length(unit: str | None) -> TypeGuard[str]:
 def conversion(unit: str | None, target: str | None) -> float | None:
     """How many of the `target` unit make one `unit`; None where one of them is no length."""
     return length_factor(unit, target) if is_length(unit) and is_length(target) else None
+
+
+def display_unit(unit: str | None, span: float) -> tuple[str, float] | None:
+    """Unit of length in which a span is a number from 1 to 1000, and the factor to it, if there is one."""
+    for name in _DISPLAY_UNITS:
+        factor = 1.0 if name == unit else conversion(unit, name)
+        if factor is not None and 1 <= span * factor < 1000:
+            return name, factor
+    return None
 
 
 def length_factor(unit: str, target: str) -> float:

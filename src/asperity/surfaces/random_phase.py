@@ -31,6 +31,7 @@ from asperity.base import checks
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import checked_spacing
+from asperity.surfaces.making import in_unit
 
 _USUAL_CUTOFF = 8
 """Shortest wavelength of a surface for which none is given, in units of the larger spacing."""
@@ -38,6 +39,7 @@ _USUAL_CUTOFF = 8
 _ROUNDING = 1e-9
 
 
+@in_unit("roll_off", "cutoff", "rms_height")
 def spectral(
     shape: int | tuple[int, ...],
     *,
@@ -47,7 +49,8 @@ def spectral(
     rms_height: float | None = None,
     rms_slope: float | None = None,
     rms_curvature: float | None = None,
-    spacing: ArrayLike = 1.0,
+    pixel_size: ArrayLike | None = None,
+    spacing: ArrayLike | None = None,
     seed: int = 0,
 ) -> Field:
     """Make a periodic self-affine surface of a given power spectrum, with random phases.
@@ -59,23 +62,25 @@ def spectral(
     hurst
         Hurst exponent H, from 0 to 1.
     roll_off
-        Wavelength above which the spectrum is flat, in the unit of the spacing; by default the longest side,
+        Wavelength above which the spectrum is flat, in the unit of the pixels; by default the longest side,
         so that the whole spectrum is self-affine.
     cutoff
-        Shortest wavelength, two of the larger spacings or more; by default eight, or `roll_off` or the
+        Shortest wavelength, two of the larger pixels or more; by default eight, or `roll_off` or the
         longest side where that is less.
     rms_height, rms_slope, rms_curvature
         Roughness: one of the three, exactly that of the heights as a sum of waves; by default an rms height
         of 1. The height is in the unit that the heights shall have, the slope in that over the unit of the
-        spacing, the curvature in that over its square.
-    spacing
-        Distance between sites: one number, or one an axis.
+        pixels, the curvature in that over its square.
+    pixel_size
+        Distance between sites: one number, or one an axis; by default 1. Or `spacing`, the same.
+    unit
+        Of all lengths, as in `gaussian`.
     seed
         Seed of the random numbers; the same seed gives the same surface.
 
     Returns
     -------
-    ndarray of float64, of the given shape
+    ndarray of float64, of the given shape; with a unit a `Surface`
         The heights, of mean 0.
 
     Raises
@@ -90,7 +95,11 @@ def spectral(
     """
     lengths = checks.lattice_shape(shape)
     exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
-    steps = checked_spacing("spacing", spacing, len(lengths))
+    if spacing is None:
+        name, size = "pixel_size", 1.0 if pixel_size is None else pixel_size
+    else:
+        name, size = checks.one_of("pixel_size=0.5", pixel_size=pixel_size, spacing=spacing), spacing
+    steps = checked_spacing(name, size, len(lengths))
     lattice = Lattice(lengths, steps)
     q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
@@ -112,6 +121,7 @@ def spectral(
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
 
+@in_unit()
 def from_spectrum(
     shape: int | tuple[int, ...],
     spectrum: Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike],
@@ -131,7 +141,7 @@ def from_spectrum(
         ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared
         unit of the heights times the squared unit of the pixel size; of a profile, times that unit.
     pixel_size
-        Distance between sites, as the spacing of `spectral`; seed and result are those of `spectral` too.
+        Distance between sites; unit, seed and result are those of `spectral`.
 
     Raises
     ------

@@ -80,9 +80,14 @@ class Surface(views.InNotebooks):
             object.__setattr__(self, "filled", filled if filled.any() else None)
 
     def __repr__(self) -> str:
-        sites, unit = " x ".join(map(str, self.shape)), "" if self.unit == "1" else f" {self.unit}"
-        size = f" of {_sides(self.pixel_size)} {self.length_unit or ''}".rstrip() if self.pixel_size else ""
-        return f"<Surface: {sites} sites{size}, rms height {self.heights.std():.4g}{unit}, {self.edges}>"
+        sites, rms = " x ".join(map(str, self.shape)), float(self.heights.std())
+        unit, factor = prepare.display_unit(self.unit, rms) or (self.unit, 1.0)
+        height, size = f"rms height {rms * factor:.4g} {'' if unit == '1' else unit}".rstrip(), ""
+        if self.pixel_size is not None:
+            whole = self.length_unit or "", 1.0
+            unit, factor = prepare.display_unit(self.length_unit, max(self.pixel_size)) or whole
+            size = f" of {_sides(tuple(side * factor for side in self.pixel_size))} {unit}".rstrip()
+        return f"<Surface: {sites} sites{size}, {height}, {self.edges}>"
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """Return the heights, in `unit`."""

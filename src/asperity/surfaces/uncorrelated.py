@@ -12,8 +12,10 @@ import numpy as np
 
 from asperity.base import checks
 from asperity.lattice import Field
+from asperity.surfaces.making import in_unit
 
 
+@in_unit("rms")
 def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
     """Draw independent Gaussian heights of mean 0.
 
@@ -25,10 +27,14 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
         Standard deviation of the heights, in the unit that the heights shall have.
     seed
         Seed of the random numbers; the same seed gives the same surface.
+    unit
+        Unit of all lengths, such as ``"um"``; they may then be texts with a unit, such as ``"50 nm"``.
+    pixel_size
+        Beside a unit, the distance between sites: one number, or one an axis; by default 1.
 
     Returns
     -------
-    ndarray of float64, of the given shape
+    ndarray of float64, of the given shape; with a unit a `Surface`
 
     Raises
     ------
@@ -40,6 +46,7 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
     return np.random.default_rng(checks.seed(seed)).normal(scale=width, size=lengths)
 
 
+@in_unit("rms")
 def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 

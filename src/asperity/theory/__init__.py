@@ -7,6 +7,7 @@ differently is here as well, by the same name and ``_paper``. Friction: `static_
 half-spaces: `hertz`, `westergaard_area`, `persson_area`. Activated creep: `flowing_area`.
 """
 
+from asperity.base.calls import answered as _answered
 from asperity.theory.asymptotes import (
     LATE_INTERCEPT,
     LATE_SLOPE,
@@ -74,4 +75,4 @@ __all__ = [
     "westergaard_area",
     "winkler_area",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

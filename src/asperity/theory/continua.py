@@ -1,7 +1,7 @@
 r"""Elastic half-spaces: one sphere, one wave, and a random surface.
 
-All lengths in one unit, all pressures and moduli in another; E* is the contact modulus
-(`asperity.solids.contact_modulus`).
+All lengths in one unit, all pressures and moduli in another, or texts with a unit, which give SI; E* is the
+contact modulus (`asperity.solids.contact_modulus`).
 
     sphere      a^3 = 3 F R / (4 E*),   d = a^2 / R,   p_max = 3 F / (2 pi a^2),   dF/dd = 2 E* a
     wave        share of a wavelength in contact: (2/pi) asin sqrt(p/p*), p* = pi E* amplitude / wavelength
@@ -29,7 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, zeta
 
-from asperity.base.checks import Floats, broadcast, not_negative, number, positives
+from asperity.base.checks import Floats, broadcast, not_negative, positive
+from asperity.base.units import either, number
 
 _CURVATURE = float(zeta(1.5) * (zeta(1.5, 0.25) - zeta(1.5, 0.75)) / 8)  # beta by Hurwitz' zeta function
 _CONSTANT = 3.900264920001956  # -4 zeta(1/2) beta(1/2); scipy has no zeta function below 1
@@ -85,8 +86,12 @@ def hertz(load: ArrayLike, *, modulus: ArrayLike, radius: ArrayLike, period: flo
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eqs. (4.22) to (4.24), (3.36), DOI
     10.1017/CBO9781139171731. The array: see `asperity.theory.continua`.
     """
-    F, E, R = broadcast(load=not_negative("load", load), **positives(modulus=modulus, radius=radius))
-    L = math.inf if period is None else number("period", period, above=0)
+    F, E, R = broadcast(
+        load=not_negative("load", either("load", load, "N")),
+        modulus=positive("modulus", either("modulus", modulus, "Pa")),
+        radius=positive("radius", either("radius", radius, "m")),
+    )
+    L = math.inf if period is None else number("period", period, "m", above=0)
     others = F / (np.pi * E)
     R = 1 / (1 / R + 2 * _CURVATURE * others / L**3)
     a = np.cbrt(3 * F * R / (4 * E))
@@ -128,8 +133,10 @@ def westergaard_area(
     (Cambridge 1985), section 13.2.
     """
     p, E, height, length = broadcast(
-        pressure=not_negative("pressure", pressure),
-        **positives(modulus=modulus, amplitude=amplitude, wavelength=wavelength),
+        pressure=not_negative("pressure", either("pressure", pressure, "Pa")),
+        modulus=positive("modulus", either("modulus", modulus, "Pa")),
+        amplitude=positive("amplitude", either("amplitude", amplitude, "m")),
+        wavelength=positive("wavelength", either("wavelength", wavelength, "m")),
     )
     full = np.pi * E * height / length
     return np.asarray(2 / np.pi * np.arcsin(np.sqrt(np.minimum(p / full, 1.0))))[()]
@@ -155,6 +162,8 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
     (2001), DOI 10.1103/PhysRevLett.87.116101.
     """
     p, E, gradient = broadcast(
-        pressure=not_negative("pressure", pressure), **positives(modulus=modulus, slope=slope)
+        pressure=not_negative("pressure", either("pressure", pressure, "Pa")),
+        modulus=positive("modulus", either("modulus", modulus, "Pa")),
+        slope=positive("slope", slope),
     )
     return np.asarray(erf(math.sqrt(2) * p / (E * gradient)))[()]

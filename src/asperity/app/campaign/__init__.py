@@ -4,6 +4,7 @@ from asperity.app.campaign.demand import Estimate, estimate
 from asperity.app.campaign.gather import fields, open, table  # noqa: A004
 from asperity.app.campaign.plan import Plan, load_plan, read_plan
 from asperity.app.campaign.sweeping import Tally, sweep, tally
+from asperity.base.calls import answered as _answered
 
 __all__ = [
     "Estimate",
@@ -18,4 +19,4 @@ __all__ = [
     "table",
     "tally",
 ]
-__dir__ = __all__.copy  # dir() lists the public names alone
+__dir__ = _answered(globals())

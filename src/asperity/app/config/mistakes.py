@@ -13,16 +13,13 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from asperity.app.config.models import KINDS, LEGS, SECTIONS
-from asperity.base.words import closest, has_decimal_comma, shortened
+from asperity.base.words import MEANT, closest, has_decimal_comma, shortened
 from asperity.errors import SHOWN_PROBLEMS
 
 Sections = dict[str, dict[str, object]]
 
 ORDER = [*KINDS, *SECTIONS]
 """All sections, in the order in which they are written and shown."""
-
-_MEANT = {"file": "path"}
-"""Keys that people write, and what to write."""
 
 
 def models_of(section: str) -> Sequence[type[BaseModel]]:
@@ -98,13 +95,15 @@ def _unknown_keys(
             continue
         named = _named(section, key, flags, path)
         owners = [name for name, other in kinds.items() if key in other.model_fields]
-        if owners:
+        if MEANT.get(key) in known:
+            yield f"{named}: no such key; try {MEANT[key]}", key, []
+        elif owners:
             reason = f"not a key of a {section} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
             if key in flags.get(section, {}):
                 reason += f"; try --{section} {owners[0]}"
             yield f"{named}: {reason}", key, []
-        elif key in _MEANT:
-            yield f"{named}: no such key; try {_MEANT[key]}", key, []
+        elif any(MEANT.get(key) in other.model_fields for other in kinds.values()):
+            yield f"{named}: no such key; try {MEANT[key]}", key, []
         else:
             yield f"{named}: no such key", key, known
 

@@ -250,7 +250,8 @@ class Spectrum(Waves):
 
         lattice, facts = self.arguments
         table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
-        return from_spectrum(lattice, table, **facts)
+        made: Heights = from_spectrum(lattice, table, **facts)
+        return made
 
 
 class Asperities(SurfaceSection):

@@ -152,6 +152,9 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
         table.setdefault("kind", usual)
         _drop_foreign(kinds, table, tables.get(section), chosen)
+        known = getattr(kinds.get(str(table["kind"])), "model_fields", {})
+        if "spacing" in known and "pixel_size" in table.keys() - known.keys() and "spacing" not in table:
+            table["spacing"] = table.pop("pixel_size")
     return merged
 
 

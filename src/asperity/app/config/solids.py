@@ -1,4 +1,4 @@
-"""The solids of a run: what each may be told, and the `asperity.Solid` that it makes of it."""
+"""The solids of a run: what each may be told, and the `asperity.solids.Solid` that it makes of it."""
 
 from __future__ import annotations
 
@@ -348,8 +348,8 @@ class Continuum(SolidSection):
     @property
     def numbers(self) -> dict[str, Any]:
         """See `SolidSection`; of the solids that have one ratio, that."""
-        poisson = next(iter(self.poisson or []), None)
-        return {"modulus": self.contact_modulus, "branches": self.maxwell or None, "poisson": poisson}
+        told = {"modulus": self.contact_modulus, "young": None, "branches": self.maxwell or None}
+        return {**told, "poisson": next(iter(self.poisson or []), None)}
 
     @property
     def span(self) -> tuple[float, float]:
@@ -445,7 +445,7 @@ class HalfSpace(Creeping, Continuum):
     @property
     def numbers(self) -> dict[str, Any]:
         """See `SolidSection`."""
-        return {**super().numbers, "permanent": self.permanent or None, "creep": self.law}
+        return {**super().numbers, "poisson": None, "permanent": self.permanent or None, "creep": self.law}
 
 
 class BesideTable(Section):

@@ -109,10 +109,7 @@ def _growth(prediction: Prediction) -> list[Row]:
 
 def remarks_on(prediction: Prediction) -> tuple[str, ...]:
     """What limits the prediction, in numbers."""
-    first, last = prediction.resolved[0], prediction.resolved[-1]
     fraction = float(prediction.series("contact_fraction")[-1])
-    pressure = float(prediction.series("mean_contact_pressure")[0])
-    strain = pressure / prediction.modulus
     remarks = []
     known, fit = prediction.solid.parameters, prediction.fit
     if fit is not None and fit.assumed:
@@ -123,29 +120,6 @@ def remarks_on(prediction: Prediction) -> tuple[str, ...]:
         reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
         remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
     remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
-    if first.in_small > 0.2:
-        remarks.append(
-            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
-            "the scan does not resolve them, and a finer one would change the area"
-        )
-    if first.rim > 0.2:
-        remarks.append(
-            f"the rim takes {100 * first.rim:.0f} % of the counted area at first: patches are few pixels wide"
-        )
-    if first.patches < 30:
-        remarks.append(
-            f"{how_many(first.patches, 'patch', 'patches')} at first: too few for the statistics of a surface"
-        )
-    if strain > 0.05 and not prediction.solid.yields:
-        remarks.append(
-            f"the mean contact pressure is {written(pressure, 'Pa')} at first, {100 * strain:.2g} % of E*: "
-            "real asperities would flow, and nothing flows at once here; try a hardness"
-        )
-    if fraction > 0.5:
-        remarks.append(
-            f"{100 * fraction:.0f} % of the surface touches at last: waves longer than the scan, "
-            "which it does not have, would keep bodies further apart"
-        )
     if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
         cause = ", which looks like noise"
         if fit.systematic:
@@ -156,6 +130,4 @@ def remarks_on(prediction: Prediction) -> tuple[str, ...]:
             )
             cause = f" in waves, so that the band has no noise of the table: {more}"
         remarks.append(f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}")
-    if last.patches < first.patches / 2 and fraction <= 0.5:
-        remarks.append(f"patches merge: {first.patches} at first, {last.patches} at last")
     return tuple(remarks)

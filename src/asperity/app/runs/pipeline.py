@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -24,7 +25,7 @@ from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Carried, Contact
 from asperity.contact.bodies import bodies_of
 from asperity.contact.response import check_half_space
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, Remark
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field, Lattice
 from asperity.progress import Progress
@@ -184,8 +185,10 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    # Load on filled pixels is remarked at the end, of all maps.
-    contact: Contact = press(replace(rough, filled=None), solid, **config.contact.model_dump())
+    with warnings.catch_warnings():  # it is among the remarks on the history
+        warnings.filterwarnings("ignore", message="the mean contact pressure", category=Remark)
+        # Load on filled pixels is remarked at the end, of all maps.
+        contact: Contact = press(replace(rough, filled=None), solid, **config.contact.model_dump())
     if contact.area == 0:
         expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
         got = config.contact.separation
@@ -203,6 +206,11 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
     remarks += remarks_on_edges(rough)
+    if rough.has_lengths and not isinstance(config.solid, Continuum):
+        remarks += (
+            f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
+            "load is not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]",
+        )
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (

@@ -1,0 +1,152 @@
+"""What TOML takes, Python takes: texts with units, `young`, `unit`; mistaken arguments are answered."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.app.config import config_from
+from asperity.errors import CallError, InputError
+from tests.refusals import refuses
+
+SOLIDS, SURFACES, THEORY = asp.solids, asp.surfaces, asp.theory
+PAIR = np.array([1.0, 3.0])
+FILM: dict[str, Any] = {"poisson": 0.3, "thickness": "1 um"}
+STIFF = SOLIDS.half_space(young="3 GPa", poisson=0.3)
+BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("call", "given", "name"),
+    [
+        (SOLIDS.half_space, {"yung": 1.0}, "half_space"),
+        (SOLIDS.layer, FILM | {"young": 1.0, "frictionless": True}, "layer"),
+        (SOLIDS.spring_lattice, {"k0": 1.0}, "spring_lattice"),
+        (SOLIDS.contact_modulus, {"young": 1.0, "nu": 0.3}, "contact_modulus"),
+        (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere"),
+        (SURFACES.spectral, {"shape": 8, "hirst": 0.5}, "spectral"),
+        (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface"),
+        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop"),
+        (asp.protocols.Hold, {}, "Hold"),
+        (asp.press, {"heights": [1.0], "laod": 1.0}, "press"),
+        (asp.predict, {"materiel": 1.0}, "predict"),
+        (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated"),
+    ],
+)
+def test_a_mistaken_argument_is_answered(call, given, name):
+    with refuses(name, kind=CallError) as raised:
+        call(**given)
+    assert isinstance(raised.value, InputError)
+    assert isinstance(raised.value, TypeError)
+
+
+def test_what_goes_wrong_within_a_call_stays_what_it_is():
+    law = SOLIDS.CreepLaw(lambda s: s, np.ones_like)
+    with pytest.raises(TypeError, match="unsupported") as raised:
+        SOLIDS.CreepLaw(lambda s: s + None, np.ones_like)  # type: ignore[operator]
+    assert not isinstance(raised.value, InputError)
+    assert law.velocity(np.ones(2))[0].tolist() == [1.0, 1.0]
+    for function in (asp.press, asp.predict, SOLIDS.half_space, asp.analysis.patches):
+        assert pickle.loads(pickle.dumps(function)) is function
+
+
+@pytest.mark.parametrize(
+    ("made", "same"),
+    [
+        # E/(1 - nu^2) by hand: 3 GPa/(1 - 0.38^2), and 1/(0.8556/3 + 0.91/200) GPa
+        (SOLIDS.contact_modulus("3 GPa", 0.38), 3e9 / 0.8556),
+        (SOLIDS.contact_modulus(["3 GPa", "200000 MPa"], [0.38, 0.3]), 1e9 / (0.8556 / 3 + 0.91 / 200)),
+        (SOLIDS.half_space(young="3 GPa", poisson=0.38).parameters["modulus"], 3e9 / 0.8556),
+        (SOLIDS.layer(young=3.0, poisson=0.3, thickness=1.0).parameters["modulus"], 3 / 0.91),
+        (SOLIDS.coated_half_space(young="1 MPa", **FILM, **BASE).parameters["modulus"], 1e6 / 0.91),
+        (THEORY.hertz("1 mN", modulus="3 GPa", radius="1 mm").approach, (0.75e-15 / 3) ** (2 / 3) / 1e-3),
+        (
+            THEORY.persson_area("1 MPa", modulus="3 GPa", slope=0.1),
+            THEORY.persson_area(1e6, modulus=3e9, slope=0.1),
+        ),
+        (
+            THEORY.westergaard_area(["1 MPa", "2 MPa"], modulus="3 GPa", amplitude="1 um", wavelength="1 mm"),
+            THEORY.westergaard_area([1e6, 2e6], modulus=3e9, amplitude=1e-6, wavelength=1e-3),
+        ),
+    ],
+)
+def test_texts_with_units_are_numbers_in_si(made, same):
+    assert made == pytest.approx(same, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "given", "name"),
+    [
+        (SOLIDS.half_space, {}, "modulus and young"),
+        (SOLIDS.half_space, {"modulus": 1.0, "young": 1.0, "poisson": 0.3}, "poisson"),
+        (SOLIDS.half_space, {"young": 1.0}, "young and poisson"),
+        (SOLIDS.half_space, {"young": "3 m", "poisson": 0.3}, "young"),
+        # nothing else has a unit
+        (asp.press, {"heights": [1.0, 2.0], "solid": STIFF, "load": 1.0}, "units"),
+        (SURFACES.gaussian, {"shape": 8, "pixel_size": 0.5}, "unit"),
+        (SURFACES.gaussian, {"shape": 8, "rms": "1 um"}, "unit"),
+        (SURFACES.self_affine, {"size": 8, "unit": "ft"}, "unit"),
+        (SURFACES.spectral, {"shape": 8, "pixel_size": "1 um"}, "unit"),
+        (SURFACES.spectral, {"shape": 8, "pixel_size": 1.0, "spacing": 1.0}, "pixel_size and spacing"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(call, given, name):
+    with refuses(name):
+        call(**given)
+
+
+@pytest.mark.parametrize(
+    ("make", "first", "numbers", "texts"),
+    [
+        (SURFACES.gaussian, (8, 4), {"rms": 0.05}, {"rms": "50 nm"}),
+        (SURFACES.exponential, (8, 4), {"rms": 0.05}, {"rms": "50 nm"}),
+        (SURFACES.self_affine, 8, {"delta": 0.05}, {"delta": "50 nm"}),
+        (
+            SURFACES.spectral,
+            (8, 4),
+            {"cutoff": 2.0, "rms_height": 0.1},
+            {"cutoff": "2 um", "rms_height": "1e-7 m"},
+        ),
+        (SURFACES.spectral, (8, 4), {"rms_slope": 0.1}, {"rms_slope": 0.1}),
+    ],
+)
+def test_a_unit_makes_a_surface_of_the_same_heights(make, first, numbers, texts):
+    waves = {"pixel_size": 0.5} if make is SURFACES.spectral else {}
+    plain = make(first, **numbers, **waves)
+    assert type(plain) is np.ndarray
+    for given, size in ((numbers, 0.5), (texts, "500 nm"), (texts, ("0.5 um", "500 nm"))):
+        rough = make(first, **given, unit="um", pixel_size=size)
+        assert (rough.unit, rough.length_unit, rough.provenance["unit"]) == ("um",) * 3
+        np.testing.assert_allclose(rough.heights, plain, rtol=1e-12)
+        assert rough.pixel_size == pytest.approx((0.5, 0.5))
+    if waves:
+        assert np.array_equal(make(first, **numbers, spacing=0.5), plain)
+
+
+@pytest.mark.parametrize(
+    ("thing", "words"),
+    [
+        (
+            SURFACES.sphere((8, 8), radius="1 mm", pixel_size="1 um"),
+            "8 x 8 sites of 1 x 1 um, rms height 3.24 nm",
+        ),
+        (SURFACES.Surface(PAIR, unit="um", pixel_size=(0.5,)), "2 sites of 0.5, rms height 1 um"),
+        (SURFACES.Surface(PAIR), "2 sites, rms height 1, periodic"),
+        (SOLIDS.half_space(young="2 GPa", poisson=0.5), "half_space, modulus 2.667e+09 Pa, 0 branches"),
+        (SOLIDS.half_space(modulus=2.0), "half_space, modulus 2, 0 branches"),
+    ],
+)
+def test_bodies_are_shown_with_the_units_that_they_have(thing, words):
+    assert words in repr(thing)
+
+
+def test_toml_takes_the_size_of_pixels_for_waves_too():
+    waves = {"kind": "spectral", "shape": [8], "unit": "um"}
+    one, other = (
+        config_from({"surface": waves | {name: 0.5}}, {}, None) for name in ("spacing", "pixel_size")
+    )
+    assert one == other
+    flagged = config_from({"surface": waves}, {"surface": {"pixel_size": [0.5]}}, None)
+    assert flagged == one
