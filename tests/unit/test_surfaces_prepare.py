@@ -308,9 +308,9 @@ def test_load_on_filled_pixels_is_remarked():
     with pytest.warns(Remark, match="on filled pixels"):
         flat = press(surface, solid, pressure="200 GPa")
     dataset = age(flat, [1.0], fields_at=[0.0, 1.0]).dataset
-    (said,) = remarks_on_contact(surface, solid, dataset)
-    assert float(said.split()[0]) == pytest.approx(300 / 76.80, rel=0.2)
-    assert remarks_on_contact(dataclasses.replace(surface, filled=None), solid, dataset) == ()
+    on_filled, *limits = remarks_on_contact(surface, solid, dataset)
+    assert float(on_filled.split()[0]) == pytest.approx(300 / 76.80, rel=0.2)
+    assert remarks_on_contact(dataclasses.replace(surface, filled=None), solid, dataset) == (*limits,)
 
 
 @pytest.mark.parametrize("void", [-9999.0, -32768.0, 0.0, 1e38])

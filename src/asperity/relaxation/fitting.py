@@ -292,7 +292,8 @@ def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
 
     def score(one: Fit) -> float:
         numbers = len(one.series.branches) + 1
-        return values * (math.log(max(one.rms, _ROUNDING)) + numbers / (values - numbers - 1))
+        left = values - numbers - 1
+        return values * (math.log(max(one.rms, _ROUNDING)) + numbers / left) if left > 0 else math.inf
 
     tried = [_log_spaced(data, *grids[0])]
     for density, beyond in grids[1:]:
