@@ -361,9 +361,9 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
     with scipy.io.netcdf_file("a.nc", "w") as file:
         for axis, n in (("x", 7), ("y", 5)):
             file.createDimension(axis, n)
-            places = file.createVariable(axis, "d", (axis,))
+            places: Any = file.createVariable(axis, "d", (axis,))
             places[:], places.unit, places.length = np.arange(n), "um", float(n)
-        heights = file.createVariable("heights", "d", ("x", "y"))
+        heights: Any = file.createVariable("heights", "d", ("x", "y"))
         heights[:], heights.unit = H.T, "nm"
     for name, content in (
         ("a.nc", None),
