@@ -243,12 +243,8 @@ def test_of_several_arrays_none_is_taken():
 
 
 def test_what_stands_beside_heights_is_not_pressed():
-    beside = {
-        "thumbnail": (WHOLE, {}),
-        "photo": (WHOLE.astype("u1"), {}),
-        "Phase": (H, {}),
-        "scan__row_index": (WHOLE, {}),
-    }
+    beside: dict[str, Any] = {"thumbnail": (WHOLE, {}), "scan__row_index": (WHOLE, {})}
+    beside |= {"photo": (WHOLE.astype("u1"), {}), "Phase": (H, {})}
     surface, record = found(hdf5("a.h5", h=(H, {"units": "\u00b5m", "scale_factor": 2.0}), **beside))
     np.testing.assert_array_equal(surface.heights, 2 * H)
     assert (surface.unit, record["channels"]) == ("um", ["h"])
