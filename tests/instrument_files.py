@@ -39,9 +39,9 @@ def sdf(heights: np.ndarray, magic: str = "aISO-1.0") -> bytes:
     if magic[0] == "b":
         head = struct.pack("<10s12s12sHHddddBBB", b"X", b"", b"", nx, ny, 1e-6, 2e-6, 1e-6, -1, 0, 7, 0)
         return magic.encode() + head + heights.astype("<f8").tobytes()
-    head = f"{magic}\nManufacID = X\nNumPoints = {nx}\nNumProfiles = {ny}\nXscale = 1e-6\nYscale = 2e-6\n"
-    head += "Zscale = 1e-6\nZresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n*\n"
-    return text(heights, head) + b"*\n"
+    lines = f"{magic}\nManufacID = X\nNumPoints = {nx}\nNumProfiles = {ny}\nXscale = 1e-6\nYscale = 2e-6\n"
+    lines += "Zscale = 1e-6\nZresolution = -1\nCompression = 0\nDataType = 7\nCheckType = 0\n*\n"
+    return text(heights, lines) + b"*\n"
 
 
 def sur(raw: np.ndarray, unit: bytes = b"\xb5m", magic: bytes = b"DIGITAL SURF", month: int = 1) -> bytes:

@@ -171,6 +171,7 @@ def test_a_grid_whose_header_names_its_void():
     surface, record = found(scan("corner-nodata.asc"))
     measured = np.loadtxt(scan("corner-nodata.asc"), skiprows=6)
     assert record["undefined_pixels"] == (measured == -9999).sum() == 465
+    assert record["undefined_by"] == ["NODATA_value -9999 in the header: 465 pixels"]
     assert (surface.heights == measured).sum() == measured.size - 465
     assert surface.pixel_size == (1.0, 1.0)
 
@@ -243,12 +244,8 @@ def test_of_several_arrays_none_is_taken():
 
 
 def test_what_stands_beside_heights_is_not_pressed():
-    beside = {
-        "thumbnail": (WHOLE, {}),
-        "photo": (WHOLE.astype("u1"), {}),
-        "Phase": (H, {}),
-        "scan__row_index": (WHOLE, {}),
-    }
+    beside: dict[str, Any] = {"thumbnail": (WHOLE, {}), "scan__row_index": (WHOLE, {})}
+    beside |= {"photo": (WHOLE.astype("u1"), {}), "Phase": (H, {})}
     surface, record = found(hdf5("a.h5", h=(H, {"units": "\u00b5m", "scale_factor": 2.0}), **beside))
     np.testing.assert_array_equal(surface.heights, 2 * H)
     assert (surface.unit, record["channels"]) == ("um", ["h"])
@@ -361,9 +358,9 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
     with scipy.io.netcdf_file("a.nc", "w") as file:
         for axis, n in (("x", 7), ("y", 5)):
             file.createDimension(axis, n)
-            places = file.createVariable(axis, "d", (axis,))
+            places: Any = file.createVariable(axis, "d", (axis,))
             places[:], places.unit, places.length = np.arange(n), "um", float(n)
-        heights = file.createVariable("heights", "d", ("x", "y"))
+        heights: Any = file.createVariable("heights", "d", ("x", "y"))
         heights[:], heights.unit = H.T, "nm"
     for name, content in (
         ("a.nc", None),

@@ -61,10 +61,10 @@ def spelled(unit: str | None) -> str:
     return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
 
 
-def without(heights: Field, value: float, rule: str) -> tuple[Field, str]:
+def without(heights: Field, value: float, name: str, where: str = "") -> tuple[Field, str]:
     """Take a value for undefined, as far as single precision tells; also say by which rule, and how often."""
     void = np.isclose(heights, value, rtol=_SINGLE, atol=0)
-    return np.where(void, np.nan, heights), f"{rule} {value:g}: {void.sum()} pixels"
+    return np.where(void, np.nan, heights), f"{name} {value:g}{where}: {void.sum()} pixels"
 
 
 def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) -> str:

@@ -186,7 +186,7 @@ def _surface(path: Path, table: Table, block: _Block, channel: str | int | None)
         table.values, "text", _READER, spelled("".join(block.fact("unit"))), orientation=FIRST_LINE
     )
     if void := block.fact("nodata_value"):
-        heights, rule = without(raw.heights, _number(void), "NODATA_value in the header,")
+        heights, rule = without(raw.heights, _number(void), "NODATA_value", " in the header")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(rule,))
     strange = [] if _roles(table) else list(filter(_MEASURES.search, block.strange))
     if strange:
