@@ -2,6 +2,8 @@
 
 import dataclasses
 import itertools
+import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,10 @@ from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
 from tests.refusals import each_refuses, refuses
 
+SCANS = (
+    Path(os.environ.get("ASPERITY_DATA", Path(__file__).resolve().parents[2].parent / "shared/data"))
+    / "scans"
+)
 EDGES = "the contact would be at the edges"
 U, V = np.meshgrid(np.linspace(-1, 1, 96), np.linspace(-1, 1, 80), indexing="ij")
 pytestmark = pytest.mark.usefixtures("here")
@@ -390,3 +396,18 @@ def test_an_undefined_frame_is_told_how_to_be_cropped():
     framed[::2] = np.nan
     with refuses("scan.npy", kind=SurfaceFileError):  # which no crop helps
         as_read(framed)
+
+
+@pytest.mark.skipif(not SCANS.is_dir(), reason=f"no scans in {SCANS}; set ASPERITY_DATA")
+def test_a_border_that_was_not_measured_bears_nothing():
+    assert not read(SCANS / "border-plane.txt", **LENGTHS).heights.any()
+    measured = np.loadtxt(SCANS / "border-tilted.txt")
+    known = ~np.isnan(measured)
+    i, j = np.indices(measured.shape)
+    terms = np.stack([np.ones(measured.shape), i, j], axis=-1)
+    level = measured - terms @ np.linalg.lstsq(terms[known], measured[known], rcond=None)[0]
+    surface = read(SCANS / "border-tilted.txt", **LENGTHS)
+    assert surface.heights.max() == pytest.approx(np.nanmax(level), rel=1e-12)
+    contact = press(surface, half_space(modulus="3 GPa"), load="20 mN")
+    assert contact.contact_fraction < 0.0035
+    assert not contact.in_contact[~known].any()
