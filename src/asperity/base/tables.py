@@ -145,7 +145,7 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
         shapes.append(shape(line))
         if shapes[-1][0] == width and shapes[-1][1] >= usual:
             break
-    named = [at for at, one in enumerate(shapes) if one == (width, 0.0) and lines[at].strip(separator)]
+    named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
     return (first, named[-1], width) if named else (first, first - 1, 0)
 
