@@ -51,14 +51,18 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    Of the table at a path it reads the `columns` that are asked for, or all. Stated `units` count in place of
-    those of the table. `InputError` where there is no such table or column.
+    It reads the `columns` that are asked for, by default all. Stated `units` count
+    in place of those of the table. `InputError` where there is no such table or column.
     """
 
     def __init__(
-        self, path: Path | str, roles: Sequence[Role], columns: Chosen | None, units: Units | None
+        self,
+        path: Path | str | Table,
+        roles: Sequence[Role],
+        columns: Chosen | None = None,
+        units: Units | None = None,
     ) -> None:
-        self.table = read_table(Path(path))
+        self.table = path if isinstance(path, Table) else read_table(Path(path))
         self._wanted = {role.name: role for role in roles}
         found = [self._meaning(name) for name in self.table.names]
         self._parts = [parts for _, parts in found]

@@ -42,7 +42,7 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     InputError
         There is no such table, its columns are not understood, or one has a unit and none is given here.
     """
-    found = Columns(path, _ROLES, None, None)
+    found = Columns(path, _ROLES)
     table, roles = found.table, found.roles
     if not any(table.names) and len(roles) == 2:
         roles = ["wave number", "power"]

@@ -15,6 +15,7 @@ from asperity.app.cli.flags import OF_TABLES, Out, in_flags, of_flags
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
+_OF_RECORDS = "veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
 _FLAGS["absolute"] = "--unit-area"
@@ -137,7 +138,7 @@ def _data(
     from asperity.fits import read_measurements
 
     names = read_table(file).names
-    if model == "healing" and _is_record(file):
+    if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):
         flags = ("--unit-time", "--unit-area", *(f"--column-{name}" for name in chosen))
         for flag, asked in zip(flags, (*units, *chosen.values()), strict=True):
             if asked is not None:
@@ -164,13 +165,6 @@ def _data(
     value = square * table.value
     errors = _error(error, value, square) if table.stderr is None else square * table.stderr
     return seconds * table.time, value, errors, remarks, table.source
-
-
-def _is_record(file: Path) -> bool:
-    from asperity.base.columns import Columns
-    from asperity.friction.records import ROLES
-
-    return not {"velocity", "displacement"}.isdisjoint(Columns(file, ROLES, None, None).roles)
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:
