@@ -135,7 +135,9 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
 
     def shape(line: str) -> tuple[int, float]:
         cells = _cells(line, separator)
-        return len(cells), _share(cells, decimal)
+        others = [cell for cell in cells if cell not in ("", "1", "-")]
+        is_row_of_units = bool(others) and all(map(is_usual, others))
+        return len(cells), 0.0 if is_row_of_units else _share(cells, decimal)
 
     found = [(cells, share) for cells, share in map(shape, rows) if share]
     width = Counter(cells for cells, _ in found).most_common(1)[0][0]
@@ -154,7 +156,7 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     """Names of the columns and, where a row of units stands between them and the numbers, their units."""
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
-    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-")
+    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
     is_row_of_units = above and (sure or all(map(is_usual, names)))
     return (above[0], names) if is_row_of_units else (names, [""] * width)
 
