@@ -88,15 +88,11 @@ def read(
     chosen, places = _chosen(found, kind, ordered=columns is not None)
     meant = _modulus(found, places[1:], modulus)
     which = f"{_MODULI[meant][0]} " if meant else ""
-    names = {
-        "modulus": f"{which}modulus",
-        "storage": f"{which}storage modulus",
-        "loss": f"{which}loss modulus",
-    }
-    numbers: list[Any] = [
-        found.values(role, at, bare=False, called=names.get(role, ""))
-        for at, role in zip(places, _KINDS[chosen].names(), strict=True)
-    ]
+    names = {"storage": "storage modulus", "loss": "loss modulus"}
+    numbers: list[Any] = []
+    for at, role in zip(places, _KINDS[chosen].names(), strict=True):
+        called = role if at == places[0] else which + names.get(role, role)
+        numbers.append(found.values(role, at, bare=False, called=called))
     source, make = found.read, cast(Callable[..., Measured], _KINDS[chosen])
     try:
         return make(*numbers, noise=noise, measured=meant, source=source)
