@@ -16,6 +16,7 @@ from scipy.stats import binom
 
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
+from asperity.relaxation.files import Kind
 from tests.continua import talbot
 from tests.refusals import each_refuses, refuses
 
@@ -310,7 +311,8 @@ def test_columns_without_units_are_refused_unless_units_are_stated(write):
         ("", (T, 1 / G), "0", ("0=s", "1=1/Pa"), (1, 1)),
     ]
     for header, columns, name, units, factors in cases:
-        file, kind = write(header, *columns), None if header else "creep"
+        kind: Kind | None = None if header else "creep"
+        file = write(header, *columns)
         with refuses(f"column {name} of table.csv"):
             read(file, kind=kind)
         x, values = read(file, kind=kind, units=units).columns

@@ -185,6 +185,7 @@ def test_what_only_the_user_knows():
         "Operator;M. Huber;2026-03-04;1\nZeit [s];Gleitweg [mm];Reibungskoeffizient [-];Nr",
         "time_s;displacement_mm;COF;T",
         "temps;déplacement;coefficient de frottement;-\ns;mm;-;-",
+        "t;x;mu;T\ns;mm;1;°C",
         "t / s;s / mm;µ / -;Temperatur / °C",
         "time_s;slip_mm;mu_s;angle_deg",
         "Zeit [s];Gleitweg [mm];Reibwert;log t",

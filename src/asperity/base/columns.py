@@ -51,14 +51,18 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    Of the table at a path it reads the `columns` that are asked for, or all. Stated `units` count in place of
-    those of the table. `InputError` where there is no such table or column.
+    It reads the `columns` that are asked for, by default all. Stated `units` count
+    in place of those of the table. `InputError` where there is no such table or column.
     """
 
     def __init__(
-        self, path: Path | str, roles: Sequence[Role], columns: Chosen | None, units: Units | None
+        self,
+        path: Path | str | Table,
+        roles: Sequence[Role],
+        columns: Chosen | None = None,
+        units: Units | None = None,
     ) -> None:
-        self.table = read_table(Path(path))
+        self.table = path if isinstance(path, Table) else read_table(Path(path))
         self._wanted = {role.name: role for role in roles}
         found = [self._meaning(name) for name in self.table.names]
         self._parts = [parts for _, parts in found]
@@ -115,11 +119,11 @@ class Columns:
         if base:
             with np.errstate(over="ignore"):
                 values = base**values
-        said = f" in {unit}" if unit not in ("", "1", "-") else ""
-        said += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
-        said += " without a unit" * (not unit and wanted.unit not in ("", "1"))
-        said += ", by its antilogarithm" * bool(base)
-        self._read[at] = f"{called or role} from {repr(name) if name else f'column {at}'}{said}"
+        words = f"{called or role} from {repr(name) if name else f'column {at}'}"
+        words += f" in {unit}" * (unit not in ("", "1", "-"))
+        words += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
+        words += " without a unit" * (not unit and wanted.unit not in ("", "1"))
+        self._read[at] = words + ", by its antilogarithm" * bool(base)
         return values * factor if convert else values
 
     def _meaning(self, name: str) -> tuple[str, _Parts]:
@@ -205,7 +209,8 @@ def _parts(name: str) -> list[_Parts]:
     """Ways to take a name apart."""
     if found := _LOGARITHM.fullmatch(name):
         base = {"log": 0.0, "ln": math.e}.get(found[1].lower(), 10.0)
-        return [replace(one, base=base) for one in _parts(f"{found[2]}{found[3]}" if found[2] else found[4])]
+        inner = f"{found[2]}{found[3]}" if found[2] else found[4]
+        return [replace(parts, base=base) for parts in _parts(inner)]
     bracket = _BRACKETS.fullmatch(name)
     if bracket and not re.fullmatch(_ARGUMENT, bracket[2].lower()):
         return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
@@ -260,10 +265,10 @@ def positions(table: Table, columns: Chosen) -> list[int]:
     found = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
-        several = [one for one in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if one]
-        if text in table.names or not all(one in table.names or one.isdecimal() for one in several):
-            several = [text]
-        found += [position(table, one) for one in several or [text]]
+        words = [word for word in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if word]
+        if text in table.names or not all(word in table.names or word.isdecimal() for word in words):
+            words = [text]
+        found += [position(table, word) for word in words or [text]]
     return found
 
 

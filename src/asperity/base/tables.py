@@ -138,7 +138,9 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
 
     def shape(line: str) -> tuple[int, float]:
         cells = _cells(line, separator)
-        return len(cells), _share(cells, decimal)
+        others = [cell for cell in cells if cell not in ("", "1", "-")]
+        is_row_of_units = bool(others) and all(map(is_usual, others))
+        return len(cells), 0.0 if is_row_of_units else _share(cells, decimal)
 
     found = [(cells, share) for cells, share in map(shape, rows) if share]
     width = Counter(cells for cells, _ in found).most_common(1)[0][0]
@@ -148,7 +150,7 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
         shapes.append(shape(line))
         if shapes[-1][0] == width and shapes[-1][1] >= usual:
             break
-    named = [at for at, one in enumerate(shapes) if one == (width, 0.0) and lines[at].strip(separator)]
+    named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
     return (first, named[-1], width) if named else (first, first - 1, 0)
 
@@ -157,7 +159,7 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     """Names of the columns and, where a row of units stands between them and the numbers, their units."""
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
-    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-")
+    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
     is_row_of_units = above and (sure or all(map(is_usual, names)))
     return (above[0], names) if is_row_of_units else (names, [""] * width)
 

@@ -131,8 +131,8 @@ def is_usual(text: str) -> bool:
     text = re.sub(r"^in[ _]", "", text.strip("[](){}<> "))
     words = [word for word in _WORD.findall(text) if word.lower() != "per"]
     # "std" is a standard deviation, too.
-    known = (word in _USUAL or (_in_case(word) != word and word.lower() != "std") for word in words)
-    return text in ("-", "%") or (bool(words) and all(known))
+    are_units = (word in _USUAL or (_in_case(word) != word and word.lower() != "std") for word in words)
+    return text in ("-", "%", "°C", "K") or (bool(words) and all(are_units))
 
 
 def spelled(text: str) -> str | None:

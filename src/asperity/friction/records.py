@@ -297,7 +297,7 @@ ROLES = (
     Role(
         "displacement",
         "m",
-        r"displac|^disp\b|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
+        r"displac|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
     ),
     Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
 )
