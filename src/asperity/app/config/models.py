@@ -249,7 +249,8 @@ class Spectrum(Waves):
 
         lattice, facts = self.arguments
         table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
-        return from_spectrum(lattice, table, **facts)
+        heights: Heights = from_spectrum(lattice, table, **facts)
+        return heights
 
 
 class Asperities(SurfaceSection):
