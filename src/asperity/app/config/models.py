@@ -250,8 +250,8 @@ class Spectrum(Waves):
 
         lattice, facts = self.arguments
         table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
-        made: Heights = from_spectrum(lattice, table, **facts)
-        return made
+        heights: Heights = from_spectrum(lattice, table, **facts)
+        return heights
 
 
 class Asperities(SurfaceSection):
