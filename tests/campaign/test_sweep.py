@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 
+import dask
 import numpy as np
 import pytest
 import xarray as xr
@@ -16,7 +17,7 @@ from asperity.app.campaign.plan import _NOT_SWEPT, plan_to_json
 from asperity.app.campaign.store import Store
 from asperity.app.cli import main
 from asperity.app.config.mistakes import ORDER, models_of
-from asperity.errors import InputError
+from asperity.errors import AsperityError, InputError
 from asperity.results import load as load_results
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import select
@@ -257,6 +258,13 @@ def test_interrupting_is_harmless(tmp_path):
     assert running.returncode == 130
     (line,) = error.splitlines()
     assert "runs are done and kept, and the same command does the rest" in line
+
+
+def test_a_configuration_of_dask_that_stops_workers_is_told(tmp_path):
+    plan = campaign.read_plan(written(tmp_path, SMALL))
+    wrong = dask.config.set({"distributed.comm.require-encryption": True})
+    with wrong, pytest.raises(AsperityError, match=r"did not start \(.*TLS.*; Dask is configured in"):
+        campaign.sweep(plan, tmp_path / "out", workers=1)
 
 
 SURFACES = {

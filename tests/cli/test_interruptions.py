@@ -98,17 +98,59 @@ def test_a_reader_who_goes_away(tmp_path):
 
 
 @pytest.mark.parametrize("stop", ["SIGINT", "SIGTERM"])
-def test_an_interruption_while_the_program_starts(stop):
-    # Raised where a library of the command line begins to be imported.
+@pytest.mark.parametrize("becomes", ["KeyboardInterrupt", "ImportError"])
+def test_an_interruption_while_the_program_starts(stop, becomes):
+    # Raised where a library of the command line begins to be imported, which may make another error of it.
     early = f"""{LISTEN}import os
 class Finder:
     def find_spec(self, name, *_):
         if name == "cyclopts":
-            os.kill(os.getpid(), signal.{stop})
+            try:
+                os.kill(os.getpid(), signal.{stop})
+            except KeyboardInterrupt:
+                raise {becomes} from None
 sys.meta_path.insert(0, Finder())"""
     running = process("--version", before=early)
     assert running.communicate(timeout=60) == ("", "asperity: interrupted; nothing was written\n")
     assert running.returncode == 130
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_campaign_that_is_stopped_while_its_workers_start(tmp_path, stop):
+    (tmp_path / "plan.toml").write_text("surface.shape = [64, 64]\nsweep.seeds = 50\n")
+    # Sent where the first worker is about to be started.
+    early = f"""{LISTEN}import os
+if __name__ == "__main__":
+    from distributed import Nanny
+    begin = Nanny.__init__
+    def stopped(*words, **more):
+        os.kill(os.getpid(), {int(stop)})
+        begin(*words, **more)
+    Nanny.__init__ = stopped"""
+    words = ("sweep", tmp_path / "plan.toml", "--out", tmp_path / "out", "--workers", "1", "--quiet")
+    running = process(*words, before=early)
+    assert running.communicate(timeout=100)[1] == (
+        "asperity: interrupted; 0 runs are done and kept, and the same command does the rest\n"
+    )
+    assert running.returncode == 130
+
+
+def test_help_in_a_terminal_of_one_column():
+    for columns in ("0", "1"):
+        words = [sys.executable, "-m", "asperity", "fit", "--help"]
+        narrow = os.environ | {"COLUMNS": columns}
+        done = subprocess.run(words, env=narrow, check=True, capture_output=True, text=True, timeout=60)
+        assert max(map(len, done.stdout.splitlines())) == 40
+
+
+@pytest.mark.slow
+def test_figures_are_drawn_whatever_a_notebook_asks_for(finished, tmp_path):
+    table, figure = str(finished / "aging.csv"), str(tmp_path / "a.png")
+    words = [sys.executable, "-m", "asperity", "fit", table, "--out", figure]
+    notebook = os.environ | {"MPLBACKEND": "module://no_such_backend"}
+    done = subprocess.run(words, env=notebook, check=False, capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.slow

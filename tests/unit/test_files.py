@@ -6,13 +6,20 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import asperity as asp
 from asperity.app.cli import main
-from asperity.base.files import standing
-from asperity.errors import OutputError
+from asperity.app.cli.terminal import make_streams_safe
+from asperity.app.config.reading import read_config
+from asperity.base import files
+from asperity.base.files import content_of, expanded, standing
+from asperity.base.words import counted
+from asperity.errors import ConfigError, OutputError, TooLargeError, printable
 from asperity.results import whole_file, whole_folder
 from tests.cli.conftest import SMALL
+from tests.refusals import each_refuses
 
 
 def folder(name, *, overwrite=False, meanwhile=lambda: None):
@@ -109,3 +116,60 @@ with whole_folder(Path("out")) as made: print(made, flush=True); time.sleep(60)"
         os.kill(writer.pid, signal.SIGKILL)
     folder("out", overwrite=True)
     assert [path.name for path in here.iterdir()] == ["out"]
+
+
+# -- Reading -------------------------------------------------------------------------------------------------
+
+
+def test_pipes_are_read_once_or_again_and_devices_and_silent_pipes_are_refused(here, monkeypatch):
+    handle, into = os.pipe()
+    os.write(into, b"t,v\n1,2\n")
+    os.close(into)
+    shell = Path(f"/dev/fd/{handle}")
+    assert [content_of(shell) for _ in range(2)] == [b"t,v\n1,2\n"] * 2
+    os.close(handle)
+    monkeypatch.setattr(files, "_PATIENCE", 0.0)
+    os.mkfifo("silent")
+    each_refuses(*((name, content_of, Path(name)) for name in ("/dev/zero", "/dev/null", "silent")))
+    with subprocess.Popen([sys.executable, "-c", "open('silent', 'w').write('1 2')"]):
+        monkeypatch.setattr(files, "_PATIENCE", 60.0)
+        assert content_of(Path("silent")) == b"1 2"
+
+
+def test_more_text_than_memory_has_room_for_is_refused(here, monkeypatch):
+    come("text", "1234567\n")
+    monkeypatch.setattr(files, "available", lambda: 8 * files._TIMES)
+    assert content_of(Path("text")) == b"1234567\n"
+    monkeypatch.setattr(files, "available", lambda: 7 * files._TIMES)
+    with pytest.raises(TooLargeError):
+        content_of(Path("text"))
+
+
+def test_a_tilde_is_the_home_in_flags_files_and_python(here, monkeypatch):
+    monkeypatch.setenv("HOME", str(here / "home"))
+    (here / "home").mkdir()
+    np.savetxt(here / "home" / "t.csv", np.c_[np.geomspace(1, 100, 9), np.linspace(1, 2, 9)], delimiter=",")
+    np.save(here / "home" / "s.npy", np.random.default_rng(0).normal(size=(8, 8)))
+    assert main(["fit", "~/t.csv", "--out=~/figure.png"]) == 0
+    assert (here / "home" / "figure.png").exists()
+    come("run.toml", '[surface]\npath = "~/s.npy"\n')
+    come("sweep.toml", '[sweep]\npath = ["~/s.npy"]\n')
+    assert read_config("run.toml", {}).surface.file == here / "home" / "s.npy"
+    (run,) = asp.campaign.read_plan("sweep.toml").runs
+    assert run.config.surface.file == here / "home" / "s.npy"
+    assert asp.surfaces.read("~/s.npy", periodic="wrap").heights.shape == (8, 8)
+    assert asp.fits.read_measurements("~/t.csv").time.size == 9
+    assert expanded("~no such user/x") == Path("~no such user/x")
+
+
+@pytest.mark.parametrize("text", [r'path = "C:\Users\scan.npy"', r'path = "scans\scan.npy"'])
+def test_a_backslash_in_quotes_has_a_hint(here, text):
+    come("run.toml", f"[surface]\n{text}\n")
+    with pytest.raises(ConfigError, match=r"a path with \\ needs single quotes: 'C:\\scan.npy'"):
+        read_config("run.toml", {})
+
+
+def test_thin_spaces_between_thousands_are_printed():
+    make_streams_safe()
+    assert printable(f"{counted(1910, 'site')}\x1b") == "1\u202f910 sites\\x1b"
+    assert "1\u202f910 sites".encode("ascii", "asperity") == b"1 910 sites"

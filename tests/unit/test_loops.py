@@ -250,6 +250,32 @@ def test_a_change_of_what_loops_call_makes_machine_code_old(tmp_path):
     assert compiled._digest(str(tmp_path / "a")) != compiled._digest(str(tmp_path / "b"))
 
 
+def test_machine_code_that_was_cut_off_is_made_anew_and_a_full_disk_is_named(tmp_path, monkeypatch):
+    kept: Any = compiled._CacheFile(str(tmp_path), "loop", "stamp")
+    for change in (lambda _: b"", lambda content: content[: len(content) // 2]):
+        for ending in ("nbi", "nbc"):
+            kept.save("key", {"code": list(range(100))})
+            assert kept.load("key") == {"code": list(range(100))}
+            (file,) = tmp_path.glob(f"*.{ending}")
+            file.write_bytes(change(file.read_bytes()))
+            assert kept.load("key") is None
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(kept, "_open_for_write", full)
+    with pytest.warns(Remark, match=f"not kept in {tmp_path}: .*No space left on device"):
+        kept.save("another", {})
+
+
+@pytest.mark.slow
+def test_loops_are_compiled_where_others_are_not_to_be(tmp_path):
+    code = "import numpy as np; from asperity.contact.multigrid.loops import rows; row = np.zeros((2, 3))\n"
+    code += "rows.part(np.arange(4.0), row); import numba; print(row.tolist(), numba.config.DISABLE_JIT)"
+    ran = run_python(code, NUMBA_DISABLE_JIT="1", NUMBA_CACHE_DIR=str(tmp_path))
+    assert ran.stdout == "[[0.0, 2.0, 0.0], [0.0, 1.0, 3.0]] 1\n"
+
+
 def test_compiling_on_the_way_is_remarked_once():
     watch, event = compiled._Watch(), SimpleNamespace(data={"dispatcher": forces})
     with pytest.warns(Remark, match="compiling loops"):

@@ -101,7 +101,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 
     `ConfigError` if it cannot be read, or is no TOML.
     """
-    path = expanded(path)
+    path, text = expanded(path), ""
     try:
         text = content_of(path).decode("utf-8-sig")  # editors on Windows write a mark before the first letter
         tables = tomllib.loads(text.replace("\r\n", "\n"))
