@@ -183,6 +183,16 @@ class _Run(LocalRun):
         beyond, back = ~self.yielding & (gap <= 0) & (excess > 0), self.yielding & (gap > 0)
         far = np.where(beyond, excess / (4 * springs.k0 + springs.k1), np.where(back, gap, 0.0))
         self.yielding ^= beyond | back
+        if self.stage.load is not None and self.yielding.any():
+            count = int(self.stage.load / solver.interface.high)  # the load makes no more sites yield
+            depth = np.where(self.yielding, np.where(beyond, far, -gap), np.inf)
+            back.flat[np.argsort(depth, axis=None)[: max(np.count_nonzero(self.yielding) - count, 0)]] = True
+            self.yielding &= ~back
+            if not (~self.yielding & (back | (gap <= 0))).any():  # the body sinks until one bears the rest
+                bears = np.argmin(np.where(self.yielding, np.inf, gap))
+                self.u -= gap.flat[bears]
+                self.position -= float(gap.flat[bears])
+                back.flat[bears] = True
         self.heights = np.where(self.yielding, -np.inf, solver.heights)
         self.u[back] = solver.heights[back]  # the surface has come back to it
         np.maximum(self.u, self.heights, out=self.u)

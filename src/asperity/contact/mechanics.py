@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
-from asperity.contact.stencils import balanced, bond_energy, lattice_force
+from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
 
@@ -181,15 +181,15 @@ class Mechanics:
     def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
         """What added to all stretches puts a surface that almost is into exact equilibrium, Fourier modes.
 
-        All anchors move alike, such that no force is left off contact and no tension in contact; all other
-        forces are scaled, which keeps their sum.
+        All anchors move alike, such that no force is left off contact and none in contact is beyond the
+        bounds; all other forces are scaled, which keeps their sum.
         """
         force = self.force_of_modes(u, stretch, held)
         balanced = np.where(in_contact, np.maximum(force, self.interface.low), 0.0)
         load, kept = float(force.sum()), float(balanced.sum())
         if not (load > 0 and kept > 0):
             return np.zeros_like(u)
-        balanced *= load / kept
+        balanced = bounded(balanced, load, self.interface.high)
         balanced -= force
         change = self.lattice.forward(balanced)
         creeping = self.spectra.creeping.sum(axis=0)

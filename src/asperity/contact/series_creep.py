@@ -54,6 +54,9 @@ class Tuning:
     most_iterations: int = 200
     """Iterations on a linear problem, at most."""
 
+    all_at_once: int = 20
+    """Revisions after which only the worst of the wrong sites change sides: all at once they may cycle."""
+
 
 TUNING = Tuning()
 
@@ -182,7 +185,7 @@ class _Run(LocalRun):
         self.touching = guess.u <= solver.heights + self.rounding
         if load is not None and not self.touching.any():
             self.touching.flat[int(np.argmax(solver.heights - guess.u))] = True
-        self.yielding = np.zeros_like(self.touching)
+        self.yielding, self.revisions, self.changed = np.zeros_like(self.touching), 0, False
         share, p = solver.share, solver.pressing(guess, self.touching, load)
         self.x = np.stack([p, *((guess.force - share * p) / b for b in solver.weights[1:])])
         position = float(guess.position if load is not None else stage.position)
@@ -203,12 +206,17 @@ class _Run(LocalRun):
         self.below = below = lacking[0] - solver.share * creep
         lacking -= solver.by_row(solver.weights) * law.creep
         rounding = self.rounding
-        entering = np.where(self.yielding, below < -rounding, ~touching & self.body & (below > rounding))
+        wrong = np.where(self.yielding, below < -rounding, ~touching & self.body & (below > rounding))
+        entering, self.revisions = self.worst(wrong, np.abs(below)), self.revisions + 1
+        waiting = below[wrong & ~entering]
         touching |= entering
         self.yielding &= ~entering
-        if self.stage.load is not None and not touching.any() and self.yielding.any():  # one bears the rest
-            least = int(np.argmin(np.where(self.yielding, below, np.inf)))
-            touching.flat[least], self.yielding.flat[least] = True, False
+        load, yielding = self.stage.load, self.yielding
+        if load is not None and not touching.any() and yielding.any():  # one bears the rest
+            more = load > solver.interface.high * np.count_nonzero(yielding)
+            far, among = (-below, self.body & ~yielding) if more else (below, yielding)
+            bears = int(np.argmin(np.where(among, far, np.inf)))
+            touching.flat[bears], yielding.flat[bears] = True, False
         self.linear = LinearStep(solver, law.drag, touching, held=self.stage.load is None)
         known = np.array([self.stage.load or 0.0, 0.0])[self.linear.first : len(self.x)]
         self.missing = known - self.x[self.linear.first :].sum(axis=tuple(range(1, self.x.ndim)))
@@ -218,7 +226,7 @@ class _Run(LocalRun):
         if self.missing.size:  # what the sums lack is up to the contacts
             lost = float(np.abs(self.missing).max())
             lack += solver.own(ways) * (lost / max(int(np.count_nonzero(touching)), 1))
-        return math.sqrt(inner(lack, lack, np) / lack.size)
+        return math.sqrt((inner(lack, lack, np) + inner(waiting, waiting, np)) / lack.size)
 
     def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
         """See `LocalRun`."""
@@ -227,20 +235,29 @@ class _Run(LocalRun):
         goal = TUNING.reduction
         dx, rises, spent = self.linear.solve(self.lacking, self.missing, goal)
         new = self.x + dx
-        leaving = touching & (new[0] < solver.interface.low)
-        touching &= ~leaving
+        self.changed = False
+        touching &= ~self.worst(touching & (new[0] < solver.interface.low), -new[0])
+        np.maximum(new[0], solver.interface.low, out=new[0])
         new[0][~(touching | yielding)] = 0.0
         ways = solver.ways(touching)
         own, change = solver.own(ways), solver.creeping(new) - law.force
         self.move(law, new, own, change, law.bent(own, change, noticed), ways)
-        above = touching & (new[0] > solver.interface.high)
+        above = self.worst(touching & (new[0] > solver.interface.high), new[0])
         yielding |= above
         touching &= ~above
-        new[0][yielding] = solver.interface.high
+        np.minimum(new[0], solver.interface.high, out=new[0])
         if self.stage.load is not None and not (touching.any() or yielding.any()):
             raise ConvergenceError("creep: no contact is left to carry the load; try a larger rtol")
         self.x, self.levels = new, self.levels + rises
         return spent, math.inf
+
+    def worst(self, wrong: Mask, by: Field) -> Mask:
+        """Sites on the wrong side that are to change it: all; after many revisions a tenth, of one kind."""
+        if self.revisions <= TUNING.all_at_once or not wrong.any():
+            return wrong
+        some = wrong & (by >= np.quantile(by[wrong], 0.9)) & (not self.changed)
+        self.changed = True
+        return np.asarray(some)
 
     def tame(self, lacking: Fields) -> Fields:
         """Forces where the law overshoots, each for itself; what then lacks, but for creep."""
