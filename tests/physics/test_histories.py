@@ -83,6 +83,23 @@ def test_separation_histories_follow_the_explicit_algorithm(R_viscous, solver):
     assert_follows(history, reference, contact.u.std())
 
 
+@pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
+@pytest.mark.parametrize("R_viscous", [0.0, 0.5])
+def test_a_body_that_comes_down_follows_the_explicit_algorithm(R_viscous, solver):
+    """Nothing is deformed until it touches, at 0.4: no error of a step is relative to anything."""
+    heights, times = uncorrelated(8), np.array([0.25, 0.5, 0.75, 1.0])
+    top = float(heights.max())
+    reference = explicit(((0, top + 0.8), (1.0, top - 1.2)), R_viscous, "separation")
+    contact = asp.press(heights, springs(R_viscous=R_viscous), separation=top + 0.8)
+    down = [P.Ramp(1.0, separation=top - 1.2)]
+    history = asp.age(contact, times, protocol=down, rtol=1e-4, fields_at=times, solver=solver)
+    assert_follows(history, reference, history.final.u.std())
+    assert history.dataset["area"].values[:2].tolist() == [0, 0]
+    np.testing.assert_allclose(history.dataset["approach"], [0.0, 0.5, 1.0, 1.5, 2.0], rtol=1e-12)
+    away = asp.age(contact, [0.5, 2.0], protocol=[P.Ramp(1.0, separation=top + 2.0), P.Hold(1.0)])
+    np.testing.assert_allclose(away.dataset["separation"] - top, [0.8, 1.4, 2.0, 2.0], rtol=1e-12)
+
+
 def test_a_line_of_four_sites_loses_a_contact_after_unloading():
     # The smallest example of a solid that is not separable; the time from an explicit run in steps of 1e-5.
     heights = np.array([1.0, 3.0, 4.0, 5.0]) / 9

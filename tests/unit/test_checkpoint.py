@@ -76,6 +76,7 @@ def yielding(creep):
 
 ELASTIC = asp.press(SMALL, SOLIDS["branches"], load=8.0)
 UNLOADED = asp.press(SMALL, SOLIDS["branches"], load=0.0)
+ABOVE = asp.press(uncorrelated(16), SOLID, separation=float(uncorrelated(16).max()) + 0.3)
 LEFT_TO_FIELDS: dict[str, Any] = {"contact": CONTACT, "times": TIMES, "solver": Multigrid(max_cycles=0)}
 RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
     "often": (run_of(CONTACT, TIMES, fields_at=KEEP), [TIMES[1], TIMES[5], TIMES[-1]]),
@@ -83,7 +84,11 @@ RUNS: dict[str, tuple[dict[str, Any], Sequence[float]]] = {
     "yielding": (yielding(None), [0.5, 1.5, 2.0, 2.5]),
     "yielding by a law": (yielding(asp.solids.Eyring(rate=1e-2, stress=0.3)), [0.5, 1.5, 2.0, 2.5]),
     "exact": (run_of(ELASTIC, [0.1, 1.0, 10.0]), [0.1, 1.0]),
-    "from no load": (run_of(UNLOADED, [0.3, 1.2, 3.0], [P.Ramp(2.4, load=9.0), P.Hold(1.0)]), [1.2]),
+    "from no load": (
+        run_of(UNLOADED, [0.3, 1.2, 3.0], [P.Ramp(2.4, load=9.0), P.Ramp(1.0, load=4.0)]),
+        [1.2, 3.0],
+    ),
+    "from above": (run_of(ABOVE, [0.1, 0.7, 1.5], [P.Ramp(1.0, separation=1.0), P.Hold(1.0)]), [0.7, 1.5]),
 }
 for of, solver in (("springs", None), ("fields", ActiveSet())):
     for name, protocol, times in (("legs", LEGS, IN_LEGS), ("shifts", SLIDES, BETWEEN_SHIFTS)):

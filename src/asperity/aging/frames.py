@@ -88,7 +88,7 @@ class Midway:
 
 @dataclass(frozen=True)
 class Pace:
-    """How an earlier march of the same kind began: the length of its steps, and the scale of their errors."""
+    """What a march begins with: the length of its first step, 0 for its own, and the scale of errors."""
 
     length: float
     deformation: float

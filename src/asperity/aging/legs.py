@@ -7,6 +7,7 @@ a switch; there the first step is as long as the march after the shift before fo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -29,11 +30,13 @@ from asperity.solids import Solid
 class LegMidway:
     """State from which a history resumes within a leg, to identical results.
 
-    ``approach`` is that at the beginning of the march in the leg, whose times are since then; ``shifts`` says
-    how often the rough surface was shifted in this leg, and ``pace`` how the march began, where it slides.
+    ``begun``, ``control`` and ``approach`` are those at the beginning of the march in the leg, whose times
+    are since then; ``shifts`` says how often the rough surface was shifted in this leg, and ``pace`` how the
+    march began, where it slides.
     """
 
     leg: int
+    begun: float
     control: Control
     approach: float
     midway: Midway
@@ -158,31 +161,30 @@ class _Way:
     ) -> Generator[Frame, None, Pace | None]:
         """March through a span of time; returns what it tells of the length of steps."""
         now, (begun, end) = self.now, span
-        control = _control(now, leg, end - begun) if here is None else here.control
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
-        loading = control
-        if control.load_controlled and control.value == 0:
-            # Without a load there is no deformation that errors could be relative to: the load of a time is
-            # put on at once then. What creeps before is half the square of rtol of that at the first state.
-            begun += (late := self.rtol * (float(stops[0]) - begun))
-            loading = replace(control, value=control.rate * late * leg.mobility)
-            if here is None:
-                self.at_once(pressed_anew(now.contact, loading.at(0.0), self.solver), now)
-        approach = self.now.approach if here is None else here.approach
         if here is not None:
+            begun, control = here.begun, here.control
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
+        else:
+            control = _control(now, leg, end - begun)
+            if control.rate and not now.contact.load and now.contact.has_not_crept:
+                begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
+                stops = stops[stops > begun]
+                if not stops.size:
+                    return pace
+        approach = self.now.approach if here is None else here.approach
         told = None if here is None else here.pace
 
         def keep(pace: Pace, midway: Callable[[], Midway]) -> None:
             nonlocal told
             told = Pace(pace.length if told is None else told.length, pace.deformation)
             if self.after_step is not None:
-                self.after_step(lambda: LegMidway(number, control, approach, midway(), shifts, told))
+                self.after_step(lambda: LegMidway(number, begun, control, approach, midway(), shifts, told))
 
         frames = creep(
             self.now.contact,
             (stops - begun) * leg.mobility,
-            control=loading,
+            control=control,
             keep_area=leg.hold == "area",
             rtol=self.rtol,
             solver=self.solver,
@@ -206,6 +208,35 @@ class _Way:
             )
             yield self.now
         return told
+
+    def touch(
+        self, control: Control, leg: Leg, number: int, begun: float, stops: Field
+    ) -> Generator[Frame, None, tuple[float, Control, Pace | None]]:
+        """Go, from where nothing is deformed, to where a march can begin: its time, control and pace.
+
+        Without a deformation there is none that errors could be relative to. So errors until the first time
+        with contact are relative to the deformation there, and what is prescribed within ``rtol`` of the way
+        to that time is put on at once; what creeps before is half the square of rtol of that at the first
+        state.
+        """
+        now, touching, rate = self.now, begun, control.rate * leg.mobility
+        if not control.load_controlled:
+            touching += (float(now.contact.heights.max()) - control.value) / rate if rate < 0 else math.inf
+
+        def at(time: float) -> Control:
+            return control.at((time - begun) * leg.mobility)
+
+        for time in stops[stops <= touching].tolist():
+            apart = pressed_anew(now.contact, at(time), self.solver)
+            yield self.at_once(apart, replace(now, time=time, leg=number))
+        if not (stops > touching).any():
+            return math.inf, control, None
+        reached = float(stops[stops > touching][0])
+        first, begun_at = pressed_anew(now.contact, at(reached), self.solver), touching
+        begun_at += self.rtol * (reached - touching)
+        start = pressed_anew(now.contact, at(begun_at), self.solver, least_force=first.residual_scale)
+        self.at_once(start, now)
+        return begun_at, replace(at(begun_at), rate=control.rate), Pace(0.0, float(first.u.std()))
 
 
 def _control(now: Frame, leg: Leg, lasting: float) -> Control:

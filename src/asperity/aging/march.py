@@ -208,7 +208,8 @@ class _March:
         self.raise_deformation()
         self.controller.begin(self.deformation, self.now.speed())
         if pace is not None:
-            self.controller.length, self.deformation = pace.length, max(self.deformation, pace.deformation)
+            self.controller.length = pace.length or self.controller.length
+            self.deformation = max(self.deformation, pace.deformation)
 
     def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""
@@ -292,7 +293,7 @@ class _March:
         tolerance, allowed = self.passing, self.unnoticed
         if landing:
             tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
-        return Aim((self.passing, tolerance), (self.unnoticed, allowed))
+        return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation)
 
     def fall_back(self, failure: ConvergenceError) -> None:
         """Go on by whole fields where steps in corrections get nowhere; any others fail.

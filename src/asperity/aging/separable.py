@@ -18,7 +18,6 @@ that is what the length of the steps is chosen by.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -137,9 +136,10 @@ class SeparableSteps(Steps):
         if not -most <= own.min() <= own.max() <= loads[0] + most:
             return None
         own, u = np.maximum(own, 0.0), u - system.datum
-        loads = [0.0, math.nan, control.value + float(shares @ own), *own]
+        loads = [0.0, 0.0, control.value + float(shares @ own), *own]
         modes = system.mechanics.lattice.forward(anchors - system.datum)
-        return cls(system, solver, {"loads": np.array(loads), "u": u, "before": u, "anchors": modes})
+        flat = np.zeros_like(u)  # as before any load
+        return cls(system, solver, {"loads": np.array(loads), "u": u, "before": flat, "anchors": modes})
 
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""
@@ -197,9 +197,8 @@ class SeparableSteps(Steps):
             error = float(np.std(surprise)) * ahead / (1 + ahead) / 4
         self.tried = solution.u, np.array([total, *own])
         # Anchors are averages of u, so errors of steps do not add up, as the controller expects of errors.
-        scale = float(np.std(solution.u))
-        relative = TUNING.safety * error / scale if scale > 0 else 0.0
-        return Attempt(scale * step_tolerance(relative), solution.iterations)
+        relative = TUNING.safety * error / aim.deformation if error > 0 else 0.0
+        return Attempt(aim.deformation * step_tolerance(relative), solution.iterations)
 
     def accept(self, time: float) -> None:
         """Make the end of the time step that was tried the state at a time."""

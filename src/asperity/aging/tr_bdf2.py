@@ -65,10 +65,11 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """Tolerances of both contact problems of a step, and errors of u0 that a solver may leave instead."""
+    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation."""
 
     tolerances: tuple[float, float]
     allowed_errors: tuple[float, float]
+    deformation: float = math.nan
 
 
 class Stage(NamedTuple):
@@ -195,7 +196,7 @@ class TrBdf2(Steps):
         known, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
         try:
-            for (ahead, creeps), *accuracy in zip(stages, *aim, strict=True):
+            for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):
                 here = math.log(self.time + ahead + origin)
                 weights = extrapolation(known[: self.through], here)
                 spent += self.solve(Stage(self.time + ahead, tau, creeps, weights, *accuracy))

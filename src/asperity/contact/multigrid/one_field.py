@@ -73,7 +73,7 @@ class OneField:
             self.base = -springs.k1 * float(np.mean(springs.anchors))
         else:
             self.base, self.coupling = springs.load / u.size, -self.bed / u.size
-        self.unit = largest(u, np) or 1.0
+        self.unit = largest(u, np) or abs(self.base) / springs.k1 or 1.0
         self.shape: Field | None = None
         if isinstance(springs.anchors, np.ndarray) and not springs.relaxed:
             self.shape = springs.anchors - float(np.mean(springs.anchors))

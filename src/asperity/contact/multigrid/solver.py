@@ -120,7 +120,7 @@ class Cycles:
             raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
         if springs.k0 == 0:
             return _independent(springs, problem.heights)
-        if guess is None:
+        if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
             guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
         if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
