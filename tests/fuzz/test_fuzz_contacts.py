@@ -1,6 +1,7 @@
 """Random bodies pressed, aged and relaxed: an equilibrium by an operator of its own, or one clear line."""
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -151,6 +152,106 @@ def continuum(draw: Draw) -> tuple[asp.solids.Solid, float]:
         solid |= {"flow": flow, "apparatus": apparatus, "branches": [] if flow else branches}
     draw.say(solid)
     return kind(**solid), modulus
+
+
+def law(draw: Draw, stress: float, speed: float) -> asp.solids.LocalCreep:
+    """A law of creep that moves contacts under stresses like this one."""
+    kind = draw.one([asp.solids.Eyring, asp.solids.Garofalo, asp.solids.Norton])
+    numbers = [speed * draw.decades(-2, 1), stress * draw.decades(-0.5, 1), draw.one([1.0, 2.0, 3.5, 5.0])]
+    made: asp.solids.LocalCreep = kind(*numbers[: 2 if kind is asp.solids.Eyring else 3])
+    return made
+
+
+@dataclass
+class Bodies:
+    """A surface, a solid that is as stiff as it is rough, and a load, in any units of length and time."""
+
+    rough: Any
+    solid: asp.solids.Solid
+    place: dict[str, Any]
+    load: float
+    length: float
+    time: float
+    hangs: bool
+
+    @classmethod
+    def drawn(cls, draw: Draw) -> "Bodies":
+        on_sites = draw.chance(0.45)
+        shape = (draw.between(4, 20), draw.between(4, 20)) if draw.chance(0.85) else (draw.between(4, 60),)
+        rough = draw.rng.normal(size=shape) + draw.one([0.0, 0.0, 1.0, -95.0, 95.0])
+        length, force, time = (draw.one([1.0, 1.0, draw.decades(-9, 3)]) for _ in range(3))
+        draw.say(f"{shape} + {rough.mean():.3g}, units {length:g} {force:g} {time:g}")
+        hard, creeps = draw.chance(0.3), draw.chance(0.4)
+        stiffness = force / (length if on_sites else length ** len(shape))
+        borne = draw.decades(-0.7, 0.3) * (force if on_sites else stiffness)
+        numbers: dict[str, Any] = {"hardness": borne * draw.decades(0.1, 1.3)} if hard else {}
+        if creeps:
+            numbers["creep"] = law(draw, borne, length / time)
+        if on_sites:
+            springs = {"k0": draw.one([1.0, 1.0, 1.0, float(creeps)]), "k1": draw.decades(-1, 2)}
+            springs = {name: value * stiffness for name, value in springs.items()}
+            for name in ("R", "R_viscous"):
+                springs[name] = draw.one([draw.decades(-2, 1), 0.0]) / stiffness / time
+            solid, sides, hangs = asp.solids.spring_lattice(**springs, **numbers), (), True
+            edges = draw.one(["periodic", "reflecting"])
+        else:
+            numbers["apparatus"] = draw.one([None, math.inf])
+            if not creeps:
+                shares = draw.rng.random(draw.between(0, 3)) * 0.3
+                numbers["branches"] = [(share, time * draw.decades(-2, 2)) for share in shares.tolist()]
+            solid, hangs = (
+                asp.solids.half_space(modulus=stiffness, **numbers),
+                numbers["apparatus"] is not None,
+            )
+            sides = tuple(length * draw.decades(-0.3, 0.3) for _ in shape)
+            edges = draw.one(["periodic", "reflecting", "free"][: 1 + len(shape)])
+        nominal = rough.size * float(np.prod(sides))
+        place = {"spacing": sides, "edges": edges}
+        draw.say(f"{solid} {place}")
+        load = borne * nominal * draw.decades(-2.5, -0.2)
+        return cls(rough * length, solid, place, load, length, time, hangs)
+
+
+def coming(draw: Draw, bodies: Bodies) -> tuple[Contact, list[Any], list[float]]:
+    """Bodies that do not bear anything, what puts a load on, and times."""
+    lasting, top = bodies.time * draw.decades(-2, 2), float(bodies.rough.max())
+    legs: list[Any] = [asp.protocols.Ramp(lasting, load=bodies.load)]
+    start = {"load": 0.0}
+    if bodies.hangs and draw.chance(0.3):
+        legs = [asp.protocols.Ramp(lasting, separation=top - bodies.length * draw.decades(-2, 0))]
+        start = draw.one([start, {"separation": top + bodies.length * draw.decades(-2, 0)}])
+    elif draw.chance(0.3):
+        legs.append(asp.protocols.Ramp(lasting, load=bodies.load * draw.decades(-2, 0)))
+    hold = draw.one([None, None, "separation" if bodies.hangs else None])
+    legs.append(asp.protocols.Hold(bodies.time * draw.decades(-1, 2), hold=hold))
+    times = lasting * 10.0 ** np.sort(draw.rng.uniform(-2, 0, size=draw.between(1, 3)))
+    draw.say(f"{start} {legs} {times.tolist()}")
+    return pressed_on(bodies.rough, bodies.solid, **bodies.place, **start), legs, times.tolist()
+
+
+def test_loads_that_come_from_nothing():
+    """In any units, with shear beside: none is refused."""
+
+    def attempt(draw: Draw) -> None:
+        bodies = Bodies.drawn(draw)
+        contact, legs, times = coming(draw, bodies)
+        carried, shear, friction = None, bodies.load * draw.decades(-3, 0), draw.decades(-1, 0.3)
+        if bodies.solid.kind == "half_space" and contact.heights.ndim == 2 and draw.chance(0.5):
+            carried = asp.Carried(shear=shear, friction=friction)
+        draw.say(carried)
+        history = asp.age(contact, times, protocol=legs, rtol=draw.one([1e-2, 0.1]), carried=carried)
+        series, final = history.dataset, history.final
+        assert (series["residual"] <= 1e-8).all()
+        assert np.isfinite(series[["area", "load", "separation", "energy"]].to_array()).all()
+        assert (final.u >= final.heights).all()
+        assert (final.force[~final.in_contact] == 0).all()
+        if final.control.load_controlled:
+            assert abs(final.load / legs[-2].load - 1) <= 1e-9
+        if carried is not None:
+            sticks = shear < friction * series["load"]
+            assert ((series["stick_fraction"] > 0) == sticks).all()
+
+    fuzz("loads that come from nothing", 20, attempt)
 
 
 def test_contacts_of_continua():
