@@ -157,7 +157,7 @@ def continuum(draw: Draw) -> tuple[asp.solids.Solid, float]:
 def law(draw: Draw, stress: float, speed: float) -> asp.solids.LocalCreep:
     """A law of creep that moves contacts under stresses like this one."""
     kind = draw.one([asp.solids.Eyring, asp.solids.Garofalo, asp.solids.Norton])
-    numbers = [speed * draw.decades(-2, 1), stress * draw.decades(-1, 1), draw.one([1.0, 2.0, 3.5, 5.0])]
+    numbers = [speed * draw.decades(-2, 1), stress * draw.decades(-0.5, 1), draw.one([1.0, 2.0, 3.5, 5.0])]
     made: asp.solids.LocalCreep = kind(*numbers[: 2 if kind is asp.solids.Eyring else 3])
     return made
 

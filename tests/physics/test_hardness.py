@@ -206,3 +206,28 @@ def test_crowded_sites_that_yield_by_a_local_law_take_few_steps():
     contact, data = yielding_by_a_law(asp.surfaces.self_affine(32, hurst=0.8, delta=0.1, seed=1), 0.0)
     assert data["steps"].sum() < 100
     assert data["area"].values[-1] > 1.4 * contact.area
+
+
+LAW = asp.solids.Eyring(rate=0.1, stress=0.5)
+YIELDING = {
+    "springs": asp.solids.spring_lattice(k0=1.0, k1=3.0, R=0.1, creep=LAW, hardness=1.0),
+    "springs apart": asp.solids.spring_lattice(k0=0.0, k1=3.0, R=0.1, creep=LAW, hardness=1.0),
+    "half-space": asp.solids.half_space(modulus=1.0, creep=LAW, hardness=0.3),
+    "half-space, permanent": asp.solids.half_space(modulus=1.0, creep=LAW, permanent=0.3, hardness=0.3),
+}
+
+
+@pytest.mark.parametrize("name", YIELDING)
+def test_a_load_little_above_that_of_yielding_sites_is_borne_by_one_more(name):
+    """One site bears the rest, however little, while a ramp goes by."""
+    solid, protocols = YIELDING[name], asp.protocols
+    for seed in range(4):
+        rough = np.random.default_rng(seed).normal(size=(8, 10))
+        for count in (1.0001, 2.002, 3.05):
+            load = count * solid.hardness
+            legs = [protocols.Ramp(1.0, load=load), protocols.Hold(2.0)]
+            contact = asp.press(rough, solid, load=0.0)
+            history = asp.age(contact, [0.5, 1.0, 3.0], protocol=legs, rtol=0.02)
+            assert history.final.load == pytest.approx(load, rel=1e-9)
+            assert history.final.force.max() <= solid.hardness * (1 + 1e-8)
+            assert (history.dataset["area"][2:] > int(count)).all()

@@ -120,15 +120,17 @@ class TwoFields:
         a change estimates the error before it, and so the one that is left. A surface that moves as a whole
         leaves e - f alone: where it counts, what the sum of f lacks is to be a small part of the whole, too.
         """
-        size = math.inf
+        size, correcting = math.inf, False
+        self.keeping, self.last_shift, self.overshooting = False, 0.0, False
         for cycle in range(max_cycles):
-            found = self.descend(correcting=cycle > 0)
-            if self.yielding and self.wanted is not None and found.contacts == 0:
+            found = self.descend(correcting=correcting)
+            correcting = self.wanted is None or not self.yielding or found.contacts > 0
+            if not correcting:
                 self.sink()
                 continue
             missing = 0.0 if self.wanted is None else self.wanted - found.stretch
             far = math.sqrt(found.moves / self.size)
-            size, rate = self.find_correction(found.contacts, missing, cycle, size)
+            size, rate = self.find_correction(found.contacts, missing, size)
             if not math.isfinite(size):
                 break
             if self.wanted is not None and found.contacts + self.yielding == 0:
@@ -147,7 +149,7 @@ class TwoFields:
         e, bound = (self.backend.unpacked(field, self.sites) for field in (self.correction.e, self.bound))
         gap = float(np.min(e - bound)) + _ROUNDING * largest(e, np)
         self.correction.e[...] -= np.float32(gap)
-        self.shift, self.weights = self.shift + gap, (0.0, 0.0)
+        self.shift += gap
 
     def left_of(self, error: Single) -> tuple[float, float]:
         """Mean and rms of what an implicit step leaves of an error of u0, while the contacts stay.
@@ -197,9 +199,7 @@ class TwoFields:
         places = (self.equation(), moves, self.hierarchy.grids[0].source)
         return self.backend.cycle_2(*places, correcting=correcting, restricting=restricting)
 
-    def find_correction(
-        self, contacts: float, missing: float, cycle: int, before: float
-    ) -> tuple[float, float]:
+    def find_correction(self, contacts: float, missing: float, before: float) -> tuple[float, float]:
         """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
         self.set_pins(contacts)
         shift = self.correct_on_grid(0, missing)
@@ -210,9 +210,7 @@ class TwoFields:
         if not math.isfinite(size):
             return size, 1.0
         last, self.weights = self.weights[0], (1.0, 0.0)
-        if cycle == 0:
-            self.keeping, self.last_shift, self.overshooting = False, 0.0, False
-        elif size > TUNING.slow * before or self.overshooting:
+        if size > TUNING.slow * before or self.overshooting:
             self.overshooting = self.overshooting or size > TUNING.overshooting * before
             if not self.keeping:
                 self.keeping, self.last_shift = True, 0.0
@@ -227,7 +225,7 @@ class TwoFields:
         self.last_shift = alpha * shift + beta * self.last_shift
         self.shift += self.last_shift
         # Where nothing creeps e = f, and there are no two errors to compare.
-        return size, min(max(size / before, 0.1), 0.9) if cycle and before > 0 else TUNING.usual_rate
+        return size, min(max(size / before, 0.1), 0.9) if 0 < before < math.inf else TUNING.usual_rate
 
     def set_pins(self, contacts: float) -> None:
         """Set pins on the coarse grids, where many have changed, and factorize the coarsest."""
