@@ -18,12 +18,12 @@ from asperity.app.cli import predict as command
 from asperity.app.cli.flags import of_flags
 from asperity.app.config import config_from
 from asperity.app.predict import predict_config
-from asperity.app.predict.pipeline import Modulus
 from asperity.app.predict.words import report
 from asperity.app.runs import Progress
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, quantity
 from asperity.figures.prediction import growth_figure
+from asperity.relaxation.data import Modulus
 from tests.cli.conftest import rows_of
 from tests.refusals import refuses
 

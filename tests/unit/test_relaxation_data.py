@@ -116,8 +116,8 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables):
     expected = 2 * 1.96 * errors / TWO.branches
     np.testing.assert_allclose(np.median(widths, axis=0), expected, rtol=0.3)
     # Of 95 %: within what chance leaves to one number in a thousand tests.
-    least, most = binom.ppf((0.001, 0.999), tables, 0.95)
-    assert ((held >= least) & (held <= most)).all()
+    least, most = binom.ppf(np.array([0.001, 0.999]), tables, 0.95)
+    assert np.all((held >= least) & (held <= most))
 
 
 @pytest.mark.parametrize(("noise", "per_decade"), [(0.0, 2), (0.01, 1)])
