@@ -34,6 +34,8 @@ ELSEWHERE = {
         "Unreleased",
         "PSD",
         "kPa",
+        "zcat",
+        "Reibungszahl",
         "False",
     ),
     *("MALLOC_TRIM_THRESHOLD_", "__pycache__", "array_api_strict", "asperity.commands", "--no-nanny"),

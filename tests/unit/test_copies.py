@@ -18,6 +18,7 @@ PARTS: dict[str, Any] = {"expected": "a number", "got": np.float64(-1), "advice"
 RAISED: dict[type[errors.AsperityError], errors.AsperityError] = {
     errors.AsperityError: errors.AsperityError("something"),
     errors.InputError: errors.InputError("load", **PARTS),
+    errors.CallError: errors.CallError("load", **PARTS),
     errors.SurfaceFileError: errors.SurfaceFileError("load", **PARTS),
     errors.CheckpointError: errors.CheckpointError("load", **PARTS),
     errors.ConfigError: errors.ConfigError(["a", "b"]),

@@ -30,7 +30,7 @@ def expanded(path: str | Path) -> Path:
 
 
 def content_of(path: Path) -> bytes:
-    """Read a file, or a pipe to its end: ``<(zcat x)``, ``/dev/stdin``.
+    """Read a file, or a pipe to its end, such as standard input or that of a shell.
 
     `InputError` for a device, and for a pipe into which nobody writes; `TooLargeError` for more than the
     memory has room for.

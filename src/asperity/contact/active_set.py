@@ -87,8 +87,8 @@ class ActiveSet:
         Revisions of the set after which the solver gives up.
     arrays
         The array library in which to compute: ``"numpy"``, or the name of another one that follows the
-        array API standard and has its transforms: ``"cupy"``, or ``"torch"`` after
-        ``torch.set_default_device("cuda")``. Problems and solutions are numpy arrays in any case.
+        array API standard and has its transforms: ``"cupy"``, or ``"torch"`` once its default device is
+        "cuda". Problems and solutions are numpy arrays in any case.
     """
 
     reduction: float = 0.3

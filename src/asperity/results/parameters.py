@@ -40,6 +40,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
     "undefined_value": ("height that stands for an undefined pixel", _HEIGHT),
     "tilt": ("what is removed from the heights", ""),
+    "lines": ("how the offsets of lines are levelled", ""),
     "periodic": ("how the surface is made periodic", ""),
     "unit": ("unit of the heights", ""),
     "channel": ("channel of the surface file", ""),
