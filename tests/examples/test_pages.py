@@ -57,7 +57,7 @@ UNTRIED = {
     r"asperity experiment .*--out": "takes minutes; tests/experiments does it on tiny lattices",
     r"asperity sweep .*--scheduler": "needs a cluster; tests/campaign has one of its own",
     r"make\b": "installs, or runs the tests and benchmarks themselves",
-    r"(benchmarks/(peers/install|gpu\.sh)|\.venv/bin/python benchmarks/)": "tests/unit/test_benchmarks.py has parts",
+    r"(benchmarks/(peers/install|gpu\.sh)|\.venv/bin/python benchmarks/)": "tests/unit/test_benchmarks.py",
     r"# cluster.py": "starts jobs on a cluster",
 }
 """Why a line, or a Python block by its first line, is only checked."""
