@@ -3,13 +3,15 @@
 from asperity.friction.comparing import StateLaws, compare_state_laws
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
 from asperity.friction.export import save_parameters
-from asperity.friction.fitting import RateAndStateFit, rate_and_state
+from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import RateAndState
+from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.records import HoldPeaks, Record, hold_peaks, read_record, record_of
 from asperity.friction.tabor import ShearStrength, add_friction
 
 __all__ = [
     "HoldPeaks",
+    "MachineFit",
     "RateAndState",
     "RateAndStateFit",
     "Record",

@@ -19,8 +19,9 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
-from asperity.friction.fitting import Events, RateAndStateFit, rate_and_state
+from asperity.friction.fitting import Events, rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.parameters import RateAndStateFit
 from asperity.friction.records import HoldPeaks, Record, hold_peaks
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,14 +19,15 @@ from asperity.base.columns import Roles, finite, named, position
 from asperity.base.tables import read_table
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
+from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 from asperity.friction.tabor import ShearStrength, add_friction
 from asperity.results import History, load
 
-STEP = 1.2
-"""Ratio of two velocities from which a change is a step."""
-
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
+
+_SHORT, _FEW = 2, 10
+"""Rests of so many rows, and how many of them are no noise of the displacement."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -49,10 +51,18 @@ class Record(views.Brief):
         The direct effect, if it is known: 0 for a simulation with a constant shear strength.
     si
         Whether times are in s and lengths in m; else they are in units of the simulation.
-    normal_stress
-        Mean normal stress (Pa), if it is known; only passed on.
+    normal_stress, normal_force
+        Mean normal stress (Pa) and force (N), if they are known: a stiffness may be over them.
     source
         Where the record comes from.
+    load_point, slip
+        Measured displacements, with their noise, of the load point of a machine and of the slider, shape
+        (n,); None where they are not.
+    drive
+        The load point as straight segments. Where there is one, `velocity` is that of the load point: what
+        rests is the machine, and a fit needs its stiffness.
+    units
+        Units of time and length in which messages speak of the record.
 
     Raises
     ------
@@ -67,7 +77,12 @@ class Record(views.Brief):
     a: float | None = field(default=None, kw_only=True)
     si: bool = field(default=True, kw_only=True)
     normal_stress: float | None = field(default=None, kw_only=True)
+    normal_force: float | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True)
+    load_point: Floats | None = field(default=None, kw_only=True)
+    slip: Floats | None = field(default=None, kw_only=True)
+    drive: Drive | None = field(default=None, kw_only=True)
+    units: tuple[str, str] = field(default=("s", "m"), kw_only=True)
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
@@ -87,9 +102,7 @@ class Record(views.Brief):
         *,
         strength_at_rest: bool = False,
         a: float | None = None,
-        si: bool = True,
-        normal_stress: float | None = None,
-        source: str = "",
+        **about: Any,
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -102,8 +115,8 @@ class Record(views.Brief):
         ----------
         time, displacement, friction
             Shape (n,); the displacement never falls.
-        strength_at_rest, a, si, normal_stress, source
-            As in a record.
+        strength_at_rest, a, about
+            As in a record, as `si`, `source` and others.
 
         Raises
         ------
@@ -138,10 +151,82 @@ class Record(views.Brief):
             values,
             strength_at_rest=strength_at_rest,
             a=a,
-            si=si,
-            normal_stress=normal_stress,
-            source=source,
+            **about,
         )
+
+    @classmethod
+    def of_machine(
+        cls,
+        time: ArrayLike,
+        friction: ArrayLike,
+        *,
+        load_point: ArrayLike | None = None,
+        slip: ArrayLike | None = None,
+        a: float | None = None,
+        normal_stress: float | None = None,
+        normal_force: float | None = None,
+        source: str = "",
+        si: bool = True,
+        units: tuple[str, str] = ("s", "m"),
+    ) -> Record:
+        """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
+
+        What rests is the load point. Where only slip is measured, it is slip + friction/k, for the k that
+        makes it straight between its kinks.
+
+        Parameters
+        ----------
+        time, friction
+            Shape (n,), as in a record.
+        load_point, slip
+            Displacements (length), shape (n,); one of them at least. They may fall by their noise.
+        a, normal_stress, normal_force, source, si, units
+            As in a record.
+
+        Raises
+        ------
+        InputError
+            As for a record; or the load point goes back.
+        """
+        times, values = checks.line("time", time), checks.line("friction", friction)
+        places = {
+            name: None if place is None else checks.line(name, place)
+            for name, place in (("load_point", load_point), ("slip", slip))
+        }
+        name, along = next(
+            ((name, place) for name, place in places.items() if place is not None), ("", times)
+        )
+        sizes = {name: place.size for name, place in places.items() if place is not None}
+        if not name or any(size != times.size for size in [values.size, *sizes.values()]) or times.size < 3:
+            got = f"{times.size} times, {values.size} friction coefficients, {sizes}"
+            raise InputError(
+                name or "load_point", expected="three displacements or more, one for each", got=got
+            )
+        about: dict[str, Any] = {"a": a, "si": si, "source": source, "units": units, **places}
+        about |= {"normal_stress": normal_stress, "normal_force": normal_force}
+        timetable(times, np.zeros_like(times))
+        if name == "slip":
+            driven, compliance = drive_of_slip(times, along, values)
+            if compliance == 0 and not (np.diff(along) < 0).any():
+                return cls.of_displacement(times, along, values, **about | {"slip": None})
+        else:
+            driven = drive_of(times, along)
+        forward = np.maximum(driven.per_row(times), 0.0)
+        record = cls(times, forward, values, drive=driven, **about)
+        _refuse_reversal(record, name)
+        return record
+
+    @property
+    def short_rests(self) -> int:
+        """Number of rests of a row or two."""
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.velocity == 0, [False]]).astype(int)))
+        return int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """The units of time and length of messages in those of the record."""
+        second, length = (units.factor(unit, base) for unit, base in zip(self.units, ("s", "m"), strict=True))
+        return second or 1.0, length or 1.0
 
     @property
     def displacement(self) -> Floats:
@@ -187,6 +272,33 @@ class HoldPeaks(views.Brief):
     velocity: Floats
 
 
+def refuse_noise(record: Record) -> None:
+    """Refuse velocities that rest for a row here and there, as a displacement with noise has them."""
+    if (many := record.short_rests) > _FEW and not record.strength_at_rest:
+        raise InputError(
+            "record",
+            expected="rests of the machine, longer than two rows",
+            got=f"{many} short ones, as noise or rounding of the displacement makes them",
+            advice="asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise",
+        )
+
+
+def _refuse_reversal(record: Record, name: str) -> None:
+    """Refuse a load point that goes back."""
+    assert record.drive is not None
+    if (record.drive.velocity < 0).any():
+        n, (second, length) = int(np.argmax(record.drive.velocity < 0)), record.scales
+        edges = record.drive.edges(record.time) / second
+        time_unit, length_unit = record.units
+        speed = f"{float(record.drive.velocity[n] * second / length):.4g} {length_unit}/{time_unit}"
+        raise InputError(
+            name.replace("_", " "),
+            expected="a displacement that goes on in one direction",
+            got=f"{speed} from {edges[n]:.6g} to {edges[n + 1]:.6g} {time_unit}",
+            advice="a part of the record, --from and --to",
+        )
+
+
 def hold_peaks(record: Record) -> HoldPeaks:
     """Find static friction against hold time.
 
@@ -204,6 +316,7 @@ def hold_peaks(record: Record) -> HoldPeaks:
         Possibly of no holds.
     """
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
+    refuse_noise(record)
     time, velocity, friction = record.time, record.velocity, record.friction
     runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
     rows = []
