@@ -610,6 +610,7 @@ def check_values(model: Any, key: Key) -> None:
     examples = {
         "switch": True,
         "text": "word",
+        "texts": ["0", "E (t)"],
         "text or whole": 3,
         "path": "heights.npy",
         "pair": [0.5, 1.0],
@@ -624,4 +625,4 @@ def check_values(model: Any, key: Key) -> None:
     if whole or key.what in ("number", "numbers"):
         between = 0.5 * (max(key.least or 0.0, -1.0) + min(key.most or 1.0, 1.0))
         assert accepts(model, key, listed(key, between)) is not whole
-    assert accepts(model, key, "1 nonsense") is (key.what in ("path", "text", "text or whole"))
+    assert accepts(model, key, "1 nonsense") is (key.what in ("path", "text", "texts", "text or whole"))

@@ -54,16 +54,16 @@ def test_a_load_point_at_rest_lets_friction_relax_as_a_logarithm(law):
     np.testing.assert_allclose(friction, expected, atol=2e-8)
 
 
-def test_a_stiff_machine_has_the_closed_form_of_a_step(law="slip"):
+def test_a_stiff_machine_has_the_closed_form_of_a_step():
     """At k to infinity slip is the load point, and the fit is that which needs no integrator."""
-    rigid = F.RateAndState(law=law, a=0.008, b=0.010, D_c=10 * UM, mu_0=0.6, V_0=UM)
+    rigid = F.RateAndState(law="slip", a=0.008, b=0.010, D_c=10 * UM, mu_0=0.6, V_0=UM)
     stiff = TRUTH._replace(k=10 / UM)
-    time, place, _, friction = exact([1.0, 10.0, 1.0], [30.001, 10.0, 40.0], law=law, shape=stiff)
+    time, place, _, friction = exact([1.0, 10.0, 1.0], [30.001, 10.0, 40.0], law="slip", shape=stiff)
     velocity = np.append(UM, np.diff(place) / np.diff(time))
     late = np.abs(time[:, None] - np.array([30.0, 40.0])).min(axis=1) > 0.2
     np.testing.assert_allclose(friction[late], rigid.friction(time, velocity)[late], atol=3e-5)
     record = F.Record.of_machine(time, friction, load_point=place)
-    pulled, at_once = (F.rate_and_state(record, law=law, stiffness=k) for k in ("10/um", np.inf))
+    pulled, at_once = (F.rate_and_state(record, law="slip", stiffness=k) for k in ("10/um", np.inf))
     assert isinstance(pulled, F.MachineFit)
     for name in ("a", "b", "D_c", "mu_0"):
         value, stderr = getattr(at_once, name), getattr(at_once, f"{name}_stderr")

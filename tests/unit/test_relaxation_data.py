@@ -2,7 +2,6 @@
 
 import math
 import re
-import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asperity.errors import Remark
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
 from tests.refusals import each_refuses, refuses
@@ -228,21 +226,26 @@ def test_headers_say_what_columns_are_and_in_which_unit(write):
         assert isinstance(data, (Relaxation if values[0][0] > values[0][-1] else Creep, Dynamic))
 
 
-def test_columns_without_units_are_taken_in_si_with_a_remark(write):
-    def remarks(*columns, **options):
-        with warnings.catch_warnings(record=True, category=Remark, action="always") as caught:
-            data = read(write(*columns), **options)
-        return data, [str(one.message).partition("csv: ")[2] for one in caught]
-
-    data, told = remarks("time_s,E", T, G)
-    assert isinstance(data, Relaxation)
-    assert told == ["no unit beside 'E', taken as Pa"]
-    data, told = remarks("frequency,G,G", T, 1 / G, G)
-    np.testing.assert_allclose(data.columns[0], 2 * math.pi * T)
-    assert "no unit beside 'frequency', taken as Hz" in told
-    data, told = remarks("", T, 1 / G, kind="creep")
-    assert isinstance(data, Creep)
-    assert "column 0 has no name, taken as time in s" in told
+def test_columns_without_units_are_refused_unless_units_are_stated(write):
+    cases: list[tuple[str, tuple[Any, ...], str, Any, tuple[float, ...]]] = [
+        ("time_s,E", (T, G), "'E'", "E=GPa", (1, 1e9)),
+        (
+            "frequency,G,G",
+            (T, 1 / G, G),
+            "'frequency'",
+            {0: "Hz", 1: "Pa", "2": "kPa"},
+            (2 * math.pi, 1, 1e3),
+        ),
+        ("time,J", (T, 1 / G), "'time'", ["time=min", "compliance=1/GPa"], (60, 1e-9)),
+        ("", (T, 1 / G), "0", ("0=s", "1=1/Pa"), (1, 1)),
+    ]
+    for header, columns, name, units, factors in cases:
+        file, kind = write(header, *columns), None if header else "creep"
+        with refuses(f"column {name} of table.csv"):
+            read(file, kind=kind)
+        x, values = read(file, kind=kind, units=units).columns
+        for found, column, factor in zip((x, *values), columns, factors, strict=True):
+            np.testing.assert_allclose(found, column * factor, rtol=1e-8)
 
 
 def test_tables_that_are_several_or_none(write):
@@ -263,7 +266,7 @@ def test_tables_that_are_several_or_none(write):
         ("time [m],E [Pa]", [T, G], "column 'time [m]' of table.csv"),
         ("a,b", [T, G], "table.csv"),
         ("", [T, G], "table.csv"),
-        ("log t [s],E [Pa]", [T, G], "table.csv"),
+        ("log t [s],E [Pa]", [T, G], "column 'log t [s]' of table.csv"),
     ):
         write(header, *columns)
         with refuses(name):

@@ -1,59 +1,221 @@
-"""Columns of a table by their names: what each holds, and in which unit."""
+"""Columns of a table: what each holds, and in which unit, by its name, a row of units, or the user's word."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping
+import unicodedata
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
-from asperity.base import units
+from asperity.base import units as si
 from asperity.base.checks import Floats
-from asperity.base.tables import Table
+from asperity.base.tables import Table, read_table
 from asperity.errors import InputError
 
-_ARGUMENT = r"t|time|omega|ω|w|f|q"
+Chosen = Sequence[int | str] | int | str
+"""Columns by name or by number from 0: a list, or a text such as "0,1"."""
+
+Units = Mapping[int | str, str] | Sequence[str] | str
+"""Units by column: {"E": "MPa"}, "E=MPa" or a list of such texts."""
+
+_ARGUMENT = r"(?:t|time|omega|ω|w|f|q|zeit|temps)"
+_BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
+_LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
+_ANGULAR = re.compile(r"omega|ω|angul|kreis|winkel|pulsation|^w\b")
+_CYCLES = re.compile(r"(?i)\b(?:cycles?|cyc|rev|revs|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "um", "m/s": "um/s"}
 
 
 @dataclass(frozen=True)
-class Roles:
-    """What columns can hold.
+class Role:
+    """What a column can hold: its name, or "" for columns to leave alone; its unit, and its words.
 
-    `patterns` are roles, each with what is found in a name without its unit, in small letters; the first that
-    matches counts, and the role "" is for columns to leave alone. `units` are those of each role, in Pint's
-    spelling; "1" for a pure number.
+    The unit is in Pint's spelling, "1" for a pure number and "" for any. The words are a pattern for names
+    without units, in small letters, without accents, and with blanks for underscores.
     """
 
-    patterns: tuple[tuple[str, str], ...]
-    units: Mapping[str, tuple[str, ...]]
-
-    def of(self, name: str) -> tuple[str, str | None]:
-        """What a column holds, or "", and its unit: "" for none, None for one that does not fit."""
-        bracket = re.fullmatch(r"(.*?)\s*[\[({]([^\[\](){}]*)[\])}]", name)
-        if bracket and not re.fullmatch(_ARGUMENT, bracket[2].strip().lower()):
-            role, unit = self._meaning(bracket[1]), _spelled(bracket[2])
-            return role, unit if not role or self.fits(role, unit) else None
-        for separator in re.finditer(r"\s*/\s*|[_,\s]+", name):
-            role, unit = self._meaning(name[: separator.start()]), _spelled(name[separator.end() :])
-            if role and unit and self.fits(role, unit):
-                return role, unit
-        return self._meaning(name), ""
-
-    def fits(self, role: str, unit: str) -> bool:
-        """Whether a unit is one of the role's kind."""
-        return any(unit == target or units.factor(unit, target) is not None for target in self.units[role])
-
-    def _meaning(self, label: str) -> str:
-        if label.strip() == "T":  # a temperature
-            return ""
-        label = re.sub(rf"\(({_ARGUMENT})\)", "", label.lower()).replace("_", " ").strip()
-        return next((role for role, pattern in self.patterns if re.search(pattern, label)), "")
+    name: str
+    unit: str
+    words: str
 
 
-def _spelled(unit: str) -> str:
-    """A unit as Pint spells it."""
-    return re.sub(r"^(per|1)/", "1/", unit.strip().removeprefix("in ").replace("_", "/"))
+TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
+
+
+class Columns:
+    """The columns of a table, by the first of several roles whose words are in the name of each.
+
+    Of a table, or that at a path, it reads the `columns` that are asked for, by default all. Stated `units` count in
+    place of those of the table. `InputError` where there is no such table or column.
+    """
+
+    def __init__(
+        self,
+        path: Path | str | Table,
+        roles: Sequence[Role],
+        columns: Chosen | None = None,
+        units: Units | None = None,
+    ) -> None:
+        self.table = path if isinstance(path, Table) else read_table(Path(path))
+        self._wanted = {role.name: role for role in roles}
+        self._parts = [_parts(name) for name in self.table.names]
+        self.roles = [self._role(at, name) for at, name in enumerate(self.table.names)]
+        everything = range(len(self.roles))
+        self.chosen = list(everything) if columns is None else positions(self.table, columns)
+        self._stated = self._by_column(units)
+        self._read: dict[int, str] = {}
+
+    @cached_property
+    def by_role(self) -> dict[str, int]:
+        """Where the column of each role stands; `InputError` where two have one role."""
+        found: dict[str, int] = {}
+        for at in self.chosen:
+            if (role := self.roles[at]) in found:
+                got = f"{self.table.names[found[role]]!r} and {self.table.names[at]!r}"
+                advice = f'columns="{found[role]} ..." to choose'
+                raise InputError(self.table.name, expected=f"one column of {role}", got=got, advice=advice)
+            found |= {role: at} if role else {}
+        return found
+
+    @property
+    def read(self) -> str:
+        """One line on what was read in which unit; `InputError` where units of other columns were stated."""
+        if others := [at for at in self._stated if at not in self._read]:
+            expected = f"units of the columns that are read, {', '.join(map(str, self._read))}"
+            raise InputError("units", expected=expected, got=f"one of column {others[0]}")
+        return f"{self.table.name}: {', '.join(self._read.values())}, {len(self.table.lines)} rows"
+
+    def unit(self, role: str, at: int | None = None) -> str:
+        """Unit of a column as it is written, "" for none; `InputError` where it is not understood."""
+        return self._unit(self._wanted[role], self.by_role[role] if at is None else at)[0]
+
+    def values(
+        self,
+        role: str,
+        at: int | None = None,
+        *,
+        bare: bool = True,
+        convert: bool = True,
+        called: str = "",
+    ) -> Floats:
+        """Numbers of a column in the unit of the role; of logarithms the numbers themselves.
+
+        Without a unit they stay as they are, if they may be `bare`; with one, unless they are to `convert`.
+        `InputError`, with the line, if one is missing, or their unit is missing or not understood. What was
+        read is `called` so in the line on it.
+        """
+        at, wanted = self.by_role[role] if at is None else at, self._wanted[role]
+        base, name = self._parts[at][0], self.table.names[at]
+        if base == 0:
+            advice = "log10(...), lg(...) or ln(...) for its name"
+            raise InputError(self._about(at), expected="a base of the logarithm", got="none", advice=advice)
+        unit, factor = self._unit(wanted, at)
+        if not (unit or bare or wanted.unit == "1"):
+            raise self._no_unit(wanted, at, "none")
+        values = finite(self.table, at, role)
+        if base:
+            with np.errstate(over="ignore"):
+                values = base**values
+        said = f" in {unit}" if unit not in ("", "1", "-") else ""
+        said += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
+        said += " without a unit" * (not unit and wanted.unit not in ("", "1"))
+        said += ", by its antilogarithm" * bool(base)
+        self._read[at] = f"{called or role} from {repr(name) if name else f'column {at}'}{said}"
+        return values * factor if convert else values
+
+    def _role(self, at: int, name: str) -> str:
+        """The role that a name says, with its unit or, where that belongs to the name, without."""
+        base, label, *_ = self._parts[at]
+        for text in dict.fromkeys((label, name)):
+            found = (role.name for role in self._wanted.values() if re.search(role.words, normal(text)))
+            if text.strip() != "T" and (role := next(found, None)) is not None:  # T is a temperature
+                self._parts[at] = self._parts[at] if text == label else (base, name, "", "")
+                return role
+        return ""
+
+    def _unit(self, role: Role, at: int) -> tuple[str, float]:
+        """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
+        _, label, beside, separator = self._parts[at]
+        if role.unit == "1" and separator not in "[/" and beside not in "-%":
+            beside = ""  # mu_s is static friction
+        below = self.table.units[at].strip("[](){}<> ")
+        text = self._stated.get(at) or below or beside
+        if not text or not role.unit:
+            return text, 1.0
+        is_angular = _ANGULAR.search(normal(label)) is not None
+        if at in self._stated:
+            factor = _in(text, role.unit, is_angular, is_stated=True)
+        else:
+            factor = (
+                None if below and beside and below != beside else _in(si.spelled(text), role.unit, is_angular)
+            )
+        if factor is None:
+            raise self._no_unit(role, at, repr(text))
+        return text.removeprefix("in "), factor
+
+    def _no_unit(self, role: Role, at: int, got: str) -> InputError:
+        example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
+        column = name if re.fullmatch(r"\w[\w ]*", name) else at
+        about, advice = (
+            ("units", "") if at in self._stated else (self._about(at), f'units="{column}={example}"')
+        )
+        return InputError(about, expected=f"a unit of {role.name}, such as {example}", got=got, advice=advice)
+
+    def _about(self, at: int) -> str:
+        return f"column {self.table.names[at] or at!r} of {self.table.name}"
+
+    def _by_column(self, units: Units | None) -> dict[int, str]:
+        """Units that the user states, by the places of their columns; a role is a name, too."""
+        if not isinstance(units, Mapping):
+            pairs = [units] if isinstance(units, str) else units or []
+            if wrong := [pair for pair in pairs if "=" not in str(pair)]:
+                raise InputError("units", expected="a column and its unit, such as 1=MPa", got=repr(wrong[0]))
+            units = dict(str(pair).rpartition("=")[::2] for pair in pairs)
+        found = {}
+        for column, unit in units.items():
+            is_role = str(column) not in self.table.names and self.roles.count(str(column)) == 1
+            at = self.roles.index(str(column)) if is_role else position(self.table, column)
+            found[at] = str(unit).strip()
+        return found
+
+
+def normal(text: str) -> str:
+    """A name in small letters, without arguments and accents, and with blanks for underscores."""
+    text = unicodedata.normalize("NFKD", re.sub("[’ʹ´]", "'", text)).replace("′", "'").replace('"', "''")
+    text = "".join(c for c in text if not unicodedata.combining(c)).lower()
+    return " ".join(re.sub(rf"\({_ARGUMENT}\)", " ", text).replace("_", " ").split())
+
+
+def _parts(name: str) -> tuple[float | None, str, str, str]:
+    """Base of a logarithm (0 if it is not stated, None of a number), label, unit, and what separates them."""
+    if found := _LOGARITHM.fullmatch(name):
+        base = {"log": 0.0, "ln": math.e}.get(found[1].lower(), 10.0)
+        return base, *_parts(f"{found[2]}{found[3]}" if found[2] else found[4])[1:]
+    bracket = _BRACKETS.fullmatch(name)
+    if bracket and not re.fullmatch(_ARGUMENT, bracket[2].lower()):
+        return None, bracket[1], bracket[2], "["
+    for separator in re.finditer(r"\s*/\s*|[_,\s]+", name):
+        label, unit = name[: separator.start()], name[separator.end() :]
+        if label and unit and ("/" in separator[0] or si.is_usual(unit)):
+            return None, label, unit, separator[0].strip() or " "
+    return None, name, "", " "
+
+
+def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False) -> float | None:
+    """One unit in another; None where it is none of its kind, or cycles of what is angular by its name."""
+    if unit is None or target != "rad/s":
+        return None if unit is None else 1.0 if unit == target else si.factor(unit, target)
+    if re.search("rad|deg|°", unit):
+        return None if "grad" in unit.lower() else si.factor(unit.replace("°", "deg"), target)
+    counted = _CYCLES.sub("1", unit.replace("rpm", "1/min").replace("cps", "1/s"))
+    if (factor := si.factor(counted, "1/s")) is None or ("Hz" in unit and is_angular and not is_stated):
+        return None
+    return factor * (1 if is_angular and counted == unit and "Hz" not in unit else 2 * math.pi)
 
 
 def finite(table: Table, position: int, role: str) -> Floats:
@@ -75,6 +237,18 @@ def named(table: Table) -> str:
     """The columns of a table by their names, for messages."""
     names = ", ".join(repr(name) for name in table.names if name)[:120]
     return f"columns {names}" if names else f"{len(table.names)} columns without names"
+
+
+def positions(table: Table, columns: Chosen) -> list[int]:
+    """Where columns stand, by names and numbers from 0, also several in one text."""
+    found = []
+    for column in [columns] if isinstance(columns, int | str) else columns:
+        text = str(column).strip()
+        several = [] if text in table.names else re.split(r"\s*[,;]\s*|\s+", text.strip("[]() "))
+        if not all(one in table.names or one.isdecimal() for one in several):
+            several = [text]
+        found += [position(table, one) for one in several or [text]]
+    return found
 
 
 def position(table: Table, column: int | str) -> int:

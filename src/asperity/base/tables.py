@@ -1,9 +1,9 @@
 """Tables of numbers in text files: whatever separates the columns, whatever stands around them.
 
 Columns are separated by semicolons, tabs, commas or blanks, and numbers may have decimal commas: of these
-possibilities, the first that reads most cells of the first lines as numbers. (The sniffer of Python's csv
-module knows no decimal commas, and pandas does not say in which line a cell is wrong.) A cell may stand in
-double quotes. What follows a # is a comment.
+possibilities, the first that reads most cells as numbers: of a matrix in its first lines, else in the last,
+as metadata may come first. (The sniffer of Python's csv module knows no decimal commas, and pandas does not
+say in which line a cell is wrong.) A cell may stand in double quotes. What follows a # is a comment.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import csv
 import functools
 import math
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,12 +20,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.base.units import is_usual
 from asperity.errors import InputError
 
 # A comma separates cells unless something else does, or the cells are quoted.
 _DIALECTS = tuple((separator, decimal) for separator in (";", "\t", ",", " ") for decimal in (".", ","))
-_LOOKED_AT = 100  # first lines, and first cells of each, by which the separator is found
+_LOOKED_AT = 100  # lines, and first cells of each, by which the separator is found
 _ONE_COLUMN = 0.01  # weight of a line of one cell: numbers in two columns or more are preferred
+
+_OF_EXCEL = re.compile(r"\"?sep=(.)\"?\s*")  # its first line, which states the separator
+_IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its unit
 
 MISSING = ("", "nan", "na", "n/a", "null")
 """What may stand, in letters of any size, where a number is missing."""
@@ -43,13 +48,14 @@ def with_unit(name: str, unit: str) -> str:
 class Table:
     """The numbers of a text file, whose `name` is for messages.
 
-    `names` of columns are "" where it has no header; `values`, shape (rows, columns), are NaN where a cell is
-    missing or no number; `lines` are the number, from 1, and the text of each row without comments;
-    `separator` is " " for any blanks.
+    `names` of columns are "" where it has no header, and `units` where no row of units follows it; `values`,
+    shape (rows, columns), are NaN where a cell is missing or no number; `lines` are the number, from 1, and
+    the text of each row without comments; `separator` is " " for any blanks.
     """
 
     name: str
     names: list[str]
+    units: list[str]
     values: NDArray[np.float64]
     lines: list[tuple[int, str]]
     separator: str
@@ -64,8 +70,9 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
 
     Of a `matrix`, each line but comments, which begin with # or %, is a row of as many numbers as the
     first has; an empty cell, NaN or NA is a missing one. Else there are two columns or more; lines
-    beginning with ; are comments too; lines before the first with a number are headers; cells may hold
-    words; the last cells of a row may be left out; rows of empty cells are skipped.
+    beginning with ; are comments too; cells may hold words; the last cells of a row may be left out; rows of
+    empty cells are skipped. The header is the last line before the rows that has as many cells and no number,
+    and a row of units may follow it; lines above are metadata.
 
     Raises the `failure`, with the number of the line that is wrong, if there is no such file or no such
     table.
@@ -78,26 +85,33 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
         for number, line in enumerate(everything, 1)
         if not line.lstrip().startswith(comments)
     ]
-    shares = [_numeric_share([line for _, line in lines if line.strip()], *dialect) for dialect in _DIALECTS]
+    dialects = _DIALECTS
+    if not matrix and (stated := _OF_EXCEL.fullmatch(everything[0])):
+        dialects = tuple(dialect for dialect in _DIALECTS if dialect[0] == stated[1]) or _DIALECTS
+        lines = [(number, line) for number, line in lines if number > 1]
+    looked_at = [line for _, line in lines if line.strip()]
+    looked_at = looked_at[:_LOOKED_AT] if matrix else looked_at[-_LOOKED_AT:]
+    shares = [_numeric_share(looked_at, *dialect) for dialect in dialects]
     best = int(np.argmax(shares))
-    separator, decimal = _DIALECTS[best]
+    separator, decimal = dialects[best]
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
         what, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
         raise fail(expected=f"{what} of numbers", got=got)
-    first = 0
+    first, header, width = 0, -1, 0
     if not matrix:
         if shares[best] <= _ONE_COLUMN:
             got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
             raise fail(expected="two columns of numbers or more", got=got)
-        first = next(i for i, (_, line) in enumerate(lines) if _share(_cells(line, separator), decimal))
-    width = len(_cells(lines[first][1], separator))
+        first, header, width = _beginning([line for _, line in lines], separator, decimal)
+    width = width or len(_cells(lines[first][1], separator))
     # numpy and many instruments write the names as a comment: the last before the numbers.
     notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
-    headers = [line for _, line in lines[:first]] + [line.lstrip(" \t#%;") for line in notes[::-1]]
-    named = (cells for cells in (_cells(line, separator) for line in headers) if len(cells) == width)
-    names = [cell.strip("' ") for cell in next(named, [""] * width)]
+    headers = [line for _, line in lines[: header + 1]][::-1] + [
+        line.lstrip(" \t#%;") for line in notes[::-1]
+    ]
+    names, in_row = _names([_named(line, separator, width) for line in headers], width)
 
     rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
     values = np.full((len(rows), width), math.nan)
@@ -114,7 +128,46 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
         trailing = trailing and len(cells) == width and not cells[-1]
     kept = width - trailing
-    return Table(str(path), names[:kept], values[:, :kept], rows, separator)
+    return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
+
+
+def _beginning(lines: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
+    """The first row and the header, -1 for none, by their places; and the cells of a row below a header."""
+
+    def shape(line: str) -> tuple[int, float]:
+        cells = _cells(line, separator)
+        return len(cells), _share(cells, decimal)
+
+    rows = [(width, share) for width, share in map(shape, lines[-_LOOKED_AT:]) if share]
+    width = Counter(width for width, _ in rows).most_common(1)[0][0]
+    usual = float(np.median([share for cells, share in rows if cells == width]))
+    shapes = []
+    for line in lines:
+        shapes.append(shape(line))
+        if shapes[-1][0] == width and shapes[-1][1] >= usual:
+            break
+    named = [at for at, found in enumerate(shapes) if found == (width, 0.0) and lines[at].strip(separator)]
+    if not named:
+        first = next(at for at, (_, share) in enumerate(shapes) if share)
+        return first, first - 1, 0
+    return next(at for at, (_, share) in enumerate(shapes) if share and at > named[-1]), named[-1], width
+
+
+def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
+    """Names of the columns and, where a row of units stands between them and the numbers, their units."""
+    names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
+    # A name may be a letter that is a unit, too; but not all names, and no longer unit.
+    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-")
+    is_row_of_units = above and (sure or all(map(is_usual, names)))
+    return (above[0], names) if is_row_of_units else (names, [""] * width)
+
+
+def _named(line: str, separator: str, width: int) -> list[str]:
+    """Cells of a header; between blanks a unit in brackets belongs to the name before it."""
+    cells = _cells(line, separator)
+    if separator == " " and len(cells) != width:
+        cells = [cell.strip() for cell in _IN_BRACKETS.findall(line)]
+    return [cell[1:-1] if re.fullmatch("'.*'", cell) else cell for cell in cells]
 
 
 def _text(path: Path, fail: Callable[..., InputError]) -> str:
@@ -166,8 +219,8 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
-    """Share of the cells that are numbers, averaged over the first lines."""
-    head = [_cells(line, separator)[:_LOOKED_AT] for line in lines[:_LOOKED_AT]]
+    """Share of the cells that are numbers, averaged over lines."""
+    head = [_cells(line, separator)[:_LOOKED_AT] for line in lines]
     # Quoted numbers between commas: "1,438" is one and a half, or a thousand and more. Other cells tell.
     commas = [cell for cells in head for cell in cells if "," in cell]
     if separator == decimal and all(map(GROUPED.fullmatch, commas)):

@@ -22,6 +22,33 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*
 _FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
+_USUAL = ["s", "ms", "us", "µs", "μs", "ns", "min", "h", "d", "Hz", "mHz", "kHz", "MHz", "rad", "deg", "rpm"]
+_USUAL += [
+    "Pa",
+    "kPa",
+    "MPa",
+    "GPa",
+    "bar",
+    "psi",
+    "N",
+    "mN",
+    "kN",
+    "MN",
+    "m",
+    "cm",
+    "mm",
+    "um",
+    "µm",
+    "μm",
+    "nm",
+]
+_IN_WORDS = {
+    "s": r"secs?|seconds?|sek|sekunden?|secondes?",
+    "min": r"mins|minutes?|minuten",
+    "h": r"hrs?|hours?|std|stunden?|heures?",
+    "d": r"days?|tage?|jours?",
+}
+_WORD = re.compile(r"[^\W\d_]+")
 _EXAMPLES = {
     "Pa": ("a pressure", "1 MPa"),
     "1/Pa": ("a compliance", "0.5 1/GPa"),
@@ -110,6 +137,36 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     if converted is None:
         raise wrong
     return checks.number(name, converted, expected=f"{kind}, such as {example}")
+
+
+def is_usual(text: str) -> bool:
+    """Whether a cell of a table looks like a unit: of usual ones, whatever their case, or a dash for none."""
+    text = re.sub(r"^in[ _]", "", text.strip("[](){}<> "))
+    words = _WORD.findall(text)
+    usual = {*map(str.lower, _USUAL), "per"}
+    is_known = all(word.lower() in usual or _in_case(word) != word for word in words)
+    return text in ("-", "%") or (bool(words) and is_known)
+
+
+def spelled(text: str) -> str | None:
+    """A unit as Pint spells it, from how people write it; None where its case leaves milli or mega open."""
+    text = re.sub(r"^in[ _]", "", text.strip())
+    text = re.sub(r"^(?:per|1)[ _/]+", "1/", text).replace("_", "/")
+    words = {word: _in_case(word) for word in _WORD.findall(text)}
+    if None in words.values():
+        return None
+    return "1" if text == "-" else _WORD.sub(lambda found: str(words[found[0]]), text)
+
+
+def _in_case(word: str) -> str | None:
+    """A usual unit in its case: MPa for Mpa, but none for mpa, mPa or Ms."""
+    near = [unit for unit in _USUAL if unit.lower() == word.lower()]
+    if word in near or not near:
+        in_words = (unit for unit, words in _IN_WORDS.items() if re.fullmatch(words, word.lower()))
+        return word if near else next(in_words, word)
+    if any(unit[0] in "mM" and unit[1:] in _USUAL for unit in near):
+        near = [unit for unit in near if word[0] == unit[0] == "M"]
+    return near[0] if near else None
 
 
 def factor(unit: str, target: str) -> float | None:

@@ -10,12 +10,17 @@ import numpy as np
 
 from asperity.base import views
 from asperity.base.checks import Floats
-from asperity.base.columns import position
-from asperity.base.tables import GROUPED, MISSING, Table, read_table
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, position
+from asperity.base.tables import GROUPED, MISSING, Table
 from asperity.errors import InputError
 
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
+_ROLES = (
+    Role("time", TIME.unit, rf"{TIME.words}|hold|halte"),
+    Role("value", "", ""),
+    Role("stderr", "", "$^"),
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +37,10 @@ class Measurements(views.Brief):
         Names of the columns in the file's header, or "" where it has none.
     remarks
         What was decided about the table.
+    time_unit
+        Unit of the times as the table or the user states it, or "".
+    source
+        What was read of which file.
     """
 
     time: Floats
@@ -40,6 +49,8 @@ class Measurements(views.Brief):
     time_name: str
     value_name: str
     remarks: tuple[str, ...] = ()
+    time_unit: str = ""
+    source: str = ""
 
 
 def read_measurements(
@@ -48,11 +59,15 @@ def read_measurements(
     time: int | str | None = None,
     value: int | str | None = None,
     stderr: int | str | None = None,
+    columns: Chosen | None = None,
+    units: Units | None = None,
 ) -> Measurements:
     """Read hold times and values, and if asked standard errors, from a table in a text file.
 
-    Lines that begin with #, % or ; are comments; lines without any number before the first line of numbers
-    are headers; semicolons, tabs, commas or blanks separate columns; numbers may have decimal commas.
+    Lines that begin with #, % or ; are comments; semicolons, tabs, commas or blanks separate columns; numbers
+    may have decimal commas. The last line before the numbers that has as many cells is the header; a row of
+    units may follow it, and metadata may stand above. Numbers stay in the units of the table; of a column
+    such as ``log10(t/s)`` the antilogarithms are read.
 
     Parameters
     ----------
@@ -61,6 +76,10 @@ def read_measurements(
     time, value, stderr
         The columns: a name in the file's header, or a number, counted from 0. By default time and value
         are the first two, after the index 0, 1, 2, ... that pandas writes before them, if there is one.
+    columns
+        The same in one list or text, such as ``"0,2"``.
+    units
+        Units of columns by name or number, in place of those of the table: ``{"t": "min"}`` or ``"t=min"``.
 
     Raises
     ------
@@ -68,17 +87,31 @@ def read_measurements(
         There is no such file or column, the file is no table of two columns or more, or a cell is not
         a finite number, a time below 0, a value or standard error not above 0; with the number of its line.
     """
-    table = read_table(Path(path))
-    indexed = _begins_with_index(table)
-    asked = {"time": time, "value": value, "stderr": stderr}
+    found = Columns(path, _ROLES, columns, units)
+    table, indexed = found.table, _begins_with_index(found.table)
+    asked: dict[str, int | str | None] = {"time": time, "value": value, "stderr": stderr}
+    if columns is not None:
+        if asked != dict.fromkeys(asked) or len(found.chosen) not in (2, 3):
+            expected, got = (
+                "time, value and perhaps stderr, and no other choice",
+                " ".join(map(str, found.chosen)),
+            )
+            raise InputError("columns", expected=expected, got=got)
+        asked |= zip(asked, found.chosen, strict=False)
     usual = {"time": int(indexed), "value": 1 + int(indexed), "stderr": None}
     chosen = {name: usual[name] if column is None else column for name, column in asked.items()}
-    columns = {name: position(table, column) for name, column in chosen.items() if column is not None}
-    if len(set(columns.values())) < len(columns):
-        got = " and ".join(f"column {at}" for at in columns.values())
-        raise InputError(str(path), expected=f"{' and '.join(columns)} in different columns", got=got)
-    read = {name: _checked(table, at, name) for name, at in columns.items()}
-    time_name, value_name = table.names[columns["time"]], table.names[columns["value"]]
+    places = {name: position(table, column) for name, column in chosen.items() if column is not None}
+    if len(set(places.values())) < len(places):
+        got = " and ".join(f"column {at}" for at in places.values())
+        raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
+    read = {name: _checked(found, at, name) for name, at in places.items()}
+    of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
+    if len(places) == 3 and of_errors not in ("", of_values):
+        expected = f"the unit of the values, {of_values or 'none'}"
+        raise InputError(
+            f"column {table.names[places['stderr']]!r} of {path}", expected=expected, got=of_errors
+        )
+    time_name, value_name = table.names[places["time"]], table.names[places["value"]]
     remark = f"column 0, without a name, counts the lines: took {time_name!r} for the hold times"
     return Measurements(
         time=read["time"],
@@ -86,7 +119,9 @@ def read_measurements(
         stderr=read.get("stderr"),
         time_name=time_name,
         value_name=value_name,
-        remarks=(remark,) if indexed and time is None else (),
+        remarks=(remark,) if indexed and asked["time"] is None else (),
+        time_unit=found.unit("time", places["time"]),
+        source=found.read,
     )
 
 
@@ -102,8 +137,10 @@ def _begins_with_index(table: Table) -> bool:
     )
 
 
-def _checked(table: Table, column: int, name: str) -> Floats:
-    values = table.values[:, column]
+def _checked(found: Columns, column: int, name: str) -> Floats:
+    table, values = found.table, found.table.values[:, column]
+    if np.isfinite(values).all():
+        values = found.values(name, column, convert=False)
     bad = ~np.isfinite(values) | (values < 0 if name == "time" else values <= 0)
     if not bad.any():
         return values

@@ -6,7 +6,8 @@ from asperity.friction.export import save_parameters
 from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import RateAndState
 from asperity.friction.parameters import MachineFit, RateAndStateFit
-from asperity.friction.records import HoldPeaks, Record, hold_peaks, read_record, record_of
+from asperity.friction.reading import read_record
+from asperity.friction.records import HoldPeaks, Record, hold_peaks, record_of
 from asperity.friction.tabor import ShearStrength, add_friction
 
 __all__ = [

@@ -30,7 +30,8 @@ _LEAST = 4
 _MOST = 400
 """Segments at most."""
 
-_ROUNDING = 1e-9
+_SWEEPS = 2
+_ROUNDING = 1e-8
 _COMPLIANCES = 24
 """How many k are tried."""
 
@@ -152,6 +153,9 @@ class _Pieces:
             del edges[n + 1], kinks[n]
             for near in range(max(0, n - 1), min(n + 1, len(kinks))):
                 kinks[near] = worth(near)
+        for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # a split did not know the others yet
+            part = slice(edges[n - 1], edges[n + 1])
+            edges[n] = part.start + _split(self.time[part], self.place[part], 0.0, always=True)
         return _Pieces(self.time, self.place, self.noise, tuple(edges))
 
     def _line(self, first: int, end: int) -> tuple[float, float, float]:
@@ -189,8 +193,8 @@ class _Pieces:
         return Drive(np.array(kinks), speeds, np.array(spread))
 
 
-def _split(time: Floats, place: Floats, noise: float) -> int:
-    """Row at which two lines fit best, 0 where that is no better than one."""
+def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:
+    """Row at which two lines fit best, 0 where that is no better than one unless there is one `always`."""
     n = time.size
     if n < 2 * _LEAST:
         return 0
@@ -203,7 +207,7 @@ def _split(time: Floats, place: Floats, noise: float) -> int:
     both = left + _squares(*(one[-1] - one[rows] for one in sums))
     at = int(np.argmin(both))
     gain = float(sums[5][-1] - both[at])
-    return int(rows[at]) + 1 if gain > _GAIN * max(noise, float(both[at]) / n) else 0
+    return int(rows[at]) + 1 if always or gain > _GAIN * max(noise, float(both[at]) / n) else 0
 
 
 def _squares(n: Floats, t: Floats, y: Floats, tt: Floats, ty: Floats, yy: Floats) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
-from asperity.base.columns import Roles, finite, named, position
-from asperity.base.tables import read_table
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
@@ -63,6 +60,8 @@ class Record(views.Brief):
         rests is the machine, and a fit needs its stiffness.
     units
         Units of time and length in which messages speak of the record.
+    read
+        What was read of which columns of a table.
 
     Raises
     ------
@@ -83,6 +82,7 @@ class Record(views.Brief):
     slip: Floats | None = field(default=None, kw_only=True)
     drive: Drive | None = field(default=None, kw_only=True)
     units: tuple[str, str] = field(default=("s", "m"), kw_only=True)
+    read: str = field(default="", kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         time, velocity = timetable(self.time, self.velocity)
@@ -162,12 +162,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        a: float | None = None,
-        normal_stress: float | None = None,
-        normal_force: float | None = None,
-        source: str = "",
-        si: bool = True,
-        units: tuple[str, str] = ("s", "m"),
+        **about: Any,
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
 
@@ -180,8 +175,8 @@ class Record(views.Brief):
             Shape (n,), as in a record.
         load_point, slip
             Displacements (length), shape (n,); one of them at least. They may fall by their noise.
-        a, normal_stress, normal_force, source, si, units
-            As in a record.
+        about
+            As in a record: `a`, `normal_stress`, `normal_force`, `source`, `si`, `units`.
 
         Raises
         ------
@@ -202,8 +197,7 @@ class Record(views.Brief):
             raise InputError(
                 name or "load_point", expected="three displacements or more, one for each", got=got
             )
-        about: dict[str, Any] = {"a": a, "si": si, "source": source, "units": units, **places}
-        about |= {"normal_stress": normal_stress, "normal_force": normal_force}
+        about |= places
         timetable(times, np.zeros_like(times))
         if name == "slip":
             driven, compliance = drive_of_slip(times, along, values)
@@ -386,111 +380,6 @@ def record_of(
 def _after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
     """Which entries are those after a slip at once, shape (n,)."""
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))
-
-
-_COLUMNS = (
-    ("", "", r"temp|humid|\bstd|\berr|angle|thickness"),
-    ("time", "s", r"\btime\b|^t$|elapsed"),
-    ("normal stress", "Pa", r"(normal|effective).*(stress|pressure)|^sigma|^σ"),
-    ("normal force", "N", r"normal.*(force|load)|^(load|fn|f n)$"),
-    ("shear stress", "Pa", r"shear.*stress|^tau$|^τ$"),
-    ("shear force", "N", r"(shear|friction|tangential|lateral).*force|^(fs|ft|f s|f t)$"),
-    ("velocity", "m/s", r"veloc|speed|slip rate|^v$"),
-    ("displacement", "m", r"displac|slip|position|distance|^[xd]$"),
-    ("friction", "1", r"friction|^mu\b|^[µμ]|coef"),
-)
-_ROLES = Roles(
-    tuple((role, pattern) for role, _, pattern in _COLUMNS), {role: (unit,) for role, unit, _ in _COLUMNS}
-)
-_EXAMPLES = (
-    "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
-)
-_KINEMATIC = ("time", "velocity", "displacement")
-
-
-def read_record(
-    path: Path | str, *, columns: Sequence[int | str] | None = None, strength_at_rest: bool = False
-) -> Record:
-    """Read the record of an experiment from a table in a text file, and convert it to s, m and Pa.
-
-    The names of the columns say what they hold and in which unit: ``time_s``, ``velocity [um/s]`` or
-    ``displacement (mm)``, and ``friction``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or
-    ``shear_force_N`` and ``normal_force_N``, of which friction is the ratio. Where there are velocity and
-    displacement, the velocity counts, which is the mean since the line before. If neither time nor velocity
-    nor displacement has a unit, the record is in units of its own, such as those of a simulation. For the
-    form of the file see `asperity.fits.read_measurements`.
-
-    Parameters
-    ----------
-    path
-        A text file with a line for each time.
-    columns
-        Names or numbers, from 0, of the columns to read; by default all whose names are understood.
-    strength_at_rest
-        As in `Record`.
-
-    Raises
-    ------
-    InputError
-        There is no such table, its columns are not understood, some have units and some have none, a cell
-        is no number, or the numbers are no record.
-    """
-    table = read_table(Path(path))
-    chosen = range(len(table.names)) if columns is None else [position(table, name) for name in columns]
-    found: dict[str, tuple[int, str | None]] = {}
-    for at in chosen:
-        role, unit = _ROLES.of(table.names[at])
-        if role and role in found:
-            got = f"{table.names[found[role][0]]!r} and {table.names[at]!r}"
-            expected = f"one column of {role}"
-            raise InputError(table.name, expected=expected, got=got, advice="columns=[...] to choose")
-        if role:
-            found[role] = (at, unit)
-    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(found)]
-    motion = "velocity" if "velocity" in found else "displacement"
-    if "time" not in found or motion not in found or not ("friction" in found or ratios):
-        raise InputError(
-            table.name,
-            expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
-            got=named(table),
-            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
-        )
-    kinematic = [role for role in _KINEMATIC if role in found]
-    bare = [role for role in kinematic if not found[role][1]]
-    si = len(bare) < len(kinematic)
-    if bare and si:
-        name = f"column {table.names[found[bare[0]][0]]!r} of {table.name}"
-        raise InputError(name, expected=f"a unit of {bare[0]}", got="none")
-
-    def read(role: str) -> Floats:
-        at, unit = found[role]
-        target = _ROLES.units[role][0]
-        if unit is None:
-            name = f"column {table.names[at]!r} of {table.name}"
-            raise InputError(name, expected=f"a unit of {role}, such as {target}", got=repr(table.names[at]))
-        scale = 1.0 if not unit or unit == target else units.factor(unit, target)
-        assert scale is not None  # the role fits
-        return finite(table, at, role) * scale
-
-    if "friction" in found:
-        friction = read("friction")
-    else:
-        friction = read(f"shear {ratios[0]}") / read(f"normal {ratios[0]}")
-    make = Record if motion == "velocity" else Record.of_displacement
-    try:
-        return make(
-            read("time"),
-            read(motion),
-            friction,
-            strength_at_rest=strength_at_rest,
-            si=si,
-            normal_stress=float(read("normal stress").mean()) if "normal stress" in found else None,
-            source=str(path),
-        )
-    except InputError as error:
-        if error.name.startswith((table.name, "column ")):
-            raise
-        raise error.about(f"{table.name}, {error.name}") from error
 
 
 def _nominal_area(dataset: xr.Dataset) -> float:

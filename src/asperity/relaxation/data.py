@@ -24,6 +24,7 @@ from asperity.relaxation.positive_sums import positive_weights
 from asperity.relaxation.series import PronySeries, from_retardation, of_weights
 
 Extrapolate = Literal["plateau"]
+Modulus = Literal["young", "shear", "contact"]
 
 FEWEST = 5
 """Points without which nothing is fitted."""
@@ -38,8 +39,14 @@ _PLATEAU = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Data(views.Brief):
-    """Data against times or frequencies: those first, then each quantity, and then how they are taken."""
+    """Data against times or frequencies: those first, then each quantity, and then how they are taken.
 
+    `measured` is what they measure, "young", "shear" or "contact", if that is known; `source` says what was
+    read of which file.
+    """
+
+    measured: Modulus | None = field(default=None, kw_only=True)
+    source: str = field(default="", kw_only=True, repr=False)
     falls: ClassVar[bool] = False
     """Whether the first quantity falls along the data; else it rises."""
 
@@ -50,7 +57,7 @@ class _Data(views.Brief):
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Names of the columns."""
-        return tuple(one.name for one in fields(cls) if one.name not in ("noise", "extrapolate"))
+        return tuple(one.name for one in fields(cls) if not one.kw_only and one.name != "noise")
 
     @property
     def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
@@ -67,7 +74,8 @@ class _Data(views.Brief):
         """Data at another temperature: times multiplied, frequencies divided by `factor`."""
         factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
         name, x = self.names()[0], self.columns[0]
-        return replace(self, **{name: factor * x if name == "time" else x / factor})
+        shifted: dict[str, Any] = {name: factor * x if name == "time" else x / factor}
+        return replace(self, **shifted)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,8 +97,8 @@ class _InTime(_Data):
             return self
         _, (values,) = self.columns
         later = self.time[-1] * np.geomspace(1, _PLATEAU, values.size + 1)[1:]
-        longer = np.append(values, np.full(values.size, values[-1]))
-        return replace(self, time=np.append(self.time, later), extrapolate=None, **{self.names()[1]: longer})
+        longer: dict[str, Any] = {self.names()[1]: np.append(values, np.full(values.size, values[-1]))}
+        return replace(self, time=np.append(self.time, later), extrapolate=None, **longer)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,58 +2,57 @@
 
 from __future__ import annotations
 
-import math
 import re
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, cast, get_args
 
-from asperity.base import units
-from asperity.base.checks import Floats, shown
-from asperity.base.columns import Roles, finite, named, position
-from asperity.base.tables import Table, read_table
-from asperity.errors import InputError, Remark
-from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
+from asperity.base.checks import shown
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named, normal
+from asperity.errors import InputError
+from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
 
 Kind = Literal["relaxation", "creep", "dynamic"]
 
 _KINDS: dict[Kind, type[Measured]] = {"relaxation": Relaxation, "creep": Creep, "dynamic": Dynamic}
-_UNITS: dict[str, tuple[str, ...]] = {
-    "time": ("s",),
-    "modulus": ("Pa",),
-    "compliance": ("1/Pa",),
-    "frequency": ("Hz", "rad/s"),
-    "storage": ("Pa",),
-    "loss": ("Pa",),
-}
-# Of a name without its unit, in small letters; the first that matches.
-_PATTERNS = (
-    ("", r"^(log|lg|ln)\b|tan|delta|δ|factor|temp|\*|complex|err|std|strain|force"),
-    ("frequency", r"freq|omega|ω|^[fw]$|^nu$|angular"),
-    ("time", r"\btime\b|^t$"),
-    ("loss", r"loss|''|″|\"|double.?prime|imag|viscous"),
-    ("storage", r"storage|'|′|prime|real|elastic"),
-    ("compliance", r"complian|creep|^[jd]\b"),
-    ("modulus", r"modul|relax|young|^[eg]\b"),
+_ROLES = (
+    Role(
+        "",
+        "",
+        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force"
+        r"|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+    ),
+    Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
+    TIME,
+    Role("loss", "Pa", r"loss|verlust|perte|''|double.?prime|imag|visc|visk|visq"),
+    Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
+    Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
+    Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel"),
 )
-_ROLES = Roles(_PATTERNS, _UNITS)
-_EXAMPLES = "time_s and E_MPa, time_s and J_1/GPa, or omega_rad_s, storage_MPa and loss_MPa"
+_MODULI: dict[Modulus, tuple[str, str]] = {
+    "shear": ("shear", r"shear|schub|scher|cisail"),
+    "contact": ("contact", r"plane.strain|contact|kontakt|reduced|reduit"),
+    "young": ("Young's", r"young|elastizit|d'elast|tensile|tension|zug|traction|flexur|bending|biege"),
+}
+"""What each modulus is called, and the words that say it."""
+_LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
 
 
 def read(
     path: Path | str,
     *,
     kind: Kind | None = None,
-    columns: Sequence[int | str] | None = None,
+    columns: Chosen | None = None,
+    units: Units | None = None,
+    modulus: Modulus | None = None,
     noise: float = 0.05,
 ) -> Measured:
     """Read measured data from a table in a text file, and convert them to s and Pa.
 
-    The names of the columns say what they hold and in which unit: ``time_s``, ``t/s``, ``E(t) [MPa]``,
-    ``modulus (GPa)``, ``J [1/GPa]``, ``frequency_Hz``, ``omega_rad_s``, ``G' (kPa)``. A column without a unit
-    is taken to be in s, Pa, 1/Pa, or rad/s (Hz where its name says frequency), with a remark. For the form of
-    the file see `asperity.fits.read_measurements`.
+    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
+    French: ``time_s``, ``E(t) [MPa]``, ``Zeit / min``, ``J [1/GPa]``, ``frequency_Hz``, ``omega_rad_s``,
+    ``G' (kPa)``, ``log10(t/s)``. A frequency in 1/s is an angular one if its name says so (omega), else it
+    counts cycles. For the form of the file see `asperity.fits.read_measurements`.
 
     Parameters
     ----------
@@ -64,6 +63,11 @@ def read(
     columns
         Names or numbers, from 0, of the columns: time and modulus, time and compliance, or frequency,
         storage and loss modulus. By default those that are named so, or the first, where none has a name.
+    units
+        Units of columns by name or number, in place of those of the table: ``{"E": "MPa"}`` or ``"E=MPa"``.
+    modulus
+        What is measured, where no name says it: "young", Young's modulus E; "shear", the shear modulus G;
+        "contact", E*. The data keep it, and are not converted.
     noise
         Largest relative change in the wrong direction that is taken for noise.
 
@@ -74,94 +78,86 @@ def read(
     Raises
     ------
     InputError
-        There is no such table, its columns are not understood, a cell is no number, or the numbers are no
-        relaxation: see the classes.
+        There is no such table, its columns are not understood, one has no unit, a name says another modulus,
+        a cell is no number, or the numbers are no relaxation: see the classes.
     """
-    if kind is not None and kind not in _KINDS:
-        raise InputError("kind", expected=" or ".join(map(repr, _KINDS)), got=shown(kind))
-    table = read_table(Path(path))
-    found = [_ROLES.of(name) for name in table.names]
-    chosen, positions = _chosen(table, [role for role, _ in found], kind, columns)
-    of_class: Callable[..., Measured] = _KINDS[chosen]
-    roles = _KINDS[chosen].names()
-    given = [_in_si(table, at, role, found[at][1]) for at, role in zip(positions, roles, strict=True)]
+    for name, value, choice in (("kind", kind, Kind), ("modulus", modulus, Modulus)):
+        if value is not None and value not in get_args(choice):
+            raise InputError(name, expected=" or ".join(map(repr, get_args(choice))), got=shown(value))
+    found = Columns(path, _ROLES, columns, units)
+    chosen, places = _chosen(found, kind, ordered=columns is not None)
+    meant = _modulus(found, places[1:], modulus)
+    which = f"{_MODULI[meant][0]} " if meant else ""
+    names = {
+        "modulus": f"{which}modulus",
+        "storage": f"{which}storage modulus",
+        "loss": f"{which}loss modulus",
+    }
+    given: list[Any] = [
+        found.values(role, at, bare=False, called=names.get(role, ""))
+        for at, role in zip(places, _KINDS[chosen].names(), strict=True)
+    ]
+    source, make = found.read, cast(Callable[..., Measured], _KINDS[chosen])
     try:
-        return of_class(*given, noise=noise)
+        return make(*given, noise=noise, measured=meant, source=source)
     except InputError as error:
         if error.name == "noise":
             raise
-        raise error.about(f"{table.name}, {error.name}") from error
+        raise error.about(f"{found.table.name}, {error.name}") from error
 
 
-def _chosen(
-    table: Table, roles: list[str], kind: Kind | None, columns: Sequence[int | str] | None
-) -> tuple[Kind, list[int]]:
+def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:
     """The kind of the data, and the positions of its columns."""
-    wanted = {one: of_class.names() for one, of_class in _KINDS.items()}
-    if columns is not None:
-        if isinstance(columns, str):
-            raise InputError("columns", expected="a list of names or numbers", got=shown(columns))
-        positions = [position(table, column) for column in columns]
-        asked = tuple(roles[at] for at in positions)
+    table, roles = found.table, list(found.roles)
+    wanted = {one: of_class.names() for one, of_class in _KINDS.items() if kind in (None, one)}
+    # Moduli against frequency, without more words: storage and loss.
+    plain = [at for at, role in enumerate(roles) if role == "modulus"]
+    if "frequency" in roles and "storage" not in roles and len(plain) == 2 - roles.count("loss"):
+        for at, role in zip(plain, ("storage", "loss"), strict=False):
+            roles[at] = role
+    if ordered:
+        places = found.chosen
+        asked = tuple(roles[at] for at in places)
         chosen = kind or next((one for one, names in wanted.items() if asked == names), None)
         if chosen is None:
-            raise _unclear(table, 'kind="relaxation", "creep" or "dynamic"')
-        if len(set(positions)) != (count := len(wanted[chosen])) or len(positions) != count:
+            raise _unclear(found, 'kind="relaxation", "creep" or "dynamic"')
+        if len(set(places)) != (count := len(wanted[chosen])) or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
-            raise InputError("columns", expected=expected, got=shown(list(columns)))
-        return chosen, positions
+            raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
+        return chosen, places
     if kind is not None and not any(table.names):
-        if len(table.names) < (count := len(wanted[kind])):
+        if len(roles) < (count := len(wanted[kind])):
             expected = f"{count} columns: {', '.join(wanted[kind])}"
-            raise InputError(table.name, expected=expected, got=f"{len(table.names)} columns")
+            raise InputError(table.name, expected=expected, got=f"{len(roles)} columns")
         return kind, list(range(count))
-    # Two moduli against frequency, without more words: storage and loss.
-    plain = [at for at, role in enumerate(roles) if role == "modulus"]
-    if "frequency" in roles and len(plain) == 2 and not {"storage", "loss"} & set(roles):
-        roles = list(roles)
-        roles[plain[0]], roles[plain[1]] = "storage", "loss"
-    fitting = [
-        one
-        for one, names in wanted.items()
-        if kind in (None, one) and all(roles.count(role) == 1 for role in names)
-    ]
+    fitting = [one for one, names in wanted.items() if all(roles.count(role) == 1 for role in names)]
     if len(fitting) != 1:
-        if not any(table.names):
-            first = {2: "time_s,E_MPa", 3: "omega_rad_s,storage_MPa,loss_MPa"}
-            example = first.get(len(table.names), _EXAMPLES)
-            raise _unclear(table, f"a first line that names them with their units, such as {example}")
-        what = "kind=..., " if len(fitting) > 1 else ""
-        raise _unclear(table, f"{what}columns=[...] to choose, or names such as {_EXAMPLES}")
+        header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
+        choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
+        raise _unclear(found, choice if any(table.names) else f"a first line such as {header}")
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 
-def _unclear(table: Table, advice: str) -> InputError:
+def _modulus(found: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:
+    """Which modulus the names of columns say; what is asked for overrides a letter, but no word."""
+    names = [found.table.names[at] for at in places]
+    said = {one for one, (_, words) in _MODULI.items() for name in names if re.search(words, normal(name))}
+    if asked:
+        said.add(asked)
+    elif not said:
+        letters = (re.match(r"[eg]\b|[eg](?= ?rel)", normal(name)) for name in names)
+        said = {_LETTERS[letter[0]] for letter in letters if letter}
+    if len(said) > 1:
+        expected = "the modulus that the names of columns say"
+        got = f"{asked!r} of" if asked else f"{' and '.join(sorted(said))} in"
+        raise InputError("modulus", expected=expected, got=f"{got} {', '.join(map(repr, names))}")
+    return next(iter(said), None)
+
+
+def _unclear(found: Columns, advice: str) -> InputError:
     return InputError(
-        table.name,
+        found.table.name,
         expected="columns of time and modulus, time and compliance, or frequency, storage and loss modulus",
-        got=named(table),
+        got=named(found.table),
         advice=advice,
     )
-
-
-def _in_si(table: Table, position: int, role: str, unit: str | None) -> Floats:
-    """Convert a column; frequencies to rad/s."""
-    name = table.names[position]
-    values = finite(table, position, role)
-    target = _UNITS[role][0]
-    if unit is None or (unit and not _ROLES.fits(role, unit)):
-        example = {"time": "h", "frequency": "Hz", "compliance": "1/GPa"}.get(role, "MPa")
-        kind = f"a unit of {'modulus' if target == 'Pa' else role}, such as {example}"
-        raise InputError(f"column {name!r} of {table.name}", expected=kind, got=repr(name))
-    if role == "frequency":
-        angular = re.search("omega|ω|angular|^w", name.lower()) is not None
-        target = ("rad/s" if angular else "Hz") if not unit else "rad/s" if "rad" in unit else "Hz"
-        if unit in ("1/s", "s^-1"):
-            target = "rad/s"
-    if not unit:
-        text = f"{table.name}: no unit beside {name!r}, taken as {target}" if name else ""
-        text = text or f"{table.name}: column {position} has no name, taken as {role} in {target}"
-        warnings.warn(Remark(text), stacklevel=3)
-    scale = units.factor(unit or target, target)
-    assert scale is not None  # checked above
-    return values * scale * (2 * math.pi if target == "Hz" else 1)

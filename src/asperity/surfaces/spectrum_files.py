@@ -5,17 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from asperity.base import checks, units
-from asperity.base.columns import Roles, finite, named
-from asperity.base.tables import read_table
+from asperity.base.columns import Columns, Role, finite, named
 from asperity.errors import InputError
 from asperity.lattice import Field
 
-_ROLES = Roles(
-    (
-        ("wave number", r"^q$|^k$|wave.?(number|vector)"),
-        ("power", r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr"),
-    ),
-    {"wave number": ("1/m",), "power": ("m^4", "m^3")},
+_ROLES = (
+    Role("wave number", "", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
+    Role("power", "", r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr|spektr|leistungsdichte"),
 )
 
 
@@ -46,9 +42,8 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     InputError
         There is no such table, its columns are not understood, or one has a unit and none is given here.
     """
-    table = read_table(Path(path))
-    found = [_ROLES.of(name) for name in table.names]
-    roles = [role for role, _ in found]
+    found = Columns(path, _ROLES)
+    table, roles = found.table, found.roles
     if not any(table.names) and len(roles) == 2:
         roles = ["wave number", "power"]
     if any(roles.count(role) != 1 for role in ("wave number", "power")):
@@ -58,13 +53,13 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     columns = []
     for role, kind in (("wave number", "1/{}"), ("power", f"{{}}^{power}")):
         at = roles.index(role)
-        values, given = finite(table, at, role), found[at][1]
-        if given != "":
-            target = kind.format(unit or "m")
-            factor = None if given is None else units.factor(given, target)
+        values, given = finite(table, at, role), found.unit(role, at)
+        if given:
+            target, spelled = kind.format(unit or "m"), units.spelled(given)
+            factor = None if spelled is None else units.factor(spelled, target)
             if factor is None:
                 name = f"column {table.names[at]!r} of {table.name}"
-                raise InputError(name, expected=f"a unit like {target}", got=repr(given or table.names[at]))
+                raise InputError(name, expected=f"a unit like {target}", got=repr(given))
             if unit is None:
                 expected = f"the unit of the heights, as the table has {given}"
                 raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")

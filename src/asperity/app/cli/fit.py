@@ -10,9 +10,12 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Out, Switch
+from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
+from asperity.app.cli.options import Reading
 from asperity.errors import InputError
+
+_READING = Reading()
 
 
 @command()
@@ -25,6 +28,7 @@ def fit(
     json: Path | None = None,
     overwrite: Switch = False,
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
+    reading: Reading = _READING,
     column_time: str | None = None,
     column_value: str | None = None,
     column_stderr: str | None = None,
@@ -62,21 +66,25 @@ def fit(
     quantity
         What the values are, for the figure. [default: the name in the header]
     unit_time
-        Unit of the hold times, such as s, for the figure. [default: none]
+        Unit of the hold times, such as s, for the figure. [default: that of the table]
     """
     check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     if json is not None:
         check_new_file("--json", json, (".json",), overwrite=overwrite)
-    unit, (first, last) = unit_time or "", window or (None, None)
+    first, last = window or (None, None)
     if window and not 0 <= window[0] < window[1]:
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
+    from asperity.fits import measured_growth, read_measurements
+
+    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    with in_flags(OF_TABLES):
+        data = read_measurements(file, **chosen, **vars(reading))
     from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers
     from asperity.figures import fit_figure
-    from asperity.fits import measured_growth, read_measurements
 
-    data = read_measurements(file, time=column_time, value=column_value, stderr=column_stderr)
+    unit = unit_time or data.time_unit
     named = quantity or data.value_name or "value"
     try:
         growth = measured_growth(
@@ -99,4 +107,4 @@ def fit(
         write_numbers(growth, json, file=str(file), quantity=named, unit_time=unit)
         written += f"\nnumbers written: {json}"
     blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
-    sys.stdout.write("\n\n".join([*map(aligned, blocks), written]) + "\n")
+    sys.stdout.write("\n\n".join([f"read {data.source}", *map(aligned, blocks), written]) + "\n")

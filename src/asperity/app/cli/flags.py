@@ -11,6 +11,7 @@ import dataclasses
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -36,6 +37,11 @@ Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_defa
 Open = Annotated[bool, Parameter(name="--open", negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
 Whole = Annotated[int, Parameter(converter=_whole)]
+Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
+_UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
+Units = Annotated[list[str] | None, _UNITS]
+OF_TABLES = {name: f"--{name}" for name in ("kind", "columns", "noise", "modulus")} | {"units": "--unit"}
+"""Flags on how to read a table, by the names of arguments."""
 _METAVARS = {
     "number": "FLOAT",
     "whole": "INT",
@@ -51,6 +57,8 @@ _METAVARS = {
     "branches": "SHARE TIME",
     "base_branches": "SHARE TIME",
     "flow": "MOBILITY POWER",
+    "columns": "COLUMN",
+    "units": "COLUMN=UNIT",
 }
 """What stands for the words of a flag in the help, by what its key is, or by its name."""
 
@@ -100,6 +108,15 @@ def of_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
     return InputError(name, expected=error.expected, got=error.got, advice=advice)
 
 
+@contextmanager
+def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
+    """Name flags in errors within it, as `of_flags`."""
+    try:
+        yield
+    except InputError as error:
+        raise of_flags(error, flags) from error
+
+
 def check_unit(flag: str, written: str | list[str], unit: str) -> None:
     """Refuse numbers alone, or among others."""
     words = [written] if isinstance(written, str) else []
@@ -128,6 +145,8 @@ def _read(written: bool | str | list[str], what: What) -> object:
             return pairs if what == "pairs" else pairs[-1]
         if what == "choices":
             return [word for item in written for word in item.split()]
+        if what == "texts":
+            return written
         return numbers(written, whole=what == "wholes")
     if isinstance(written, bool) or what in ("choice", "text", "path"):
         return written

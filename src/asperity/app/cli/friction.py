@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
-
-from cyclopts import Parameter
+from typing import Any, Literal, cast
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Out, Switch, of_flags
-from asperity.app.cli.options import Results
+from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
+from asperity.app.cli.options import Reading, Results
 from asperity.base.words import number
-from asperity.errors import InputError
 
-_RESULTS = Results()
-_FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | {
-    name: f"--{name}" for name in ("a", "events", "columns")
-}
+_RESULTS, _READING = Results(), Reading()
+_FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
+_FLAGS |= {"a": "--a", "events": "--events"}
 
 
 @command()
@@ -29,7 +25,7 @@ def friction(
     reference_velocity: str | None = None,
     events: Literal["all", "holds", "steps"] = "all",
     shear_strength: str | None = None,
-    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    reading: Reading = _READING,
     strength_at_rest: Switch = False,
     out: Out = Path("friction"),
     results: Results = _RESULTS,
@@ -56,13 +52,16 @@ def friction(
         What to fit: all, the holds, or the velocity steps.
     shear_strength
         Shear strength of the contacts, such as 50MPa, for runs that did not state it.
-    columns
-        Names or numbers, from 0, of the columns to read. [default: those whose names are understood]
     strength_at_rest
         Friction at rest in a table is the strength, as in a simulation, and not the force held.
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
+    from asperity.base.tables import read_table
+
+    for path in records:
+        if not path.is_dir():
+            read_table(path)  # what is no table is told before all is imported
     from asperity.app.cli.computing import folder_of_results, tell_results
     from asperity.app.cli.output import check_free, write_figure
     from asperity.app.cli.reports.friction import friction_report, records_at
@@ -70,16 +69,14 @@ def friction(
     from asperity.friction import compare_state_laws, save_parameters
 
     check_free(out, overwrite=results.overwrite)
-    reading: dict[str, Any] = {"columns": columns, "strength_at_rest": strength_at_rest}
+    how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
     strength, reference = (
         None if word is None else cast(float | str, number(word))
         for word in (shear_strength, reference_velocity)
     )
-    try:
-        several = [record for path in records for record in records_at(path, strength, **reading)]
+    with in_flags(_FLAGS):
+        several = [record for path in records for record in records_at(path, strength, **how)]
         found = compare_state_laws(several, a=a, V_0=reference, events=events)
-    except InputError as error:
-        raise of_flags(error, _FLAGS) from error
     rows = friction_report(found, str(records[0]))
     with folder_of_results(out, rows, results) as folder:
         for kind in ("toml", "csv"):

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Out, of_flags
-from asperity.app.cli.options import Results
+from asperity.app.cli.flags import OF_TABLES, Out, in_flags, of_flags
+from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
-_Words = dict[str, str | None]
-_RESULTS = Results()
+_OF_RECORDS = "veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
+_RESULTS, _READING = Results(), Reading()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
 _FLAGS["absolute"] = "--unit-area"
 
@@ -30,6 +30,7 @@ def infer(
     branches: int | None = None,
     priors: Path | None = None,
     error: float | str | None = None,
+    reading: Reading = _READING,
     column_time: str | None = None,
     column_value: str | None = None,
     column_stderr: str | None = None,
@@ -89,6 +90,9 @@ def infer(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
+    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    with in_flags(OF_TABLES):
+        *data, remarks, read = _data(file, chosen, vars(reading), (unit_time, unit_area), error, model)
     from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
@@ -101,10 +105,7 @@ def infer(
 
     libraries()
     check_free(out, overwrite=results.overwrite)
-    columns = {"column-time": column_time, "column-value": column_value, "column-stderr": column_stderr}
-    units = {"unit-time": unit_time, "unit-area": unit_area}
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
-    *data, remarks = _data(file, columns, units, error, model)
     how |= {"absolute": unit_area is not None, "seed": seed, "walkers": walkers}
     how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
@@ -116,7 +117,7 @@ def infer(
             wrong.args = (f"{file}: {wrong}",) if wrong.name in ("time", "area", "friction") else wrong.args
             raise of_flags(wrong, _FLAGS) from wrong
         found = replace(found, remarks=(*remarks, *found.remarks))
-        rows = inference_report(found, str(file))
+        rows = [("read", read), *inference_report(found, str(file))]
         progress.stage("writing the results")
         with folder_of_results(out, rows, results) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
@@ -125,34 +126,45 @@ def infer(
 
 
 def _data(
-    file: Path, columns: _Words, units: _Words, error: float | str | None, model: str
+    file: Path,
+    chosen: dict[str, Any],
+    reading: dict[str, Any],
+    units: tuple[str | None, str | None],
+    error: float | str | None,
+    model: str,
 ) -> tuple[Any, ...]:
-    """Times in s, values and errors, and remarks on how they were read."""
-    import numpy as np
-
+    """Times in s, values and errors, remarks on how they were read, and what was read."""
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
-    from asperity.friction import hold_peaks, read_record
 
     names = read_table(file).names
-    if model == "healing" and any(re.search("velocity|displacement", name, re.I) for name in names):
-        for flag, asked in (columns | units).items():
+    if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):
+        flags = ("--unit-time", "--unit-area", *(f"--column-{name}" for name in chosen))
+        for flag, asked in zip(flags, (*units, *chosen.values()), strict=True):
             if asked is not None:
-                raise InputError(f"--{flag}", expected="a table of hold times and friction", got="a record")
-        peaks = hold_peaks(read_record(file))
-        order = np.argsort(peaks.duration, kind="stable")
+                raise InputError(flag, expected="a table of hold times and friction", got="a record")
+        from asperity.friction import hold_peaks, read_record
+
+        record = read_record(file, **reading)
+        peaks = hold_peaks(record)
+        order = peaks.duration.argsort(kind="stable")
         time, value = peaks.duration[order], peaks.peak[order]
-        return time, value, _error(error, value, 1.0), ()
-    if columns["column-stderr"] is None and error is None:
-        columns["column-stderr"] = _errors_beside(names)
-    given = {name.removeprefix("column-"): column for name, column in columns.items()}
-    table = read_measurements(file, **given)
-    seconds, square = _factors(units, table.time_name, model)
+        return time, value, _error(error, value, 1.0), (), record.read
+    if chosen["stderr"] is None and error is None and reading["columns"] is None:
+        chosen["stderr"] = _errors_beside(names)
+    table = read_measurements(file, **chosen, **reading)
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
+    unit_time, unit_area = units
+    seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
+    expected = "1, for areas over the nominal one" if model == "lattice" else "a unit of area, such as mm^2"
+    square = _factor("--unit-area", unit_area or "1", "1" if model == "lattice" else "m^2", expected)
+    remarks = table.remarks
+    if not (unit_time or table.time_unit or model == "lattice"):
+        remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
     value = square * table.value
     errors = _error(error, value, square) if table.stderr is None else square * table.stderr
-    return seconds * table.time, value, errors, table.remarks
+    return seconds * table.time, value, errors, remarks, table.source
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:
@@ -183,23 +195,11 @@ def _error(error: float | str | None, value: Any, unit: float) -> Any:
     return amount / 100 * value if text.endswith("%") else np.full_like(value, amount * unit)
 
 
-def _factors(given: _Words, time_name: str, model: str) -> tuple[float, float]:
-    """The unit of the times over s, and that of the areas over m^2."""
+def _factor(flag: str, unit: str, target: str, expected: str) -> float:
+    """One unit over that of SI; 1 is left as it is."""
     from asperity.base import units
-    from asperity.base.columns import Roles
 
-    _, named = Roles((("time", r"time|hold|^t$"),), {"time": ("s",)}).of(time_name)
-    if re.search(r"\blog|\bln\b", time_name, re.I):
-        raise InputError("--column-time", expected="times, not their logarithms", got=repr(time_name))
-    unit = given["unit-time"] or (named if named is None else named or "s")
-    seconds = None if unit is None else units.factor(unit, "s")
-    if seconds is None:
-        got = f"a column {time_name!r}" if unit is None else unit
-        raise InputError("--unit-time", expected="a unit of time, such as min", got=got)
-    area = given["unit-area"] or "1"
-    square = 1.0 if area == "1" else units.factor(area, "m^2")
-    nominal = model == "lattice"
-    if square is None or (nominal and area != "1"):
-        expected = "1, for areas over the nominal one" if nominal else "a unit of area, such as mm^2"
-        raise InputError("--unit-area", expected=expected, got=area)
-    return seconds, square
+    factor = 1.0 if unit == "1" else units.factor(units.spelled(unit) or "", target)
+    if factor is None:
+        raise InputError(flag, expected=expected, got=unit)
+    return factor

@@ -8,7 +8,7 @@ from typing import TypeVar, dataclass_transform
 
 from cyclopts import Parameter
 
-from asperity.app.cli.flags import Open, Quiet, Switch, Whole
+from asperity.app.cli.flags import Columns, Open, Quiet, Switch, Units, Whole
 from asperity.errors import InputError
 
 _Flags = TypeVar("_Flags")
@@ -56,6 +56,23 @@ class Results:
     overwrite: Switch = False
     quiet: Quiet = False
     show: Open = False
+
+
+@flags_of_fields
+class Reading:
+    """How a table is read.
+
+    Parameters
+    ----------
+    columns
+        Its columns by names or numbers, from 0: of a curve times, values and perhaps standard errors; of a
+        record all to read. [default: the first two; of a record those whose names are understood]
+    units
+        Units of columns in place of those of the table, such as t=min.
+    """
+
+    columns: Columns = None
+    units: Units = None
 
 
 @flags_of_fields

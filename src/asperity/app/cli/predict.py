@@ -11,7 +11,18 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
+from asperity.app.cli.flags import (
+    OF_TABLES,
+    Columns,
+    Flags,
+    Out,
+    Switch,
+    Units,
+    Whole,
+    flags_for,
+    given,
+    in_flags,
+)
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -30,11 +41,13 @@ class PredictFlags:
     columns
         Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency,
         storage and loss modulus. [default: those that are named so]
+    units
+        Units of its columns in place of those of the table, such as E=MPa.
     noise
         Largest relative change in the wrong direction that is taken for noise of the table. [default: 0.05]
     modulus
         What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
-        [default: young]
+        [default: what the names of its columns say, else young]
     branches
         How many relaxation times the fit of the table has, which are free. [default: the fewest whose misfit
         looks like noise, five at most; else --branches-per-decade 1]
@@ -47,7 +60,8 @@ class PredictFlags:
     """
 
     kind: Literal["relaxation", "creep", "dynamic"] | None = None
-    columns: Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)] = None
+    columns: Columns = None
+    units: Units = None
     noise: float | None = None
     modulus: Literal["young", "shear", "contact"] | None = None
     branches: Whole | None = None
@@ -99,6 +113,14 @@ def predict(
     flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
+    if material is not None and material.suffix != ".toml":  # mistakes in it are told before all is imported
+        from asperity.relaxation import read
+
+        with in_flags(OF_TABLES):
+            read(
+                material,
+                **{name: asked for name in OF_TABLES if (asked := getattr(wanted, name)) is not None},
+            )
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.analysis.prediction import Prediction
-from asperity.app.cli.flags import check_unit, keys_for, of_flags
+from asperity.app.cli.flags import OF_TABLES, check_unit, in_flags, keys_for
 from asperity.app.config import MeasuredSurface
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Scan
@@ -20,9 +20,6 @@ from asperity.base import units
 from asperity.contact import Carried
 from asperity.errors import InputError
 from asperity.relaxation import arrhenius, wlf
-
-_OF_TABLES = ("kind", "columns", "noise", "modulus", "branches")
-"""Flags about a relaxation table, which go on as they are."""
 
 
 def prediction_asked(
@@ -40,10 +37,8 @@ def prediction_asked(
         compute = lambda **more: predict(material, scan.build(), **arguments, **more)  # noqa: E731
 
     def of_flags_alone(**more: Any) -> Prediction:
-        try:
+        with in_flags(_flags_of_arguments(wanted)):
             return compute(ramp=loading, **more)
-        except InputError as error:
-            raise of_flags(error, _flags_of_arguments(wanted)) from error
 
     return asked, of_flags_alone
 
@@ -108,7 +103,7 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> dict[str, Any]:
             keys |= found.model_dump(exclude_unset=True)
         elif (carried := found.asked([keys.get("poisson", POISSON)])) is not None:
             keys["carried"] = Carried(**carried)
-    keys |= {name: wanted[name] for name in _OF_TABLES if wanted[name] is not None}
+    keys |= {name: wanted[name] for name in (*OF_TABLES, "branches") if wanted[name] is not None}
     return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}
 
 
@@ -139,7 +134,7 @@ def _flags_of_arguments(wanted: dict[str, Any]) -> dict[str, str]:
     """Flags of arguments, by their names in Python."""
     keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
     others = ("surface", "branches_per_decade", "extrapolate", "ramp", *wanted)
-    return keys | {name: _flag(name) for name in others}
+    return keys | {name: _flag(name) for name in others} | OF_TABLES
 
 
 def _flag(name: str) -> str:

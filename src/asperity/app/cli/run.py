@@ -54,6 +54,7 @@ def run(
     if leg:
         flags["protocol"] = {"legs": legs_from_words(leg)}
     settings = read_config(config, flags)
+    table = getattr(settings.solid, "fit", None)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.cli.output import write_run
     from asperity.app.cli.reports.run import run_report
@@ -63,7 +64,7 @@ def run(
         out,
         to_toml(settings),
         functools.partial(execute, settings),
-        report=run_report,
+        report=functools.partial(run_report, read="" if table is None else table.data.source),
         write=write_run,
         every=_CHECKPOINT_EVERY,
         results=results,

@@ -26,6 +26,7 @@ What = Literal[
     "choices",
     "switch",
     "text",
+    "texts",
     "text or whole",
     "path",
     "legs",
@@ -62,7 +63,7 @@ class Key:
     @property
     def several(self) -> bool:
         """Whether it is a list."""
-        return self.what in ("numbers", "wholes", "choices", "pairs")
+        return self.what in ("numbers", "wholes", "texts", "choices", "pairs")
 
 
 Keys = dict[str, Key]

@@ -40,6 +40,7 @@ def flag_of(section: str, key: str) -> str:
         ("solid", "branches"): "branch",
         ("solid", "base_branches"): "base-branch",
         ("solid", "per_decade"): "branches-per-decade",
+        ("solid", "table_kind"): "kind",
     }
     return "--" + names.get((section, key), key).replace("_", "-")
 
@@ -167,6 +168,9 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
         return found[0].strip("`")
 
     said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
+    keys = {"kind": "table_kind", "columns": "columns", "units": "units"}  # of how a table is read
+    key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{keys[key[1]]} = ")
+    said = re.sub(rf'\b({"|".join(keys)})=(?=")', key_or_flag, said)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 

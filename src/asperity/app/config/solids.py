@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
@@ -41,6 +41,8 @@ if TYPE_CHECKING:  # these need scipy, for which the help does not wait
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
 Plateau = Literal["plateau"]
+TableModulus = Literal["young", "shear", "contact"]
+Words = Annotated[list[str], BeforeValidator(lambda given: _as_words(listed(given)))]
 PerDecade = Annotated[float, Field(ge=0.2, le=10)]
 POISSON = 0.35
 """Poisson's ratio of a prediction to which none is given."""
@@ -49,8 +51,15 @@ _HARDNESS = "Pressure under which the rough surface yields; on the lattice of sp
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
+_OF_TABLES = ("table_kind", "table_modulus", "columns", "units", "noise", "per_decade", "extrapolate")
+"""Keys about a relaxation table."""
+
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
+
+
+def _as_words(given: object) -> object:
+    return [str(one) if isinstance(one, int) else one for one in given] if isinstance(given, list) else given
 
 
 def _shares(branches: list[Branch]) -> list[Branch]:
@@ -237,6 +246,23 @@ class Continuum(SolidSection):
         "Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
         "that gives the branches; and Young's modulus, where no modulus is given.",
     )
+    table_kind: Literal["relaxation", "creep", "dynamic"] | None = usual(
+        None, "What that table holds, if the names of its columns do not say."
+    )
+    table_modulus: TableModulus | None = usual(
+        None, "Which modulus it measures. By default what its names say, else Young's modulus."
+    )
+    columns: Words | None = usual(
+        None,
+        "Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency, "
+        "storage and loss modulus. By default those that are named so.",
+    )
+    units: Words | None = usual(
+        None, 'Units of its columns in place of those of the table: a column and its unit, such as "E=MPa".'
+    )
+    noise: Annotated[float, Field(ge=0, lt=1)] | None = usual(
+        None, "Largest relative change in the wrong direction that is taken for noise of it. By default 0.05."
+    )
     per_decade: PerDecade | None = usual(
         None,
         "Relaxation times in each decade of that table: more of them for data with few distinct "
@@ -249,6 +275,15 @@ class Continuum(SolidSection):
         "stays. By default later times are refused.",
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _modulus_of_table(cls, given: Any) -> Any:
+        """Which modulus a table measures may be said by the key of the contact modulus, as by one flag."""
+        if isinstance(given, dict) and given.get("modulus") in get_args(TableModulus):
+            given = {**given, "table_modulus": given["modulus"]}
+            del given["modulus"]
+        return given
+
     @model_validator(mode="after")
     def _one_modulus(self) -> Self:
         given = [name for name in ("modulus", "young") if getattr(self, name) is not None]
@@ -257,12 +292,13 @@ class Continuum(SolidSection):
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        if self.modulus is None and bodies != ratios:
+        if self.relaxation is None and (
+            others := [key for key in _OF_TABLES if getattr(self, key) is not None]
+        ):
+            raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
+        if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
             advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
             raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
-        for name in ("per_decade", "extrapolate"):
-            if self.relaxation is None and getattr(self, name) is not None:
-                raise ValueError(f"{name}: expected relaxation beside it, got none")
         if self.relaxation is not None:
             if self.branches:
                 raise ValueError("expected branches or relaxation, got both")
@@ -271,7 +307,8 @@ class Continuum(SolidSection):
             try:
                 _ = self.fit
             except InputError as error:
-                raise ValueError(f"relaxation: {error}") from None
+                asked = error.name if error.name in _OF_TABLES else "relaxation"
+                raise ValueError(f"{asked}: {error}") from None
         return self
 
     @property
@@ -281,7 +318,10 @@ class Continuum(SolidSection):
             return None
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        return _fitted(path, self.per_decade, self.extrapolate, changed)
+        how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
+        how |= {key: tuple(words) for key in ("columns", "units") if (words := getattr(self, key))}
+        given = tuple((key, value) for key, value in how.items() if value is not None)
+        return _fitted(path, given, self.per_decade, self.extrapolate, changed)
 
     @property
     def assumed(self) -> str:
@@ -300,8 +340,9 @@ class Continuum(SolidSection):
 
         if self.modulus is not None:
             return self.modulus
-        young = self.young or ([] if (fit := self.fit) is None else [fit.series.modulus])
-        return contact_modulus(young, self.poisson or [])
+        if self.young is None and (fit := self.fit) is not None:
+            return contact_modulus_of(fit, next(iter(self.poisson or []), POISSON), fit.data.measured)
+        return contact_modulus(self.young or [], self.poisson or [])
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -331,7 +372,7 @@ class Continuum(SolidSection):
         """The same solid with the branches and the modulus that a table gives."""
         if self.relaxation is None:
             return self
-        numbers: dict[str, object] = dict.fromkeys(("relaxation", "per_decade", "extrapolate"))
+        numbers: dict[str, object] = dict.fromkeys(("relaxation", *_OF_TABLES))
         numbers["branches"] = self.maxwell
         if self.modulus is None and self.young is None:
             numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
@@ -460,10 +501,25 @@ SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
 AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
 
 
+def contact_modulus_of(fit: Fit, poisson: float, measured: TableModulus | None) -> float:
+    """E* of a table of E, of G = E/2(1 + nu), or of E* itself."""
+    from asperity.solids import contact_modulus
+
+    if measured == "contact":
+        return fit.series.modulus
+    return contact_modulus(fit.series.modulus * (2 * (1 + poisson) if measured == "shear" else 1), poisson)
+
+
 @functools.lru_cache(maxsize=8)
-def _fitted(path: Path, per_decade: float | None, extrapolate: Plateau | None, changed: int) -> Fit:
+def _fitted(
+    path: Path,
+    how: tuple[tuple[str, Any], ...],
+    per_decade: float | None,
+    extrapolate: Plateau | None,
+    changed: int,
+) -> Fit:
     """A table, fitted; ``changed`` tells one state of the file from another."""
     from asperity.relaxation import fit, read
 
     del changed
-    return fit(read(path), per_decade=per_decade, extrapolate=extrapolate)
+    return fit(read(path, **dict(how)), per_decade=per_decade, extrapolate=extrapolate)

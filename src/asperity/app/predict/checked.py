@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 from typing import Any, cast
 
 from asperity.app.config import RunConfig
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.runs.defaults import hold_times
 from asperity.base import checks, units
-from asperity.errors import InputError, Remark
+from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import Hold, Ramp
-from asperity.relaxation import Fit, Measured, PronySeries, check_branches
-from asperity.relaxation import read as read_table
-from asperity.relaxation.files import Kind
+from asperity.relaxation import Fit, PronySeries, check_branches
 from asperity.relaxation.series import Branches
 from asperity.solids import Solid
 
@@ -28,20 +24,6 @@ RUN = "asperity run, which takes the same file"
 def quantity(name: str, given: object, unit: str) -> float:
     """Read a number above 0, in SI or with a unit."""
     return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
-
-
-def table_with_units(
-    path: str | Path, kind: Kind | None, columns: Sequence[int | str] | None, noise: float
-) -> Measured:
-    """Read a table whose columns name their units: a modulus in MPa taken for Pa is a wrong prediction."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", Remark)
-        try:
-            return read_table(path, kind=kind, columns=columns, noise=noise)
-        except Remark as remark:
-            expected, advice = "columns that name their units", "a header such as time [s],E [MPa]"
-            got = str(remark).partition(", taken as ")[0]
-            raise InputError("relaxation", expected=expected, got=got, advice=advice) from None
 
 
 def series_with(

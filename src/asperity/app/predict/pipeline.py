@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from asperity.analysis.observation import observe
 from asperity.analysis.prediction import Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig
-from asperity.app.config.solids import POISSON, HalfSpace
+from asperity.app.config.solids import POISSON, HalfSpace, contact_modulus_of
 from asperity.app.predict.bandwidth import bands_of
 from asperity.app.predict.checked import (
     LEAST_TIMES,
@@ -29,7 +29,6 @@ from asperity.app.predict.checked import (
     no_protocol,
     quantity,
     series_with,
-    table_with_units,
     times_within,
 )
 from asperity.app.predict.words import remarks_on
@@ -43,6 +42,7 @@ from asperity.app.runs.pipeline import (
     remarks_on_edges,
 )
 from asperity.base import checks
+from asperity.base.columns import Chosen, Units
 from asperity.base.machine import require
 from asperity.contact import Carried
 from asperity.errors import InputError
@@ -50,15 +50,14 @@ from asperity.lattice import Field
 from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, Measured, PronySeries, fit
-from asperity.relaxation.data import Extrapolate
+from asperity.relaxation import read as read_table
+from asperity.relaxation.data import Extrapolate, Modulus
 from asperity.relaxation.files import Kind
 from asperity.results import Checkpoint
 from asperity.simulate import age, press
-from asperity.solids import Solid, contact_modulus, half_space
+from asperity.solids import Solid, half_space
 from asperity.solids.continua import checked_poisson
 from asperity.surfaces import Surface, read
-
-Modulus = Literal["young", "shear", "contact"]
 
 
 def predict(
@@ -68,9 +67,10 @@ def predict(
     load: float | str | None = None,
     pressure: float | str | None = None,
     kind: Kind | None = None,
-    columns: Sequence[int | str] | None = None,
+    columns: Chosen | None = None,
+    units: Units | None = None,
     noise: float = 0.05,
-    modulus: Modulus = "young",
+    modulus: Modulus | None = None,
     poisson: float = POISSON,
     shift: float = 1.0,
     hardness: float | str | None = None,
@@ -107,10 +107,11 @@ def predict(
         that is made of a scan and its mirror images is taken as that scan with reflecting edges.
     load, pressure
         Normal load, N; or in its place load over nominal area, Pa. It stays once it is put on.
-    kind, columns, noise
+    kind, columns, units, noise
         How to read the file of the table, see `asperity.relaxation.read`.
     modulus
-        What the table measures: "young", Young's modulus E; "shear", the shear modulus G; "contact", E*.
+        What the table measures: "young", Young's modulus E; "shear", the shear modulus G; "contact", E*. By
+        default what the names of its columns say, else Young's modulus.
     poisson
         Poisson's ratio, which does not relax: E* = E/(1 - nu^2) = 2 G/(1 - nu).
     shift
@@ -171,7 +172,7 @@ def predict(
     which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
     amount = quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))
     strength = None if shear_strength is None else quantity("shear_strength", shear_strength, "Pa")
-    if modulus not in get_args(Modulus):
+    if modulus not in (None, *get_args(Modulus)):
         raise InputError("modulus", expected="'young', 'shear' or 'contact'", got=checks.shown(modulus))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     checked_poisson("poisson", poisson)
@@ -186,8 +187,9 @@ def predict(
     with listener(progress) as listening:
         if isinstance(material, Solid):
             of_a_table = {
-                **{"kind": (kind, None), "columns": (columns, None), "noise": (noise, 0.05)},
-                **{"modulus": (modulus, "young"), "poisson": (poisson, POISSON), "shift": (shift, 1.0)},
+                **{"kind": (kind, None), "columns": (columns, None), "units": (units, None)},
+                **{"noise": (noise, 0.05), "modulus": (modulus, None)},
+                **{"poisson": (poisson, POISSON), "shift": (shift, 1.0)},
                 **{"branches": (branches, None), "branches_per_decade": (branches_per_decade, None)},
                 "extrapolate": (extrapolate, None),
             }
@@ -204,7 +206,7 @@ def predict(
             listening.stage("reading the relaxation table")
             factor = checks.number("shift", shift, above=0)
             table = (
-                table_with_units(material, kind, columns, noise)
+                read_table(material, kind=kind, columns=columns, units=units, modulus=modulus, noise=noise)
                 if isinstance(material, str | Path)
                 else material
             )
@@ -212,10 +214,10 @@ def predict(
             found = fit(table, extrapolate=extrapolate, **how)
             if factor != 1:
                 found = fit(found.data.shifted(factor), **how)
-            young = found.series.modulus * (2 * (1 + poisson) if modulus == "shear" else 1)
-            stiffness = found.series.modulus if modulus == "contact" else contact_modulus(young, poisson)
+            measured = modulus or found.data.measured or "young"
+            stiffness = contact_modulus_of(found, poisson, measured)
             solid = half_space(modulus=stiffness, branches=found.series.branches)
-            facts = {"measured": modulus, "poisson": None if modulus == "contact" else poisson}
+            facts = {"measured": measured, "poisson": None if measured == "contact" else poisson}
             facts |= {"shift": factor, **_origin(material, found)}
         solid = solid.with_hardness(hardness)
         times = times_within(found, first, last, density, loading)
@@ -297,8 +299,9 @@ def predict_config(
         remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
     facts: dict[str, object] = {}
     if found is not None:
-        measured = "young" if section.modulus is None and section.young is None else "shares"
-        facts = {"measured": measured, "poisson": next(iter(section.poisson or []), None), "shift": 1.0}
+        is_modulus = section.modulus is None and section.young is None
+        facts = {"measured": (found.data.measured or "young") if is_modulus else "shares"}
+        facts |= {"poisson": next(iter(section.poisson or []), None), "shift": 1.0}
         facts |= _origin(section.relaxation, found)
     prediction = _predicted(
         scan,

@@ -28,6 +28,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels of {sides}")]
     if fit is not None:
         begin, end = fit.data.span
+        rows += [("read", fit.data.source)] if fit.data.source else []
         said = f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
         said += f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
         rows.append(("relaxation", said))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
@@ -21,12 +22,10 @@ _OPEN = 100.0
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
 
 
-def records_at(
-    path: Path, strength: float | str | None, *, columns: list[str] | None, strength_at_rest: bool
-) -> list[Record]:
+def records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
     """The record of a table, or of a run or those of a campaign, each of one surface."""
     if not path.is_dir():
-        return [read_record(path, columns=columns, strength_at_rest=strength_at_rest)]
+        return [read_record(path, **how)]
     histories = _surfaces(path) if (path / "plan.json").exists() else [path]
     return [record_of(history, shear_strength=strength) for history in histories]
 
@@ -50,7 +49,7 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
     fit = found.fits[found.preferred]
     fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
     rows = [
-        ("record", first if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
+        ("record", (record.read or first) if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
         ("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
     ]
     for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):

@@ -26,12 +26,16 @@ _MOST_LEGS = 20
 """Legs of a history that a summary lists."""
 
 
-def run_report(outcome: Outcome, *, seconds: float, resumed: bool) -> list[Row]:
+def run_report(outcome: Outcome, *, seconds: float, resumed: bool, read: str = "") -> list[Row]:
     """Say what was run and what came out; of a resumed run, the seconds are those of this session."""
     dataset, summary, config = outcome.dataset, outcome.summary, outcome.config
     attrs = dataset.attrs
     held = str(attrs["held"])
-    rows = [("surface", _surface(outcome)), ("solid", _solid(config, dataset))]
+    rows = [
+        ("surface", _surface(outcome)),
+        *[("read", read)] * bool(read),
+        ("solid", _solid(config, dataset)),
+    ]
     if summary is None:
         rows += _legs(dataset)
     else:

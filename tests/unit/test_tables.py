@@ -1,0 +1,226 @@
+"""One reader of tables: what laboratories write above their numbers, and what is not understood."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity.errors import InputError
+from asperity.fits import read_measurements
+from asperity.friction import read_record
+from asperity.relaxation import Creep, Dynamic, Relaxation, read
+from tests.refusals import refuses
+
+pytestmark = pytest.mark.usefixtures("here")
+FALLING = np.array([[1, 50], [2, 40], [4, 30], [8, 25], [16, 22.5]])
+RISING = np.array([[1, 20, 6], [2, 25, 5], [4, 30, 4], [8, 40, 3], [16, 50, 2.5]])
+TURN = 2 * math.pi
+
+
+def written(header: str, numbers: Any, decimal: str = ",") -> str:
+    """A table with semicolons and decimal commas, as a European spreadsheet writes it."""
+    rows = [";".join(f"{number:.12g}".replace(".", decimal) for number in row) for row in numbers]
+    Path("t.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8-sig")
+    return "t.csv"
+
+
+@pytest.mark.parametrize(
+    ("header", "second", "pascals", "measured"),
+    [
+        # What is above the names is no name; a row of units below them counts.
+        ("Operator;M. Huber;2026-03-04\nProbe;7\nZeit;Modul\nmin;GPa", 60, 1e9, None),
+        ("Zeit;E-Modul\n[Stunden];[N/mm²]", 3600, 1e6, "young"),
+        ("t;E\ns;Pa", 1, 1, "young"),
+        ("sep=;\ntime_s;E_MPa", 1, 1e6, "young"),
+        ('"time, s";"E, MPa"', 1, 1e6, "young"),
+        # Words of three languages, and ways to write units.
+        ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, None),
+        ("elapsed [min];E_rel [MPa]", 60, 1e6, "young"),
+        ("temps en s [s];module de relaxation (kPa)", 1, 1e3, None),
+        ("Belastungsdauer / d;Elastizitätsmodul in GPa", 86400, 1e9, "young"),
+        ("durée (h);module d\u2019élasticité [GPa]", 3600, 1e9, "young"),
+        # Units in other cases, where one reading is left.
+        ("time [Min];E [Mpa]", 60, 1e6, "young"),
+        ("time [SEC];E [KPA]", 1, 1e3, "young"),
+        ("t/H;E/pa", 3600, 1, "young"),
+        # Which modulus it is.
+        ("t [min];shear modulus [MPa]", 60, 1e6, "shear"),
+        ("t [s];G(t) [MPa]", 1, 1e6, "shear"),
+        ("t [s];Schubmodul/MPa", 1, 1e6, "shear"),
+        ("temps (s);module de cisaillement (MPa)", 1, 1e6, "shear"),
+        ("t [s];plane strain modulus [GPa]", 1, 1e9, "contact"),
+    ],
+)
+def test_headers_of_relaxation(header, second, pascals, measured):
+    data = read(written(header, FALLING))
+    assert isinstance(data, Relaxation)
+    np.testing.assert_allclose(data.time, second * FALLING[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(data.modulus, pascals * FALLING[:, 1], rtol=1e-12)
+    assert data.measured == measured
+    assert data.source.startswith("t.csv: time from ")
+    assert data.source.endswith(", 5 rows")
+
+
+@pytest.mark.parametrize(
+    ("name", "per_second"),
+    [
+        ("frequency_Hz", TURN),
+        ("Frequenz [kHz]", 1e3 * TURN),
+        ("fréquence (mHz)", 1e-3 * TURN),
+        ("f / hz", TURN),
+        ("frequency_rpm", TURN / 60),
+        ("omega [rpm]", TURN / 60),
+        ("frequency [1/min]", TURN / 60),
+        ("Frequenz [U/min]", TURN / 60),
+        ("frequency [cycles/s]", TURN),
+        ("frequency [rev/min]", TURN / 60),
+        ("frequency [1/s]", TURN),
+        ("frequency [s^-1]", TURN),
+        ("angular frequency (1/s)", 1),
+        ("omega [1/s]", 1),
+        ("Kreisfrequenz / s⁻¹", 1),
+        ("pulsation [rad/s]", 1),
+        ("omega_rad_s", 1),
+        ("frequency [rad/s]", 1),
+        ("frequency [deg/s]", math.pi / 180),
+        ("ω [°/s]", math.pi / 180),
+        ("lg(f/Hz)", None),
+    ],
+)
+def test_frequencies(name, per_second):
+    numbers = RISING.copy()
+    if per_second is None:  # a decade of frequency at each step of 1
+        numbers[:, 0], expected = np.arange(5), TURN * 10.0 ** np.arange(5)
+    else:
+        expected = per_second * numbers[:, 0]
+    data = read(written(f"{name};Speichermodul [MPa];Verlustmodul [MPa]", numbers))
+    assert isinstance(data, Dynamic)
+    np.testing.assert_allclose(data.frequency, expected, rtol=1e-12)
+    np.testing.assert_allclose([data.storage, data.loss], 1e6 * numbers[:, 1:].T, rtol=1e-12)
+
+
+def test_the_marks_of_storage_and_loss_are_kept_in_any_order():
+    for marks in ("G'' [MPa];G' [MPa]", "G″ [MPa];G′ [MPa]", "G'';G'\nMPa;MPa"):
+        head, _, units = marks.partition("\n")
+        header = f"{head};omega" + (f"\n{units};rad/s" if units else " [rad/s]")
+        data = read(written(header, RISING[:, [2, 1, 0]]))
+        assert isinstance(data, Dynamic)
+        np.testing.assert_allclose([data.storage, data.loss], 1e6 * RISING[:, 1:].T)
+        assert data.measured == "shear"
+
+
+def test_logarithms_are_read_by_their_base():
+    numbers = np.array([[0, 1], [0.5, 2], [1, 3], [2, 4], [3, 5.0]])
+    for header, base in (("log10(t/min);J [1/GPa]", 10), ("ln t [min];Kriechnachgiebigkeit [1/GPa]", math.e)):
+        data = read(written(header, numbers))
+        assert isinstance(data, Creep)
+        np.testing.assert_allclose(data.time, 60 * base ** numbers[:, 0], rtol=1e-12)
+        np.testing.assert_allclose(data.compliance, 1e-9 * numbers[:, 1])
+    curve = read_measurements(written("log10(time/s);area", numbers))
+    np.testing.assert_allclose(curve.time, 10 ** numbers[:, 0], rtol=1e-12)
+    assert curve.time_unit == "s"
+    with refuses("column 'log t' of t.csv"):
+        read_measurements(written("log t;area", numbers))
+
+
+@pytest.mark.parametrize(
+    ("header", "name", "how"),
+    [
+        ("time [furlong];E [MPa]", "column 'time [furlong]' of t.csv", {}),
+        ("Zeit;E\nfurlong;GPa", "column 'Zeit' of t.csv", {}),
+        ("time_m;E_MPa", "column 'time_m' of t.csv", {}),
+        ("time_s;E", "column 'E' of t.csv", {}),
+        ("time [s];E [mPa]", "column 'E [mPa]' of t.csv", {}),  # millipascals, or in haste
+        ("time [s];E [mpa]", "column 'E [mpa]' of t.csv", {}),
+        ("time [Ms];E [MPa]", "column 'time [Ms]' of t.csv", {}),
+        ("time [s];E [GPa]\nmin;GPa", "column 'time [s]' of t.csv", {}),
+        ("log t [s];E [MPa]", "column 'log t [s]' of t.csv", {}),
+        ("time_s;E_MPa", "units", {"units": "E_MPa=furlong"}),
+        ("time_s;E_MPa", "units", {"units": "E_MPa"}),
+        ("time_s;shear modulus [MPa]", "modulus", {"modulus": "young"}),
+        ("time_s;E_MPa", "modulus", {"modulus": "bulk"}),
+        ("relaxation time [s];bulk modulus [MPa]", "t.csv", {}),
+    ],
+)
+def test_what_is_not_understood_is_refused(header, name, how):
+    with refuses(name):
+        read(written(header, FALLING), **how)
+
+
+def test_what_only_the_user_knows():
+    millipascals = read(written("time [s];E [mPa]", FALLING), units={1: "mPa"})
+    np.testing.assert_allclose(millipascals.columns[1][0], 1e-3 * FALLING[:, 1])
+    assert read(written("time_s;E_MPa", FALLING), modulus="contact").measured == "contact"  # E is a letter
+    file = written("a [s];b [MPa];c [MPa]", np.column_stack([FALLING, 2 * FALLING[:, 1]]))
+    for columns in (["a [s]", "c [MPa]"], [0, 2], "0,2", "[0,2]", "0 2", ["0 2"]):
+        data = read(file, kind="relaxation", columns=columns)
+        np.testing.assert_allclose(data.columns[1][0], 2e6 * FALLING[:, 1])
+    with refuses("units"):  # of a column that is not read
+        read(file, kind="relaxation", columns="0,2", units="1=MPa")
+    for name, unit in (("omega [Hz]", "Hz"), ("n", "U/min")):
+        file = written(f"{name};storage [Pa];loss [Pa]", RISING)
+        with pytest.raises(InputError):
+            read(file, kind="dynamic", columns="0 1 2")
+        turning = read(file, kind="dynamic", columns="0 1 2", units={0: unit}).columns[0]
+        np.testing.assert_allclose(turning, TURN / (1 if unit == "Hz" else 60) * RISING[:, 0])
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Operator;M. Huber;2026-03-04;1\nZeit [s];Gleitweg [mm];Reibungskoeffizient [-];Nr",
+        "time_s;displacement_mm;COF;T",
+        "temps;déplacement;coefficient de frottement;-\ns;mm;-;-",
+        "t / s;s / mm;µ / -;Temperatur / °C",
+        "time_s;slip_mm;mu_s;angle_deg",
+    ],
+)
+def test_headers_of_friction(header):
+    numbers = np.column_stack([np.arange(5), 0.1 * np.arange(5), np.full(5, 0.6), np.arange(5)])
+    record = read_record(written(header, numbers))
+    assert record.si
+    np.testing.assert_allclose(record.displacement, 1e-4 * np.arange(5), atol=1e-18)
+    np.testing.assert_allclose(record.friction, 0.6)
+
+
+def test_friction_is_a_ratio_of_numbers_in_units_or_of_numbers_without():
+    numbers = np.column_stack([np.arange(5), 0.1 * np.arange(5), np.full(5, 30), np.full(5, 50)])
+    record = read_record(written("t [s];Weg [µm];Fx [N];Fz [kN]", numbers))
+    np.testing.assert_allclose(record.friction, 30 / 50e3)
+    half = written("time_s;displacement_um;shear_stress_MPa;normal_stress", numbers)
+    with refuses("column 'normal_stress' of t.csv"):
+        read_record(half)
+    record = read_record(half, units={"normal_stress": "MPa"})
+    np.testing.assert_allclose(record.friction, 0.6)
+    assert record.normal_stress == pytest.approx(50e6)
+    bare = read_record(written("time_s;displacement_um;shear_stress;normal_stress", numbers))
+    np.testing.assert_allclose(bare.friction, 0.6)
+    assert bare.normal_stress is None
+
+
+def test_a_curve_keeps_its_units_and_says_them():
+    numbers = np.column_stack([FALLING, 0.1 * FALLING[:, 1]])
+    data = read_measurements(
+        written("Versuch 5;;\nHaltezeit;area;error\nmin;mm2;mm2", numbers), columns="0,1,2"
+    )
+    np.testing.assert_array_equal([data.time, data.value], FALLING.T)
+    assert data.stderr is not None
+    assert (data.time_name, data.time_unit) == ("Haltezeit", "min")
+    assert data.source.startswith("t.csv: time from 'Haltezeit' in min, value from 'area' in mm2, ")
+    assert read_measurements("t.csv", units={"Haltezeit": "h"}).time_unit == "h"
+    with refuses("column 'time [furlong]' of t.csv"):
+        read_measurements(written("time [furlong];area", FALLING))
+    with refuses("column 'stderr_um2' of t.csv"):
+        read_measurements(written("t;area_mm2;stderr_um2", numbers), stderr=2)
+    with refuses("columns"):
+        read_measurements(written("t;area", FALLING), columns="0,1", time=1)
+
+
+def test_units_beside_names_in_brackets_between_blanks():
+    Path("t.txt").write_text("Zeit [h]   E Modul [GPa]\n")
+    with Path("t.txt").open("a") as stream:
+        np.savetxt(stream, FALLING)
+    data = read("t.txt")
+    np.testing.assert_allclose(data.columns[0], 3600 * FALLING[:, 0])
