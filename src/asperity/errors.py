@@ -31,8 +31,8 @@ __dir__ = __all__.copy  # dir() lists the public names alone
 
 
 def printable(text: str) -> str:
-    """Write what a terminal would obey, or not show, as escapes; lines and tabs stay what they are."""
-    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
+    """Write what a terminal would obey, or not show, as escapes; lines, tabs and narrow blanks stay."""
+    return "".join(c if c.isprintable() or c in "\n\t\u202f" else ascii(c)[1:-1] for c in text)
 
 
 def brief(text: str, longest: int = 400) -> str:

@@ -50,8 +50,8 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    Of a table, or that at a path, it reads the `columns` that are asked for, by default all. Stated `units` count in
-    place of those of the table. `InputError` where there is no such table or column.
+    It reads the `columns` that are asked for, by default all. Stated `units` count
+    in place of those of the table. `InputError` where there is no such table or column.
     """
 
     def __init__(

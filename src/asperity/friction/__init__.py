@@ -1,6 +1,7 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
 from asperity.friction.comparing import StateLaws, compare_state_laws
+from asperity.friction.events import Event, events_of, fit_events
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
 from asperity.friction.export import save_parameters
 from asperity.friction.fitting import rate_and_state
@@ -11,6 +12,7 @@ from asperity.friction.records import HoldPeaks, Record, hold_peaks, record_of
 from asperity.friction.tabor import ShearStrength, add_friction
 
 __all__ = [
+    "Event",
     "HoldPeaks",
     "MachineFit",
     "RateAndState",
@@ -20,6 +22,8 @@ __all__ = [
     "StateLaws",
     "add_friction",
     "compare_state_laws",
+    "events_of",
+    "fit_events",
     "hold_peaks",
     "rate_and_state",
     "read_record",

@@ -8,7 +8,7 @@ of many k, that counts whose segments are the fewest for the noise.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,8 +32,8 @@ _MOST = 400
 
 _SWEEPS = 2
 _ROUNDING = 1e-8
-_COMPLIANCES = 24
-"""How many k are tried."""
+_COMPLIANCES, _ROUNDS, _SETTLED = 6, 8, 1e-4
+"""How many k are tried, how often each is corrected for the kinks that it gives, and up to which part."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,6 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
     """Segments of the load point behind a slip, and the compliance 1/k (length) that makes them straight."""
     noises = variance(time, slip), variance(time, friction)
     most = float(np.ptp(slip)) / max(float(np.ptp(friction)), math.sqrt(noises[1]), 1e-12)
-    tried = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _COMPLIANCES) * most])
 
     def attempt(compliance: float) -> tuple[float, _Pieces]:
         noise = noises[0] + compliance**2 * noises[1]
@@ -88,16 +87,30 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
         if len(pieces.edges) > _MOST:
             return math.inf, pieces
         pieces = pieces.joined()
-        return pieces.squares / noise + 3 * len(pieces.edges) * math.log(time.size), pieces
+        return float(pieces.off @ pieces.off) / noise + 3 * len(pieces.edges) * math.log(time.size), pieces
 
-    straight = attempt(0.0)
-    costs = [straight[0] - _GAIN, *(attempt(compliance)[0] for compliance in tried[1:])]
-    best = int(np.argmin(costs))
-    if best == 0:
-        return straight[1].drive(), 0.0
-    fine = np.linspace(tried[best - 1], tried[min(best + 1, tried.size - 1)], _COMPLIANCES)
-    found = [(attempt(compliance), compliance) for compliance in fine]
-    (_, pieces), compliance = min(found, key=lambda one: one[0][0])
+    def best(pieces: _Pieces) -> float:
+        """Compliance of the least squares over the noise, between the kinks of these segments."""
+        off, of_friction = (replace(pieces, place=values).off for values in (slip, friction))
+        A, B, C = (
+            float(one @ two) for one, two in ((off, off), (off, of_friction), (of_friction, of_friction))
+        )
+        # The root of the derivative of (A + 2 B c + C c^2)/(n_0 + n_1 c^2).
+        half = (C * noises[0] - A * noises[1]) / 2
+        root = math.hypot(half, B * math.sqrt(noises[0] * noises[1]))
+        return max(0.0, -B * noises[0] / (half + root) if half + root > 0 else 0.0)
+
+    found = [(*attempt(0.0), 0.0)]
+    for compliance in np.geomspace(1e-3, 0.3, _COMPLIANCES) * most:
+        for _ in range(_ROUNDS):
+            cost, pieces = attempt(compliance)
+            found.append((cost, pieces, compliance))
+            last, compliance = compliance, best(pieces)
+            if abs(compliance - last) < _SETTLED * last:
+                break
+    cost, pieces, compliance = min(found, key=lambda one: one[0])
+    if found[0][0] < cost + _GAIN:
+        _, pieces, compliance = found[0]
     return pieces.drive(), float(compliance)
 
 
@@ -167,9 +180,16 @@ class _Pieces:
         return mean, slope, float(np.sum((y - mean - slope * t) ** 2))
 
     @property
-    def squares(self) -> float:
-        """Sum of squares about all lines."""
-        return sum(self._line(*pair)[2] for pair in pairwise(self.edges))
+    def off(self) -> Floats:
+        """Distance of each row from its line, shape (n,)."""
+        parts = [slice(*pair) for pair in pairwise(self.edges)]
+        lines = [self._line(*pair) for pair in pairwise(self.edges)]
+        return np.concatenate(
+            [
+                self.place[part] - mean - slope * (self.time[part] - self.time[part].mean())
+                for part, (mean, slope, _) in zip(parts, lines, strict=True)
+            ]
+        )
 
     def drive(self) -> Drive:
         """Where the lines cross, and with which errors; a slow segment beside a fast one is a rest."""

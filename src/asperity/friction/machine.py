@@ -132,19 +132,25 @@ class Machine:
         shape, base, count = self.shape(point), self.course(point), len(self.names)
         model, found = base.elastic(shape), []
         for n in range(many):
-            ahead, kink = point.copy(), n - count
-            ahead[n] += self._step(n, shape)
-            if kink < 0:
-                course = self.course(ahead)
-            else:
-                course = follow(self.law, shape, self.moved(ahead), self.time, base, kink)
-            step = ahead[n] - point[n]
-            slope = (course.elastic(self.shape(ahead)) - model) / step
+            step = self._step(n, shape)
+            try:
+                ahead, course = self._beside(point, n, step, base)
+            except RunsAwayError:  # on one side of what is stable
+                ahead, course = self._beside(point, n, -step, base)
+            slope = (course.elastic(self.shape(ahead)) - model) / (ahead[n] - point[n])
             place = None
             if self.slip is not None:
                 place = (slope - (model if (*self.names, "")[min(n, count)] == "k" else 0.0)) / shape.k
             found.append(Rows(slope, place, (np.arange(point.size) == n)[count:] * 1.0))
         return found
+
+    def _beside(self, point: Floats, n: int, step: float, base: Course) -> tuple[Floats, Course]:
+        """A point that differs in one number, and its course."""
+        ahead, kink = point.copy(), n - len(self.names)
+        ahead[n] += step
+        if kink < 0:
+            return ahead, self.course(ahead)
+        return ahead, follow(self.law, self.shape(point), self.moved(ahead), self.time, base, kink)
 
     def _step(self, n: int, shape: Shape) -> float:
         if n < len(self.names):
