@@ -66,7 +66,7 @@ def test_a_run_that_slid(says, refused):
     asp.results.save(history.dataset, "run/history.zarr")
     refused("friction", "run")
     text = says("friction", "run", "--shear-strength", "1.0")
-    assert "1 hold" in text
+    assert "2 holds" in text
     assert "a        0, as given" in text
     found = tomllib.loads(Path("friction/friction.toml").read_text())
     assert found["units"]["D_c"] == "length of the record"

@@ -93,12 +93,16 @@ class StateLaws(views.Brief):
         laws = sorted(STATE_LAWS, key=lambda law: law != self.preferred)
         return [fits[law] for law in laws for fits in (self.fits, self.free) if law in fits]
 
+    @property
+    def suiting(self) -> list[RateAndStateFit]:
+        """The fits whose misfit is near the least."""
+        least = min(fit.rms_residual for fit in self.every)
+        return [fit for fit in self.every if fit.rms_residual < _SUITS * least]
+
     def range_of(self, name: str) -> tuple[float, float, bool]:
         """Least and largest value among the fits that suit, and whether their 95 % intervals are narrower."""
-        least = min(fit.rms_residual for fit in self.every)
-        fits = [fit for fit in self.every if fit.rms_residual < _SUITS * least]
-        values = [float(getattr(fit, name)) for fit in fits]
-        widest = max(high - low for low, high in (fit.interval(name) for fit in fits))
+        values = [float(getattr(fit, name)) for fit in self.suiting]
+        widest = max(high - low for low, high in (fit.interval(name) for fit in self.suiting))
         return min(values), max(values), max(values) - min(values) > widest
 
     @property

@@ -155,7 +155,7 @@ class _Problem:
         kinds = record.events
         rests = bool((record.velocity[1:] == 0).any())
         if not ((rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())):
-            got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
+            got = "rests only" if rests else f"slip at {record.speed(reference)}, without rest or step"
             raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
         # Where V changes by more, the mean of an interval does not say its velocity at the end.
         used = np.isin(kinds, (RUN_IN, *wanted))

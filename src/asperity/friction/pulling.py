@@ -98,9 +98,8 @@ def _steady_start(time: Floats, drive: Drive) -> tuple[int, Drive]:
 def _refuse_steady(record: Record, drive: Drive, time: Floats) -> None:
     if drive.kinks.size:
         return
-    second, length = record.scales
-    speed = f"{drive.velocity[0] * second / length:.4g} {record.units[1]}/{record.units[0]}"
-    got = f"one velocity, {speed}, from {time[0] / second:.6g} to {time[-1] / second:.6g} {record.units[0]}"
+    first, last = time[0] / record.scales[0], time[-1] / record.scales[0]
+    got = f"one velocity, {record.speed(drive.velocity[0])}, from {first:.6g} to {last:.6g} {record.units[0]}"
     raise InputError("record", expected="a hold, or a step of the velocity, to learn b and D_c from", got=got)
 
 

@@ -133,11 +133,13 @@ class Record(views.Brief):
         falls = np.diff(places) < 0
         if falls.any():
             at = int(np.argmax(falls))
+            names = about.get("units", ("s", "m") if about.get("si", True) else ("", ""))
+            one, two = places[at : at + 2] / _scales(names)[1]
             raise InputError(
                 "displacement",
                 expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{places[at + 1]:g} after {places[at]:g}",
-                advice="cutting the record at the reversal, smoothing noise, or a column of velocity",
+                got=f"{two:.6g} after {one:.6g} {names[1]}".rstrip(),
+                advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
             )
         durations = np.diff(times)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -219,8 +221,12 @@ class Record(views.Brief):
     @property
     def scales(self) -> tuple[float, float]:
         """The units of time and length of messages in those of the record."""
-        second, length = (units.factor(unit, base) for unit, base in zip(self.units, ("s", "m"), strict=True))
-        return second or 1.0, length or 1.0
+        return _scales(self.units)
+
+    def speed(self, velocity: float) -> str:
+        """Write a velocity in these units."""
+        (second, length), (time_unit, length_unit) = self.scales, self.units
+        return f"{velocity * second / length:.4g} {length_unit}/{time_unit}".removesuffix(" /")
 
     @property
     def displacement(self) -> Floats:
@@ -242,6 +248,11 @@ class Record(views.Brief):
         change = np.where(now == 0, HOLD, np.where(stepped, STEPPED, -1))
         change = np.append(HOLD if self.velocity[0] == 0 else RUN_IN, change)
         return np.asarray(change[np.maximum.accumulate(np.where(change >= 0, np.arange(change.size), 0))])
+
+
+def _scales(names: tuple[str, str]) -> tuple[float, float]:
+    second, length = (units.factor(name, base) for name, base in zip(names, ("s", "m"), strict=True))
+    return second or 1.0, length or 1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -281,14 +292,12 @@ def _refuse_reversal(record: Record, name: str) -> None:
     """Refuse a load point that goes back."""
     assert record.drive is not None
     if (record.drive.velocity < 0).any():
-        n, (second, length) = int(np.argmax(record.drive.velocity < 0)), record.scales
-        edges = record.drive.edges(record.time) / second
-        time_unit, length_unit = record.units
-        speed = f"{float(record.drive.velocity[n] * second / length):.4g} {length_unit}/{time_unit}"
+        n, unit = int(np.argmax(record.drive.velocity < 0)), record.units[0]
+        start, end = record.drive.edges(record.time)[n : n + 2] / record.scales[0]
         raise InputError(
             name.replace("_", " "),
             expected="a displacement that goes on in one direction",
-            got=f"{speed} from {edges[n]:.6g} to {edges[n + 1]:.6g} {time_unit}",
+            got=f"{record.speed(record.drive.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
             advice="a part of the record, --from and --to",
         )
 

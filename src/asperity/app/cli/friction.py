@@ -11,10 +11,11 @@ from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.options import Reading, Results
 from asperity.base.words import number
+from asperity.errors import InputError
 
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
-_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration", "stop")}
+_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")}
 _FLAGS |= {"start": "--from", "stop": "--to"}
 
 
@@ -93,6 +94,8 @@ def friction(
     )
     with in_flags(_FLAGS):
         several = [record for path in records for record in records_at(path, strength, **how)]
+        if several[0].si and isinstance(reference, float | int):
+            raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
         found = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
     rows, by_event, fit = friction_report(found, str(records[0])), None, found.fits[found.preferred]
     if isinstance(fit, MachineFit) and len(events_of(found.record)) > 1:

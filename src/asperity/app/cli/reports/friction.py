@@ -91,7 +91,7 @@ def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
         low, high, moves = found.range_of(name)
         span = f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})"
         (moved if moves else kept).append(span)
-    if kept:
+    if kept and len(found.suiting) > 1:
         rows.append(("", f"the record determines {', '.join(kept)}, whatever law and stiffness"))
     if moved:
         rows.append(("", f"with law and stiffness moves {', '.join(moved)}: state them beside it"))
