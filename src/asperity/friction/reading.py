@@ -46,7 +46,7 @@ ROLES = (
 )
 """What the columns of a record hold."""
 _EXAMPLES = (
-    "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
+    "time_s, load_point_um and friction, or time_s, displacement_um, shear_stress_MPa and normal_stress_MPa"
 )
 _MOTIONS = ("load point", "velocity", "displacement")
 
@@ -131,7 +131,7 @@ def read_record(
             _refuse_change(time[kept], values, part, found.unit(part), name)
             how[part.replace(" ", "_")] = float(values.mean())
     lengths = [found.unit(role).partition("/")[0] for role in motions]
-    how |= {"read": found.read, "units": (found.unit("time"), lengths[0]) if has_units else ("", "")}
+    how |= {"read": found.read, "units": (found.unit("time"), lengths[0])}
     try:
         return _made(time[kept], moved, friction, how)
     except InputError as error:

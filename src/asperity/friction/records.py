@@ -92,6 +92,8 @@ class Record(views.Brief):
             raise InputError("friction", expected=expected, got=friction.size)
         for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
             object.__setattr__(self, name, values)
+        if not self.si:
+            object.__setattr__(self, "units", ("", ""))
 
     @classmethod
     def of_displacement(
@@ -133,7 +135,7 @@ class Record(views.Brief):
         falls = np.diff(places) < 0
         if falls.any():
             at = int(np.argmax(falls))
-            names = about.get("units", ("s", "m") if about.get("si", True) else ("", ""))
+            names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
             one, two = places[at : at + 2] / _scales(names)[1]
             raise InputError(
                 "displacement",
