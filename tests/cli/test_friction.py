@@ -31,6 +31,9 @@ def test_parameters_of_a_table_in_words_files_and_a_picture(says):
     assert "the data prefer the aging law: the slip law is less than 1e-6 times as likely" in text
     assert text.index("aging law  mu =") < text.index("slip law   mu =")
     assert "not determined by this record" in text
+    assert (
+        "lab.csv: time from 'time_s' in s, displacement from 'displacement_um' in um, friction from" in text
+    )
     names = ["friction.csv", "friction.png", "friction.toml", "summary.txt"]
     assert sorted(path.name for path in Path("found").iterdir()) == names
     found = tomllib.loads(Path("found/friction.toml").read_text())

@@ -60,6 +60,8 @@ def desk(tmp_path_factory, finished):
         "short.csv": relaxing[:4],
         "headless.csv": moduli,
         "unnamed.csv": ["a,b", *moduli],  # a modulus in MPa would be taken for one in Pa
+        "shear.csv": ["t [s],shear modulus [MPa]", *moduli],
+        "half.csv": ["time_s,velocity_um/s,shear_stress_MPa,normal_stress", "0,1,30,50", "1,1,30,50"],
         "mu.csv": ["hold time;mu;error", *(f"{t:g};{0.6 + 0.01 * np.log(t):g};0.002" for t in held)],
         "flat.txt": [f"{t} .6" for t in range(1, 7)],
         "few.txt": ["1 .6", "2 .7"],

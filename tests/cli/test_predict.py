@@ -110,6 +110,7 @@ def test_the_command_and_the_function_agree(finished, prediction):
     area = prediction.series("contact_area_corrected")
     summary = (finished / "summary.txt").read_text(encoding="utf-8")
     for number in (
+        "relaxation.csv: time from 'time_s' in s, Young's modulus from 'E_MPa' in MPa, ",
         f"A(100 s)/A(10 ms) = {area[-1] / area[0]:.5g}",
         f"{last.area * 1e12:.4g} um^2, patches: {last.patches.count}",
         *("share 0.24 relaxes in 300 ms", "share 0.36 relaxes in 20 s", "share 0.4 does"),  # 600, 900, 1000

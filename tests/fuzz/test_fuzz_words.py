@@ -77,7 +77,7 @@ SWITCHES = {
     "surface": ["--out", "--overwrite"],
     "fit": [
         "--law", "--out", "--json", "--overwrite", "--window", "--column-time", "--column-value",
-        "--column-stderr", "--quantity", "--unit-time",
+        "--column-stderr", "--quantity", "--unit-time", "--columns", "--unit",
     ],
     "sweep": ["--out", "--workers", "--scheduler", "--retry-failed", "--quiet"],
     "gather": ["--to", "--overwrite"],

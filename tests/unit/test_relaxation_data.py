@@ -12,6 +12,7 @@ import pytest
 
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
+from asperity.relaxation.files import Kind
 from tests.refusals import each_refuses, refuses
 
 TABLE = Path(__file__).parents[2] / "docs" / "data" / "pmma_like_relaxation.csv"
@@ -240,7 +241,8 @@ def test_columns_without_units_are_refused_unless_units_are_stated(write):
         ("", (T, 1 / G), "0", ("0=s", "1=1/Pa"), (1, 1)),
     ]
     for header, columns, name, units, factors in cases:
-        file, kind = write(header, *columns), None if header else "creep"
+        kind: Kind | None = None if header else "creep"
+        file = write(header, *columns)
         with refuses(f"column {name} of table.csv"):
             read(file, kind=kind)
         x, values = read(file, kind=kind, units=units).columns

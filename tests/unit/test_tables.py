@@ -1,22 +1,27 @@
 """One reader of tables: what laboratories write above their numbers, and what is not understood."""
 
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asperity.errors import InputError
+from asperity.app.config import config_from
+from asperity.app.config.solids import HalfSpace
+from asperity.errors import ConfigError, InputError
 from asperity.fits import read_measurements
 from asperity.friction import read_record
-from asperity.relaxation import Creep, Dynamic, Relaxation, read
+from asperity.relaxation import Creep, Dynamic, Relaxation, fit, read
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("here")
 FALLING = np.array([[1, 50], [2, 40], [4, 30], [8, 25], [16, 22.5]])
 RISING = np.array([[1, 20, 6], [2, 25, 5], [4, 30, 4], [8, 40, 3], [16, 50, 2.5]])
 TURN = 2 * math.pi
+SURFACE = {"kind": "spectral", "shape": [8, 8], "rms_height": 0.2, "unit": "um"}
 
 
 def written(header: str, numbers: Any, decimal: str = ",") -> str:
@@ -38,7 +43,7 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         # Words of three languages, and ways to write units.
         ("Zeit (min);Relaxationsmodul E(t) / MPa", 60, 1e6, None),
         ("elapsed [min];E_rel [MPa]", 60, 1e6, "young"),
-        ("temps en s [s];module de relaxation (kPa)", 1, 1e3, None),
+        ("temps en s [s];module de relaxation_N/mm²", 1, 1e6, None),
         ("Belastungsdauer / d;Elastizitätsmodul in GPa", 86400, 1e9, "young"),
         ("durée (h);module d\u2019élasticité [GPa]", 3600, 1e9, "young"),
         # Units in other cases, where one reading is left.
@@ -47,14 +52,15 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("t/H;E/pa", 3600, 1, "young"),
         # Which modulus it is.
         ("t [min];shear modulus [MPa]", 60, 1e6, "shear"),
-        ("t [s];G(t) [MPa]", 1, 1e6, "shear"),
+        ("t [s];G(t) [MPa];G_std [MPa];T", 1, 1e6, "shear"),
         ("t [s];Schubmodul/MPa", 1, 1e6, "shear"),
         ("temps (s);module de cisaillement (MPa)", 1, 1e6, "shear"),
         ("t [s];plane strain modulus [GPa]", 1, 1e9, "contact"),
     ],
 )
 def test_headers_of_relaxation(header, second, pascals, measured):
-    data = read(written(header, FALLING))
+    others = np.zeros((5, header.count(";T") + header.count(";G_std")))
+    data = read(written(header, np.hstack([FALLING, others])))
     assert isinstance(data, Relaxation)
     np.testing.assert_allclose(data.time, second * FALLING[:, 0], rtol=1e-12)
     np.testing.assert_allclose(data.modulus, pascals * FALLING[:, 1], rtol=1e-12)
@@ -76,6 +82,9 @@ def test_headers_of_relaxation(header, second, pascals, measured):
         ("Frequenz [U/min]", TURN / 60),
         ("frequency [cycles/s]", TURN),
         ("frequency [rev/min]", TURN / 60),
+        ("frequency [r/min]", TURN / 60),
+        ("omega [rps]", TURN),
+        ("ω [cpm]", TURN / 60),
         ("frequency [1/s]", TURN),
         ("frequency [s^-1]", TURN),
         ("angular frequency (1/s)", 1),
@@ -121,6 +130,8 @@ def test_logarithms_are_read_by_their_base():
     curve = read_measurements(written("log10(time/s);area", numbers))
     np.testing.assert_allclose(curve.time, 10 ** numbers[:, 0], rtol=1e-12)
     assert curve.time_unit == "s"
+    both = np.column_stack([10 ** numbers[:, 0], numbers])
+    np.testing.assert_allclose(read(written("t [s];log t;J [1/GPa]", both)).columns[0], both[:, 0])
     with refuses("column 'log t' of t.csv"):
         read_measurements(written("log t;area", numbers))
 
@@ -131,6 +142,7 @@ def test_logarithms_are_read_by_their_base():
         ("time [furlong];E [MPa]", "column 'time [furlong]' of t.csv", {}),
         ("Zeit;E\nfurlong;GPa", "column 'Zeit' of t.csv", {}),
         ("time_m;E_MPa", "column 'time_m' of t.csv", {}),
+        ("time_furlong;E_MPa", "column 'time_furlong' of t.csv", {}),
         ("time_s;E", "column 'E' of t.csv", {}),
         ("time [s];E [mPa]", "column 'E [mPa]' of t.csv", {}),  # millipascals, or in haste
         ("time [s];E [mpa]", "column 'E [mpa]' of t.csv", {}),
@@ -154,7 +166,7 @@ def test_what_only_the_user_knows():
     np.testing.assert_allclose(millipascals.columns[1][0], 1e-3 * FALLING[:, 1])
     assert read(written("time_s;E_MPa", FALLING), modulus="contact").measured == "contact"  # E is a letter
     file = written("a [s];b [MPa];c [MPa]", np.column_stack([FALLING, 2 * FALLING[:, 1]]))
-    for columns in (["a [s]", "c [MPa]"], [0, 2], "0,2", "[0,2]", "0 2", ["0 2"]):
+    for columns in (["a [s]", "c [MPa]"], [0, 2], "0,2", "[0,2]", "0 2", ["0 2"], ["[0,", "2]"]):
         data = read(file, kind="relaxation", columns=columns)
         np.testing.assert_allclose(data.columns[1][0], 2e6 * FALLING[:, 1])
     with refuses("units"):  # of a column that is not read
@@ -173,8 +185,10 @@ def test_what_only_the_user_knows():
         "Operator;M. Huber;2026-03-04;1\nZeit [s];Gleitweg [mm];Reibungskoeffizient [-];Nr",
         "time_s;displacement_mm;COF;T",
         "temps;déplacement;coefficient de frottement;-\ns;mm;-;-",
+        "t;x;mu;T\ns;mm;1;°C",
         "t / s;s / mm;µ / -;Temperatur / °C",
         "time_s;slip_mm;mu_s;angle_deg",
+        "Zeit [s];Gleitweg [mm];Reibwert;log t",
     ],
 )
 def test_headers_of_friction(header):
@@ -187,8 +201,12 @@ def test_headers_of_friction(header):
 
 def test_friction_is_a_ratio_of_numbers_in_units_or_of_numbers_without():
     numbers = np.column_stack([np.arange(5), 0.1 * np.arange(5), np.full(5, 30), np.full(5, 50)])
-    record = read_record(written("t [s];Weg [µm];Fx [N];Fz [kN]", numbers))
-    np.testing.assert_allclose(record.friction, 30 / 50e3)
+    for header in (
+        "t [s];Weg [µm];Fx [N];Fz [kN]",
+        "t/s;s/um;F_T/N;F_N/kN",
+        "time_s;x_um;Reibkraft_N;load_kN",
+    ):
+        np.testing.assert_allclose(read_record(written(header, numbers)).friction, 30 / 50e3)
     half = written("time_s;displacement_um;shear_stress_MPa;normal_stress", numbers)
     with refuses("column 'normal_stress' of t.csv"):
         read_record(half)
@@ -210,8 +228,9 @@ def test_a_curve_keeps_its_units_and_says_them():
     assert (data.time_name, data.time_unit) == ("Haltezeit", "min")
     assert data.source.startswith("t.csv: time from 'Haltezeit' in min, value from 'area' in mm2, ")
     assert read_measurements("t.csv", units={"Haltezeit": "h"}).time_unit == "h"
-    with refuses("column 'time [furlong]' of t.csv"):
-        read_measurements(written("time [furlong];area", FALLING))
+    for name in ("time [furlong]", "time_furlong", "hold time / furlong"):
+        with refuses(f"column {name!r} of t.csv"):
+            read_measurements(written(f"{name};area", FALLING))
     with refuses("column 'stderr_um2' of t.csv"):
         read_measurements(written("t;area_mm2;stderr_um2", numbers), stderr=2)
     with refuses("columns"):
@@ -224,3 +243,42 @@ def test_units_beside_names_in_brackets_between_blanks():
         np.savetxt(stream, FALLING)
     data = read("t.txt")
     np.testing.assert_allclose(data.columns[0], 3600 * FALLING[:, 0])
+
+
+def test_a_run_takes_a_table_of_any_names_and_of_a_shear_modulus():
+    def contact_modulus(**keys: Any) -> float:
+        solid = {"kind": "half_space", "relaxation": "t.csv", "poisson": 0.3} | keys
+        section = config_from(
+            {"surface": SURFACE, "solid": solid, "contact": {"pressure": "1 MPa"}}, {}, None
+        ).solid
+        assert isinstance(section, HalfSpace)
+        return section.contact_modulus
+
+    numbers = np.column_stack([FALLING[:, 0], 40 + 10 * np.exp(-FALLING[:, 0] / 5)])
+    how: dict[str, Any] = {"table_kind": "relaxation", "columns": [0, "b"], "units": ["a=min", "1=MPa"]}
+    written("a;b", numbers)
+    stiffness = {name: contact_modulus(modulus=name, **how) for name in ("young", "shear", "contact")}
+    at_once = fit(Relaxation(60 * numbers[:, 0], 1e6 * numbers[:, 1])).series.modulus
+    assert stiffness["contact"] == pytest.approx(at_once)
+    assert stiffness["young"] == pytest.approx(stiffness["contact"] / (1 - 0.3**2))
+    assert stiffness["shear"] == pytest.approx(stiffness["young"] * 2 * 1.3)
+    written("t [min];G [MPa]", numbers)
+    assert contact_modulus() == pytest.approx(stiffness["shear"])
+    with pytest.raises(ConfigError):
+        contact_modulus(units="0=kg")
+
+
+def test_a_table_is_refused_before_the_engine_is_imported():
+    written("time [furlong];E [MPa]", FALLING)
+    words = [
+        ["predict", "t.csv", "--surface", "x", "--pressure", "1MPa"],
+        ["fit", "t.csv"],
+        ["infer", "t.csv"],
+    ]
+    code = f"import sys\nfrom asperity.app.cli import main\nprint([main(words) for words in {words}])\n"
+    code += "print({'numba', 'xarray', 'matplotlib'} & set(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
+    )
+    assert done.stdout == "[2, 2, 2]\nset()\n"
+    assert done.stderr.count("asperity: column 'time [furlong]' of t.csv: ") == 3

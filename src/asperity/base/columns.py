@@ -6,7 +6,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -26,8 +26,9 @@ Units = Mapping[int | str, str] | Sequence[str] | str
 _ARGUMENT = r"(?:t|time|omega|ω|w|f|q|zeit|temps)"
 _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
 _LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
-_ANGULAR = re.compile(r"omega|ω|angul|kreis|winkel|pulsation|^w\b")
-_CYCLES = re.compile(r"(?i)\b(?:cycles?|cyc|rev|revs|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
+_CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_OF_TIME = {"Hz", "mHz", "kHz", "MHz", "GHz", "s", "ms", "us", "µs", "μs", "min", "h", "d"}
 _EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "um", "m/s": "um/s"}
 
 
@@ -63,8 +64,11 @@ class Columns:
     ) -> None:
         self.table = path if isinstance(path, Table) else read_table(Path(path))
         self._wanted = {role.name: role for role in roles}
-        self._parts = [_parts(name) for name in self.table.names]
-        self.roles = [self._role(at, name) for at, name in enumerate(self.table.names)]
+        found = [self._meaning(name) for name in self.table.names]
+        self._parts = [parts for _, parts in found]
+        numbers = {role for role, parts in found if parts.base is None}
+        # Logarithms beside their numbers are left alone.
+        self.roles = ["" if parts.base is not None and role in numbers else role for role, parts in found]
         everything = range(len(self.roles))
         self.chosen = list(everything) if columns is None else positions(self.table, columns)
         self._stated = self._by_column(units)
@@ -95,13 +99,7 @@ class Columns:
         return self._unit(self._wanted[role], self.by_role[role] if at is None else at)[0]
 
     def values(
-        self,
-        role: str,
-        at: int | None = None,
-        *,
-        bare: bool = True,
-        convert: bool = True,
-        called: str = "",
+        self, role: str, at: int | None = None, *, bare: bool = True, convert: bool = True, called: str = ""
     ) -> Floats:
         """Numbers of a column in the unit of the role; of logarithms the numbers themselves.
 
@@ -110,7 +108,7 @@ class Columns:
         read is `called` so in the line on it.
         """
         at, wanted = self.by_role[role] if at is None else at, self._wanted[role]
-        base, name = self._parts[at][0], self.table.names[at]
+        base, name = self._parts[at].base, self.table.names[at]
         if base == 0:
             advice = "log10(...), lg(...) or ln(...) for its name"
             raise InputError(self._about(at), expected="a base of the logarithm", got="none", advice=advice)
@@ -121,39 +119,42 @@ class Columns:
         if base:
             with np.errstate(over="ignore"):
                 values = base**values
-        said = f" in {unit}" if unit not in ("", "1", "-") else ""
-        said += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
-        said += " without a unit" * (not unit and wanted.unit not in ("", "1"))
-        said += ", by its antilogarithm" * bool(base)
-        self._read[at] = f"{called or role} from {repr(name) if name else f'column {at}'}{said}"
+        words = f"{called or role} from {repr(name) if name else f'column {at}'}"
+        words += f" in {unit}" * (unit not in ("", "1", "-"))
+        words += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
+        words += " without a unit" * (not unit and wanted.unit not in ("", "1"))
+        self._read[at] = words + ", by its antilogarithm" * bool(base)
         return values * factor if convert else values
 
-    def _role(self, at: int, name: str) -> str:
-        """The role that a name says, with its unit or, where that belongs to the name, without."""
-        base, label, *_ = self._parts[at]
-        for text in dict.fromkeys((label, name)):
-            found = (role.name for role in self._wanted.values() if re.search(role.words, normal(text)))
-            if text.strip() != "T" and (role := next(found, None)) is not None:  # T is a temperature
-                self._parts[at] = self._parts[at] if text == label else (base, name, "", "")
-                return role
-        return ""
+    def _meaning(self, name: str) -> tuple[str, _Parts]:
+        """The role that a name says, and its parts: the first that have a role."""
+        every = _parts(name)
+        for parts in every:
+            found = (role for role in self._wanted.values() if re.search(role.words, normal(parts.label)))
+            if parts.label.strip() != "T" and (role := next(found, None)):  # T is a temperature
+                return role.name, parts
+        return "", every[0]
 
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
         """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
-        _, label, beside, separator = self._parts[at]
-        if role.unit == "1" and separator not in "[/" and beside not in "-%":
+        parts, name = self._parts[at], normal(self.table.names[at])
+        below, beside = self.table.units[at].strip("[](){}<> "), parts.unit
+        if (
+            role.unit in ("1", "")
+            and not parts.is_clear
+            and re.fullmatch(r"\w+" if role.unit else r"\w", beside)
+        ):
             beside = ""  # mu_s is static friction
-        below = self.table.units[at].strip("[](){}<> ")
         text = self._stated.get(at) or below or beside
+        *words, last = name.split() or [""]
+        if not text and role.unit not in ("1", "") and re.search(role.words, " ".join(words)):
+            text = last if len(last) > 2 and si.factor(last, last) is not None else ""  # time_furlong
         if not text or not role.unit:
             return text, 1.0
-        is_angular = _ANGULAR.search(normal(label)) is not None
-        if at in self._stated:
-            factor = _in(text, role.unit, is_angular, is_stated=True)
-        else:
-            factor = (
-                None if below and beside and below != beside else _in(si.spelled(text), role.unit, is_angular)
-            )
+        is_angular, is_stated = _ANGULAR.search(normal(parts.label)) is not None, at in self._stated
+        factor = _in(text, role.unit, is_angular, is_stated=True) if is_stated else None
+        if factor is None and (is_stated or not below or beside in ("", below)):  # not two units
+            factor = _in(si.spelled(text), role.unit, is_angular)
         if factor is None:
             raise self._no_unit(role, at, repr(text))
         return text.removeprefix("in "), factor
@@ -161,10 +162,10 @@ class Columns:
     def _no_unit(self, role: Role, at: int, got: str) -> InputError:
         example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
         column = name if re.fullmatch(r"\w[\w ]*", name) else at
-        about, advice = (
-            ("units", "") if at in self._stated else (self._about(at), f'units="{column}={example}"')
-        )
-        return InputError(about, expected=f"a unit of {role.name}, such as {example}", got=got, advice=advice)
+        expected, advice = f"a unit of {role.name}, such as {example}", f'units="{column}={example}"'
+        if at in self._stated:
+            return InputError("units", expected=expected, got=got)
+        return InputError(self._about(at), expected=expected, got=got, advice=advice)
 
     def _about(self, at: int) -> str:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"
@@ -191,19 +192,36 @@ def normal(text: str) -> str:
     return " ".join(re.sub(rf"\({_ARGUMENT}\)", " ", text).replace("_", " ").split())
 
 
-def _parts(name: str) -> tuple[float | None, str, str, str]:
-    """Base of a logarithm (0 if it is not stated, None of a number), label, unit, and what separates them."""
+@dataclass(frozen=True)
+class _Parts:
+    """Label and unit of a name, whether a bracket or a slash sets it off, and the base of a logarithm.
+
+    The base is 0 for one that is not stated, and None where the column has the numbers themselves.
+    """
+
+    label: str
+    unit: str = ""
+    is_clear: bool = False
+    base: float | None = None
+
+
+def _parts(name: str) -> list[_Parts]:
+    """Ways to take a name apart."""
     if found := _LOGARITHM.fullmatch(name):
         base = {"log": 0.0, "ln": math.e}.get(found[1].lower(), 10.0)
-        return base, *_parts(f"{found[2]}{found[3]}" if found[2] else found[4])[1:]
+        inner = f"{found[2]}{found[3]}" if found[2] else found[4]
+        return [replace(parts, base=base) for parts in _parts(inner)]
     bracket = _BRACKETS.fullmatch(name)
     if bracket and not re.fullmatch(_ARGUMENT, bracket[2].lower()):
-        return None, bracket[1], bracket[2], "["
-    for separator in re.finditer(r"\s*/\s*|[_,\s]+", name):
-        label, unit = name[: separator.start()], name[separator.end() :]
-        if label and unit and ("/" in separator[0] or si.is_usual(unit)):
-            return None, label, unit, separator[0].strip() or " "
-    return None, name, "", " "
+        return [_Parts(bracket[1], bracket[2], is_clear=True), _Parts(name)]
+    pairs = [
+        _Parts(label, unit, is_clear="/" in separator[0])
+        for separator in re.finditer(r"\s*/\s*|[_,\s]+", name)
+        if (label := name[: separator.start()])
+        and (unit := name[separator.end() :])
+        and ("/" in separator[0] or si.is_usual(unit))
+    ]
+    return [*pairs, _Parts(name)]
 
 
 def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False) -> float | None:
@@ -212,7 +230,10 @@ def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False
         return None if unit is None else 1.0 if unit == target else si.factor(unit, target)
     if re.search("rad|deg|°", unit):
         return None if "grad" in unit.lower() else si.factor(unit.replace("°", "deg"), target)
-    counted = _CYCLES.sub("1", unit.replace("rpm", "1/min").replace("cps", "1/s"))
+    counted = re.sub("[rc]pm", "1/min", re.sub("[rc]ps", "1/s", unit))
+    counted = _CYCLES.sub("1", counted)
+    if not _OF_TIME.issuperset(re.findall("[A-Za-zµμ]+", counted)):  # Pint takes a turn for 2 pi
+        return None
     if (factor := si.factor(counted, "1/s")) is None or ("Hz" in unit and is_angular and not is_stated):
         return None
     return factor * (1 if is_angular and counted == unit and "Hz" not in unit else 2 * math.pi)
@@ -244,10 +265,10 @@ def positions(table: Table, columns: Chosen) -> list[int]:
     found = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
-        several = [] if text in table.names else re.split(r"\s*[,;]\s*|\s+", text.strip("[]() "))
-        if not all(one in table.names or one.isdecimal() for one in several):
-            several = [text]
-        found += [position(table, one) for one in several or [text]]
+        words = [word for word in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if word]
+        if text in table.names or not all(word in table.names or word.isdecimal() for word in words):
+            words = [text]
+        found += [position(table, word) for word in words or [text]]
     return found
 
 

@@ -104,13 +104,12 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
         if shares[best] <= _ONE_COLUMN:
             got = "one" if shares[best] else f"{lines[-1][1].strip()[:40]!r}"
             raise fail(expected="two columns of numbers or more", got=got)
-        first, header, width = _beginning([line for _, line in lines], separator, decimal)
+        first, header, width = _beginning([line for _, line in lines], looked_at, separator, decimal)
     width = width or len(_cells(lines[first][1], separator))
     # numpy and many instruments write the names as a comment: the last before the numbers.
     notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
-    headers = [line for _, line in lines[: header + 1]][::-1] + [
-        line.lstrip(" \t#%;") for line in notes[::-1]
-    ]
+    headers = [line for _, line in reversed(lines[: header + 1])]
+    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
     names, in_row = _names([_named(line, separator, width) for line in headers], width)
 
     rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
@@ -131,33 +130,33 @@ def read_table(path: Path, *, matrix: bool = False, failure: type[InputError] = 
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
 
 
-def _beginning(lines: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
-    """The first row and the header, -1 for none, by their places; and the cells of a row below a header."""
+def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
+    """Where the first row and the header (-1 for none) stand, and the cells of a row, by some of the rows."""
 
     def shape(line: str) -> tuple[int, float]:
         cells = _cells(line, separator)
-        return len(cells), _share(cells, decimal)
+        others = [cell for cell in cells if cell not in ("", "1", "-")]
+        is_row_of_units = bool(others) and all(map(is_usual, others))
+        return len(cells), 0.0 if is_row_of_units else _share(cells, decimal)
 
-    rows = [(width, share) for width, share in map(shape, lines[-_LOOKED_AT:]) if share]
-    width = Counter(width for width, _ in rows).most_common(1)[0][0]
-    usual = float(np.median([share for cells, share in rows if cells == width]))
+    found = [(cells, share) for cells, share in map(shape, rows) if share]
+    width = Counter(cells for cells, _ in found).most_common(1)[0][0]
+    usual = float(np.median([share for cells, share in found if cells == width]))
     shapes = []
     for line in lines:
         shapes.append(shape(line))
         if shapes[-1][0] == width and shapes[-1][1] >= usual:
             break
-    named = [at for at, found in enumerate(shapes) if found == (width, 0.0) and lines[at].strip(separator)]
-    if not named:
-        first = next(at for at, (_, share) in enumerate(shapes) if share)
-        return first, first - 1, 0
-    return next(at for at, (_, share) in enumerate(shapes) if share and at > named[-1]), named[-1], width
+    named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
+    first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
+    return (first, named[-1], width) if named else (first, first - 1, 0)
 
 
 def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     """Names of the columns and, where a row of units stands between them and the numbers, their units."""
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
-    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-")
+    sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
     is_row_of_units = above and (sure or all(map(is_usual, names)))
     return (above[0], names) if is_row_of_units else (names, [""] * width)
 

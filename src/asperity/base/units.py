@@ -22,33 +22,15 @@ _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*
 _FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
-_USUAL = ["s", "ms", "us", "µs", "μs", "ns", "min", "h", "d", "Hz", "mHz", "kHz", "MHz", "rad", "deg", "rpm"]
-_USUAL += [
-    "Pa",
-    "kPa",
-    "MPa",
-    "GPa",
-    "bar",
-    "psi",
-    "N",
-    "mN",
-    "kN",
-    "MN",
-    "m",
-    "cm",
-    "mm",
-    "um",
-    "µm",
-    "μm",
-    "nm",
-]
+_TIMES = "s ms us µs μs ns min h d Hz mHz kHz MHz rad deg rpm"
+_USUAL = f"{_TIMES} Pa kPa MPa GPa bar psi N mN kN MN m cm mm um µm μm nm".split()
 _IN_WORDS = {
     "s": r"secs?|seconds?|sek|sekunden?|secondes?",
     "min": r"mins|minutes?|minuten",
     "h": r"hrs?|hours?|std|stunden?|heures?",
     "d": r"days?|tage?|jours?",
 }
-_WORD = re.compile(r"[^\W\d_]+")
+_WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": ("a pressure", "1 MPa"),
     "1/Pa": ("a compliance", "0.5 1/GPa"),
@@ -142,10 +124,10 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
 def is_usual(text: str) -> bool:
     """Whether a cell of a table looks like a unit: of usual ones, whatever their case, or a dash for none."""
     text = re.sub(r"^in[ _]", "", text.strip("[](){}<> "))
-    words = _WORD.findall(text)
-    usual = {*map(str.lower, _USUAL), "per"}
-    is_known = all(word.lower() in usual or _in_case(word) != word for word in words)
-    return text in ("-", "%") or (bool(words) and is_known)
+    words = [word for word in _WORD.findall(text) if word.lower() != "per"]
+    # "std" is a standard deviation, too.
+    are_units = (word in _USUAL or (_in_case(word) != word and word.lower() != "std") for word in words)
+    return text in ("-", "%", "°C", "K") or (bool(words) and all(are_units))
 
 
 def spelled(text: str) -> str | None:

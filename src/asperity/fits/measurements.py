@@ -16,11 +16,7 @@ from asperity.errors import InputError
 
 _DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
 _LEAVE_OUT = "a # before a line to leave it out"
-_ROLES = (
-    Role("time", TIME.unit, rf"{TIME.words}|hold|halte"),
-    Role("value", "", ""),
-    Role("stderr", "", "$^"),
-)
+_ROLES = Role("time", "s", rf"{TIME.words}|hold|halte"), Role("value", "", ""), Role("stderr", "", "$^")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,11 +88,8 @@ def read_measurements(
     asked: dict[str, int | str | None] = {"time": time, "value": value, "stderr": stderr}
     if columns is not None:
         if asked != dict.fromkeys(asked) or len(found.chosen) not in (2, 3):
-            expected, got = (
-                "time, value and perhaps stderr, and no other choice",
-                " ".join(map(str, found.chosen)),
-            )
-            raise InputError("columns", expected=expected, got=got)
+            expected = "time, value and perhaps stderr, and no other choice"
+            raise InputError("columns", expected=expected, got=" ".join(map(str, found.chosen)))
         asked |= zip(asked, found.chosen, strict=False)
     usual = {"time": int(indexed), "value": 1 + int(indexed), "stderr": None}
     chosen = {name: usual[name] if column is None else column for name, column in asked.items()}
@@ -107,10 +100,8 @@ def read_measurements(
     read = {name: _checked(found, at, name) for name, at in places.items()}
     of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):
-        expected = f"the unit of the values, {of_values or 'none'}"
-        raise InputError(
-            f"column {table.names[places['stderr']]!r} of {path}", expected=expected, got=of_errors
-        )
+        about = f"column {table.names[places['stderr']]!r} of {path}"
+        raise InputError(about, expected=f"the unit of the values, {of_values or 'none'}", got=of_errors)
     time_name, value_name = table.names[places["time"]], table.names[places["value"]]
     remark = f"column 0, without a name, counts the lines: took {time_name!r} for the hold times"
     return Measurements(
@@ -154,6 +145,7 @@ def _checked(found: Columns, column: int, name: str) -> Floats:
     cell = table.cell(row, column)
     is_missing = cell.lower() in MISSING
     fault = "missing" if is_missing else "infinite" if np.isinf(values[row]) else "not a number"
+    fault = "too large for a logarithm" if np.isfinite(table.values[row, column]) else fault
     raise InputError(
         table.name,
         expected=f"{what} to be a number {where}",

@@ -57,7 +57,7 @@ class _Data(views.Brief):
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Names of the columns."""
-        return tuple(one.name for one in fields(cls) if not one.kw_only and one.name != "noise")
+        return tuple(part.name for part in fields(cls) if not part.kw_only and part.name != "noise")
 
     @property
     def columns(self) -> tuple[Floats, tuple[Floats, ...]]:

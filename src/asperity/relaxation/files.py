@@ -88,18 +88,14 @@ def read(
     chosen, places = _chosen(found, kind, ordered=columns is not None)
     meant = _modulus(found, places[1:], modulus)
     which = f"{_MODULI[meant][0]} " if meant else ""
-    names = {
-        "modulus": f"{which}modulus",
-        "storage": f"{which}storage modulus",
-        "loss": f"{which}loss modulus",
-    }
-    given: list[Any] = [
-        found.values(role, at, bare=False, called=names.get(role, ""))
-        for at, role in zip(places, _KINDS[chosen].names(), strict=True)
-    ]
+    names = {"storage": "storage modulus", "loss": "loss modulus"}
+    numbers: list[Any] = []
+    for at, role in zip(places, _KINDS[chosen].names(), strict=True):
+        called = role if at == places[0] else which + names.get(role, role)
+        numbers.append(found.values(role, at, bare=False, called=called))
     source, make = found.read, cast(Callable[..., Measured], _KINDS[chosen])
     try:
-        return make(*given, noise=noise, measured=meant, source=source)
+        return make(*numbers, noise=noise, measured=meant, source=source)
     except InputError as error:
         if error.name == "noise":
             raise
@@ -109,28 +105,24 @@ def read(
 def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:
     """The kind of the data, and the positions of its columns."""
     table, roles = found.table, list(found.roles)
-    wanted = {one: of_class.names() for one, of_class in _KINDS.items() if kind in (None, one)}
+    wanted = {name: of_class.names() for name, of_class in _KINDS.items() if kind in (None, name)}
     # Moduli against frequency, without more words: storage and loss.
     plain = [at for at, role in enumerate(roles) if role == "modulus"]
     if "frequency" in roles and "storage" not in roles and len(plain) == 2 - roles.count("loss"):
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
-    if ordered:
-        places = found.chosen
-        asked = tuple(roles[at] for at in places)
-        chosen = kind or next((one for one, names in wanted.items() if asked == names), None)
+    if ordered or (kind is not None and not any(table.names)):
+        asked = tuple(roles[at] for at in found.chosen)
+        chosen = kind or next((name for name, order in wanted.items() if asked == order), None)
         if chosen is None:
             raise _unclear(found, 'kind="relaxation", "creep" or "dynamic"')
-        if len(set(places)) != (count := len(wanted[chosen])) or len(places) != count:
+        count = len(wanted[chosen])
+        places = found.chosen if ordered else found.chosen[:count]
+        if len(set(places)) != count or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
-    if kind is not None and not any(table.names):
-        if len(roles) < (count := len(wanted[kind])):
-            expected = f"{count} columns: {', '.join(wanted[kind])}"
-            raise InputError(table.name, expected=expected, got=f"{len(roles)} columns")
-        return kind, list(range(count))
-    fitting = [one for one, names in wanted.items() if all(roles.count(role) == 1 for role in names)]
+    fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
     if len(fitting) != 1:
         header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
         choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
@@ -141,17 +133,19 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
 def _modulus(found: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:
     """Which modulus the names of columns say; what is asked for overrides a letter, but no word."""
     names = [found.table.names[at] for at in places]
-    said = {one for one, (_, words) in _MODULI.items() for name in names if re.search(words, normal(name))}
+    moduli = {
+        which for which, (_, words) in _MODULI.items() for name in names if re.search(words, normal(name))
+    }
     if asked:
-        said.add(asked)
-    elif not said:
+        moduli.add(asked)
+    elif not moduli:
         letters = (re.match(r"[eg]\b|[eg](?= ?rel)", normal(name)) for name in names)
-        said = {_LETTERS[letter[0]] for letter in letters if letter}
-    if len(said) > 1:
+        moduli = {_LETTERS[letter[0]] for letter in letters if letter}
+    if len(moduli) > 1:
         expected = "the modulus that the names of columns say"
-        got = f"{asked!r} of" if asked else f"{' and '.join(sorted(said))} in"
+        got = f"{asked!r} of" if asked else f"{' and '.join(sorted(moduli))} in"
         raise InputError("modulus", expected=expected, got=f"{got} {', '.join(map(repr, names))}")
-    return next(iter(said), None)
+    return next(iter(moduli), None)
 
 
 def _unclear(found: Columns, advice: str) -> InputError:

@@ -53,15 +53,15 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     columns = []
     for role, kind in (("wave number", "1/{}"), ("power", f"{{}}^{power}")):
         at = roles.index(role)
-        values, given = finite(table, at, role), found.unit(role, at)
-        if given:
-            target, spelled = kind.format(unit or "m"), units.spelled(given)
+        values, in_table = finite(table, at, role), found.unit(role, at)
+        if in_table:
+            target, spelled = kind.format(unit or "m"), units.spelled(in_table)
             factor = None if spelled is None else units.factor(spelled, target)
             if factor is None:
                 name = f"column {table.names[at]!r} of {table.name}"
-                raise InputError(name, expected=f"a unit like {target}", got=repr(given))
+                raise InputError(name, expected=f"a unit like {target}", got=repr(in_table))
             if unit is None:
-                expected = f"the unit of the heights, as the table has {given}"
+                expected = f"the unit of the heights, as the table has {in_table}"
                 raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")
             values = values * factor
         columns.append(values)

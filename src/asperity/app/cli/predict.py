@@ -117,10 +117,7 @@ def predict(
         from asperity.relaxation import read
 
         with in_flags(OF_TABLES):
-            read(
-                material,
-                **{name: asked for name in OF_TABLES if (asked := getattr(wanted, name)) is not None},
-            )
+            read(material, **{name: asked for name in OF_TABLES if (asked := vars(wanted)[name]) is not None})
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)

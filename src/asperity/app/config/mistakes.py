@@ -168,9 +168,10 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
         return found[0].strip("`")
 
     said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
-    keys = {"kind": "table_kind", "columns": "columns", "units": "units"}  # of how a table is read
+    # Advice on how to read a table, which is in the words of Python.
+    keys = {"kind": "table_kind", "columns": "columns", "units": "units", "noise": "noise"}
     key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{keys[key[1]]} = ")
-    said = re.sub(rf'\b({"|".join(keys)})=(?=")', key_or_flag, said)
+    said = re.sub(rf'\b({"|".join(keys)})=(?=["\d])', key_or_flag, said)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 

@@ -42,7 +42,7 @@ Poisson = Annotated[float, Field(gt=-1, le=0.5)]
 OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
 Plateau = Literal["plateau"]
 TableModulus = Literal["young", "shear", "contact"]
-Words = Annotated[list[str], BeforeValidator(lambda given: _as_words(listed(given)))]
+Words = Annotated[list[str], BeforeValidator(lambda value: _as_words(listed(value)))]
 PerDecade = Annotated[float, Field(ge=0.2, le=10)]
 POISSON = 0.35
 """Poisson's ratio of a prediction to which none is given."""
@@ -58,8 +58,10 @@ _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
 
 
-def _as_words(given: object) -> object:
-    return [str(one) if isinstance(one, int) else one for one in given] if isinstance(given, list) else given
+def _as_words(value: object) -> object:
+    return (
+        [str(word) if isinstance(word, int) else word for word in value] if isinstance(value, list) else value
+    )
 
 
 def _shares(branches: list[Branch]) -> list[Branch]:
@@ -277,12 +279,11 @@ class Continuum(SolidSection):
 
     @model_validator(mode="before")
     @classmethod
-    def _modulus_of_table(cls, given: Any) -> Any:
-        """Which modulus a table measures may be said by the key of the contact modulus, as by one flag."""
-        if isinstance(given, dict) and given.get("modulus") in get_args(TableModulus):
-            given = {**given, "table_modulus": given["modulus"]}
-            del given["modulus"]
-        return given
+    def _modulus_of_table(cls, keys: Any) -> Any:
+        """Take the word shear, young or contact as modulus for what the table measures."""
+        if isinstance(keys, dict) and keys.get("modulus") in get_args(TableModulus):
+            return {**keys, "table_modulus": keys["modulus"], "modulus": None}
+        return keys
 
     @model_validator(mode="after")
     def _one_modulus(self) -> Self:
@@ -292,9 +293,8 @@ class Continuum(SolidSection):
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        if self.relaxation is None and (
-            others := [key for key in _OF_TABLES if getattr(self, key) is not None]
-        ):
+        others = [key for key in _OF_TABLES if getattr(self, key) is not None]
+        if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
         if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
             advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
@@ -319,9 +319,9 @@ class Continuum(SolidSection):
         path = Path(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
         how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
-        how |= {key: tuple(words) for key in ("columns", "units") if (words := getattr(self, key))}
-        given = tuple((key, value) for key, value in how.items() if value is not None)
-        return _fitted(path, given, self.per_decade, self.extrapolate, changed)
+        how |= {"columns": self.columns and tuple(self.columns), "units": self.units and tuple(self.units)}
+        reading = tuple((key, value) for key, value in how.items() if value is not None)
+        return _fitted(path, reading, self.per_decade, self.extrapolate, changed)
 
     @property
     def assumed(self) -> str:

@@ -31,11 +31,8 @@ def run_report(outcome: Outcome, *, seconds: float, resumed: bool, read: str = "
     dataset, summary, config = outcome.dataset, outcome.summary, outcome.config
     attrs = dataset.attrs
     held = str(attrs["held"])
-    rows = [
-        ("surface", _surface(outcome)),
-        *[("read", read)] * bool(read),
-        ("solid", _solid(config, dataset)),
-    ]
+    rows = [("surface", _surface(outcome)), ("read", read), ("solid", _solid(config, dataset))]
+    rows = [row for row in rows if row != ("read", "")]
     if summary is None:
         rows += _legs(dataset)
     else:
