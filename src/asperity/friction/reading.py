@@ -161,7 +161,7 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
         else:
             ends.append(factor * checks.number(name, float(text) if isinstance(text, str) else text))
     kept = (time >= ends[0]) & (time <= ends[1])
-    if kept.sum() < 3:
+    if kept.sum() < 3 and not np.isinf(ends).all():
         expected = f"a window of rows between {time.min() / factor:.6g} and {time.max() / factor:.6g} {unit}"
         got = " to ".join(f"{end / factor:.6g}" for end in ends)
         raise InputError("start", expected=expected, got=f"{got} {unit}, with {int(kept.sum())} rows")

@@ -66,8 +66,9 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
         rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
     if found.runs == 1 and fit.effective_points < fit.points:
         text = f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
-        text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
-        rows.append(("note", f"{text}records of several surfaces give better intervals"))
+        text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}"
+        text += "" if isinstance(fit, MachineFit) else "; records of several surfaces give better intervals"
+        rows.append(("note", text))
     return rows
 
 
