@@ -6,7 +6,7 @@ import json
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
@@ -25,6 +25,17 @@ RUN_IN, HOLD, STEPPED = 0, 1, 2
 
 _SHORT, _FEW = 2, 10
 """Rests of so many rows, and how many of them are no noise of the displacement."""
+
+
+class About(TypedDict, total=False):
+    """What a record may say of itself; see there."""
+
+    si: bool
+    normal_stress: float | None
+    normal_force: float | None
+    source: str
+    read: str
+    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,7 +115,7 @@ class Record(views.Brief):
         *,
         strength_at_rest: bool = False,
         a: float | None = None,
-        **about: Any,
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -166,7 +177,8 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Any,
+        a: float | None = None,
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
 
@@ -179,8 +191,8 @@ class Record(views.Brief):
             Shape (n,), as in a record.
         load_point, slip
             Displacements (length), shape (n,); one of them at least. They may fall by their noise.
-        about
-            As in a record: `a`, `normal_stress`, `normal_force`, `source`, `si`, `units`.
+        a, about
+            As in a record: `normal_stress`, `normal_force`, `source`, `si`, `units`.
 
         Raises
         ------
@@ -201,16 +213,24 @@ class Record(views.Brief):
             raise InputError(
                 name or "load_point", expected="three displacements or more, one for each", got=got
             )
-        about |= places
         timetable(times, np.zeros_like(times))
         if name == "slip":
             driven, compliance = drive_of_slip(times, along, values)
             if compliance == 0 and not (np.diff(along) < 0).any():
-                return cls.of_displacement(times, along, values, **about | {"slip": None})
+                return cls.of_displacement(times, along, values, a=a, **about)
         else:
             driven = drive_of(times, along)
         forward = np.maximum(driven.per_row(times), 0.0)
-        record = cls(times, forward, values, drive=driven, **about)
+        record = cls(
+            times,
+            forward,
+            values,
+            drive=driven,
+            a=a,
+            load_point=places["load_point"],
+            slip=places["slip"],
+            **about,
+        )
         _refuse_reversal(record, name)
         return record
 

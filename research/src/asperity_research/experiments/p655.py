@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,6 @@ from matplotlib.figure import Figure
 
 from asperity import friction
 from asperity.errors import InputError
-from asperity.friction.laws import StateLaw
 from asperity_research import style
 from asperity_research.experiments.record import load
 from asperity_research.studies.evidence import Evidence
@@ -28,7 +28,7 @@ from asperity_research.studies.study import Outcome, Study, Words
 WORDS, MEASURED = Words.beside(__file__), load("p655")
 
 FILE = "p655intact100l.xlook"
-VARIANTS: tuple[tuple[StateLaw, int], ...] = (("slip", 1600), ("slip", 1000), ("aging", 1000))
+VARIANTS: tuple[tuple[Literal["slip", "aging"], int], ...] = (("slip", 1600), ("slip", 1000), ("aging", 1000))
 """Laws and stiffnesses (1/m) of the published fits."""
 
 NUMBERS = ("mu_0", "a", "b", "D_c")
