@@ -70,6 +70,15 @@ def test_a_stiff_machine_has_the_closed_form_of_a_step():
         assert abs(getattr(pulled, name) - value) < 4 * stderr + 1e-3 * value
 
 
+def test_a_machine_that_is_too_stiff_to_tell_gives_the_others():
+    shape = TRUTH._replace(k=3 / UM)
+    time, place, _, friction = exact([1.0, 10.0, 1.0], [30.03, 10.0, 40.0], law="slip", shape=shape)
+    fit = F.rate_and_state(noisy(time, friction, load_point=place), law="slip")
+    assert fit.stiffness_at_edge or fit.stiffness_stderr > fit.stiffness
+    for name in ("a", "b", "D_c"):
+        assert abs(getattr(fit, name) - getattr(TRUTH, name)) < 3 * getattr(fit, f"{name}_stderr")
+
+
 # -- The fit -------------------------------------------------------------------------------------------------
 
 

@@ -90,6 +90,8 @@ class MachineFit(RateAndStateFit):
     stiffness
         k, change of the friction coefficient for each displacement of the load point (1/length), with its
         standard error; 0 where k was given. Its interval is symmetric in its logarithm.
+    stiffness_at_edge
+        Whether the search for k ended at the end of its range: the machine is stiffer than the record tells.
     drift
         Change of friction for each displacement of the load point (1/length) that is not the law's.
     kinks
@@ -103,6 +105,7 @@ class MachineFit(RateAndStateFit):
 
     stiffness: float
     stiffness_stderr: float
+    stiffness_at_edge: bool
     drift: float
     drift_stderr: float
     kinks: Floats

@@ -180,6 +180,7 @@ def _result(record: Record, found: Solved, first: int, V_0: float | None) -> Mac
         at_edge="D_c" in found.at_edge,
         stiffness=k,
         stiffness_stderr=spread(k=1.0),
+        stiffness_at_edge="k" in found.at_edge,
         drift=drift,
         drift_stderr=spread(drift=1.0),
         kinks=found.point[len(machine.names) :],

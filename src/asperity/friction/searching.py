@@ -20,6 +20,9 @@ _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (0.01, 0.03, 0.1, 0.3,
 _POLISHED, _FIRST, _FREE, _LAST = 3, 8, 16, 60
 """How many starts are followed, for how many evaluations; of the best, with its kinks, how many."""
 
+_BEFORE = 5
+"""Rows before a kink whose friction is that of its beginning."""
+
 _ROUNDS = 3
 """Searches, each with the noise that the one before left."""
 
@@ -119,10 +122,12 @@ def _stiffness_seen(machine: Machine) -> float:
     for n, change in enumerate(np.diff(drive.velocity).tolist()):
         rows = (machine.time >= edges[n + 1]) & (machine.time <= edges[n + 2])
         if rows.sum() > 3:
-            rise = (machine.friction[rows] - machine.friction[rows][0]) * math.copysign(1.0, change)
-            at = max(1, int(np.argmax(rise > rise.max() / 2)))
+            first, row = int(np.argmax(rows)), float(np.diff(machine.time[rows]).mean())
+            before = float(np.median(machine.friction[max(0, first - _BEFORE) : first + 1]))
+            rise = (machine.friction[rows] - before) * math.copysign(1.0, change)
+            at = int(np.argmax(rise >= rise.max() / 2))
             slopes[change > 0].append(
-                rise[at] / abs(change) / max(machine.time[rows][at] - edges[n + 1], 1e-300)
+                rise[at] / abs(change) / max(machine.time[rows][at] - edges[n + 1], row / 2)
             )
     least = 1e-3 * float(np.ptp(machine.friction)) / float(drive.place(machine.time)[-1])
     return max(least, float(np.median(slopes[True] or slopes[False] or [least])))

@@ -81,6 +81,8 @@ def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
         assert isinstance(one, MachineFit)
         is_given = one.stiffness_stderr == 0
         k = f"{one.stiffness * length:.4g}"
+        if one.stiffness_at_edge or one.stiffness_stderr > one.stiffness:
+            k = "not determined"
         numbers = [uncertain(getattr(one, name), getattr(one, f"{name}_stderr")) for name in ("a", "b")]
         D_c = uncertain(one.D_c / length, one.D_c_stderr / length) if one.determined else "not determined"
         mu_0, misfit = uncertain(one.mu_0, one.mu_0_stderr), f"{float(np.std(one.residual)):.2g}"
