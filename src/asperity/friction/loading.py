@@ -210,7 +210,9 @@ class _Pieces:
             rows = [pair[1] - pair[0] for pair in pairs[n : n + 2]]
             errors = [4 * line[2] / max(1, k - 2) / k for line, k in zip(lines[n : n + 2], rows, strict=True)]
             spread.append(max(after - before, math.sqrt(sum(errors)) / abs(change) if change else 0.0))
-        return Drive(np.array(kinks), speeds, np.array(spread))
+        turns = np.diff(speeds) != 0  # not between two rests
+        kept = np.concatenate([[True], turns])
+        return Drive(np.array(kinks)[turns], speeds[kept], np.array(spread)[turns])
 
 
 def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:
