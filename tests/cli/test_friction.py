@@ -9,6 +9,8 @@ import xarray as xr
 
 import asperity as asp
 from asperity.base.words import tables_to_toml
+from asperity.friction.loading import Drive
+from asperity.friction.slider import Shape, follow
 from tests.cli.conftest import rows_of
 
 F = asp.friction
@@ -83,6 +85,57 @@ def test_a_slip_below_that_between_two_values_is_noted(says):
         np.savetxt("record.csv", table, delimiter=",", header="time,velocity,friction", comments="")
         text = says("friction", "record.csv", "--a", "0.0", "--overwrite")
         assert ("shorter than the slip between two values" in text) is noted
+
+
+def machine(name, *, places, header=""):
+    """Write a hold of 10 s and a step of a slider on a spring, in min and um and with noise."""
+    shape = Shape(a=0.008, b=0.010, D_c=10e-6, k=0.01e6)
+    drive = Drive(np.array([10.0, 20.0, 45.0]), 1e-6 * np.array([10, 0, 10, 30]), np.full(3, 0.1))
+    time = np.arange(0.0, 55.0, 0.1)
+    place = drive.place(time)
+    elastic = follow("aging", shape, drive, time).elastic(shape)
+    rng = np.random.default_rng(0)
+    columns = {"load_point_um": place, "displacement_um": place - elastic / shape.k}
+    noisy = [1e6 * columns[column] + 0.02 * rng.standard_normal(time.size) for column in places]
+    friction = 0.6 + elastic + 4e-4 * rng.standard_normal(time.size)
+    rows = np.column_stack([time / 60, *noisy, friction])
+    np.savetxt(
+        name,
+        rows,
+        fmt="%.7g",
+        delimiter=",",
+        comments="",
+        header=f"{header}{','.join(('time_min', *places, 'friction [-]'))}",
+    )
+
+
+def test_the_record_of_a_machine_from_load_point_to_a_table_of_laws_and_events(says):
+    machine("lab.csv", places=["load_point_um"], header="Operator,M. Huber,2026\n")
+    text = says("friction", "lab.csv", "--stiffness", "0.01 / um")
+    assert "1 hold" in text
+    assert "the data prefer the aging law" in text
+    first, second, *others = rows_of(Path("friction/friction.csv"))
+    assert [row["stiffness_from"] for row in (first, second)] == ["given", "fitted"]
+    assert len(others) == 2
+    for name, value in (("a", 0.008), ("b", 0.010), ("D_c", 1e-5), ("stiffness", 1e4)):
+        end = {"D_c": "_m", "stiffness": "_per_m"}.get(name, "")
+        low, high = (float(second[f"{name}_{side}{end}"]) for side in ("low", "high"))
+        assert abs(value - (low + high) / 2) < high - low
+        assert high - low < 0.1 * value
+    events = rows_of(Path("friction/events.csv"))
+    assert [(row["number"], row["kind"]) for row in events] == [("1", "hold"), ("2", "step")]
+    assert [float(row["end"]) - float(row["time"]) for row in events] == pytest.approx([10, 0], abs=0.1)
+    assert [float(row["a"]) for row in events] == pytest.approx([0.008] * 2, rel=0.1)
+
+
+def test_a_window_in_the_units_of_the_record_and_what_it_lacks(says, refused):
+    machine("lab.csv", places=["displacement_um"])
+    says("friction", "lab.csv", "--from", "0.1", "--to", "54 s", "--law", "slip")
+    (step, *_) = rows_of(Path("friction/friction.csv"))
+    assert step["law"] == "slip"
+    refused("friction", "lab.csv", "--to", "0.15", "--out", "none")
+    refused("friction", "lab.csv", "--from", "1 h", "--out", "none")
+    refused("friction", "lab.csv", "--stiffness", "0.01", "--out", "none")
 
 
 SLIDE = {"kind": "slide", "distance": 8, "velocity": 1.0}

@@ -219,7 +219,7 @@ WITHOUT_NUMBERS = {
     ),
     "fits": "jackknife read_measurements",
     "inference": "infer",
-    "friction": "add_friction hold_peaks read_record record_of save_parameters",
+    "friction": "add_friction events_of fit_events hold_peaks read_record record_of save_parameters",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",
     "surfaces": "check_square combined",

@@ -12,7 +12,7 @@ from asperity.analysis.scan import readable
 from asperity.base import checks
 from asperity.base.words import uncertain
 from asperity.figures import style
-from asperity.friction import StateLaws
+from asperity.friction import MachineFit, StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
@@ -34,28 +34,44 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     Figure
     """
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
-    peaks = found.peaks()
-    holds = peaks.duration.size > 1
-    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 5.8), layout="constrained")
-    grid = figure.add_gridspec(2, 1 + holds, height_ratios=[3.0, 1], width_ratios=[1.7, 1][: 1 + holds])
+    peaks, fit = found.peaks(), found.fits[found.preferred]
+    holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
+    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 7.2 if of_machine else 5.8), layout="constrained")
+    heights = [3.0, 1, 1.2][: 2 + of_machine]
+    widths = [1.7, 1][: 1 + holds]
+    grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)
     upper = figure.add_subplot(grid[0, 0])
-    lower = figure.add_subplot(grid[1, 0], sharex=upper)
-    upper.tick_params(labelbottom=False)
+    below = [figure.add_subplot(grid[n, 0], sharex=upper) for n in range(1, len(heights))]
+    for axes in (upper, *below[:-1]):
+        axes.tick_params(labelbottom=False)
     slip, label, factor = found.record.displacement, "slip [length of the record]", 1.0
+    if isinstance(fit, MachineFit):
+        slip, label = fit.slip, "slip of the fit [length of the record]"
     if found.record.si:
-        label, factor = style.scaled("slip", "m", float(slip.max()))
+        label, factor = style.scaled(label.partition(" [")[0], "m", float(np.nanmax(slip)))
     slip = factor * slip
     _draw_record(upper, found, slip)
-    _draw_residuals(lower, found, slip)
+    _draw_residuals(below[0], found, slip)
+    if of_machine:
+        _draw_state(below[1], found, slip)
     upper.set_ylabel(r"friction coefficient $\mu$")
-    lower.set_ylabel(r"$\mu$ − law")
-    lower.set_xlabel(label)
+    below[0].set_ylabel(r"$\mu$ − law")
+    below[-1].set_xlabel(label)
     upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), fontsize=8, frameon=False)
     if holds:
         _draw_peaks(figure.add_subplot(grid[:, 1]), found)
     for axes in figure.axes:
         style.finish(axes, legend=False)
     return figure
+
+
+def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
+    for law in STATE_LAWS:
+        fit = found.fits[law]
+        if isinstance(fit, MachineFit):
+            color, dashes = _LINES[law]
+            axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
+    axes.set_ylabel(rf"state $\theta$ [{'s' if found.record.si else 'time'}]")
 
 
 def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
@@ -89,6 +105,8 @@ def _legend(found: StateLaws, law: StateLaw) -> str:
 def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
     look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
+    if found.record.time.size > _MANY:
+        look = {"markersize": 1.5, "markeredgewidth": 0, "alpha": 0.5}
     for law, marker in zip(STATE_LAWS, "os", strict=True):
         fit = found.fits[law]
         axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)

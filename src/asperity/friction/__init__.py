@@ -2,15 +2,20 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.friction.comparing import StateLaws, compare_state_laws
+from asperity.friction.events import Event, events_of, fit_events
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
 from asperity.friction.export import save_parameters
-from asperity.friction.fitting import RateAndStateFit, rate_and_state
+from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import RateAndState
-from asperity.friction.records import HoldPeaks, Record, hold_peaks, read_record, record_of
+from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.reading import read_record
+from asperity.friction.records import HoldPeaks, Record, hold_peaks, record_of
 from asperity.friction.tabor import ShearStrength, add_friction
 
 __all__ = [
+    "Event",
     "HoldPeaks",
+    "MachineFit",
     "RateAndState",
     "RateAndStateFit",
     "Record",
@@ -18,6 +23,8 @@ __all__ = [
     "StateLaws",
     "add_friction",
     "compare_state_laws",
+    "events_of",
+    "fit_events",
     "hold_peaks",
     "rate_and_state",
     "read_record",

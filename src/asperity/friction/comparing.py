@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -19,12 +19,19 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
-from asperity.friction.fitting import Events, RateAndStateFit, rate_and_state
+from asperity.friction.fitting import Events, rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.records import HoldPeaks, Record, hold_peaks
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
 """What is estimated."""
+
+OF_MACHINES = ("stiffness", "drift")
+"""And of the record of a machine."""
+
+_SUITS = 1.5
+"""Misfit over the least up to which a law with a stiffness is possible."""
 
 _SAME = 1e-9
 """Relative difference of times and velocities that are meant to be the same."""
@@ -59,6 +66,8 @@ class StateLaws(views.Brief):
         Number of independent values that one record is worth, by the residuals of the better law.
     relative_likelihood
         Of the less likely law, exp(-abs(delta_aicc)/2); NaN for several.
+    free
+        Where the stiffness was given, the fits that find it.
     """
 
     verdict: Literal["aging", "slip", "undecided"]
@@ -70,6 +79,31 @@ class StateLaws(views.Brief):
     delta_aicc: float
     effective_points: float
     relative_likelihood: float
+    free: Mapping[StateLaw, RateAndStateFit] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What is estimated, by the kind of the record."""
+        of_machine = isinstance(self.fits[self.preferred], MachineFit)
+        return (*PARAMETERS, *OF_MACHINES) if of_machine else PARAMETERS
+
+    @property
+    def every(self) -> list[RateAndStateFit]:
+        """All fits, the preferred law first, with a given stiffness before a fitted one."""
+        laws = sorted(STATE_LAWS, key=lambda law: law != self.preferred)
+        return [fits[law] for law in laws for fits in (self.fits, self.free) if law in fits]
+
+    @property
+    def suiting(self) -> list[RateAndStateFit]:
+        """The fits whose misfit is near the least."""
+        least = min(fit.rms_residual for fit in self.every)
+        return [fit for fit in self.every if fit.rms_residual < _SUITS * least]
+
+    def range_of(self, name: str) -> tuple[float, float, bool]:
+        """Least and largest value among the fits that suit, and whether their 95 % intervals are narrower."""
+        values = [float(getattr(fit, name)) for fit in self.suiting]
+        widest = max(high - low for low, high in (fit.interval(name) for fit in self.suiting))
+        return min(values), max(values), max(values) - min(values) > widest
 
     @property
     def preferred(self) -> StateLaw:
@@ -82,7 +116,9 @@ class StateLaws(views.Brief):
         """Static friction against hold time: of the record, or as a law has it at the same times."""
         if law is None:
             return hold_peaks(self.record)
-        return hold_peaks(replace(self.record, friction=self.fits[law].predict(self.record)))
+        friction = self.fits[law].predict(self.record)
+        friction = np.where(np.isnan(friction), self.record.friction, friction)  # before the steady start
+        return hold_peaks(replace(self.record, friction=friction))
 
 
 def compare_state_laws(
@@ -91,6 +127,7 @@ def compare_state_laws(
     a: float | Literal["fitted"] | None = None,
     V_0: float | str | None = None,
     events: Events = "all",
+    stiffness: float | str | None = None,
 ) -> StateLaws:
     """Fit the aging and the slip law, and say which the data prefer.
 
@@ -99,8 +136,8 @@ def compare_state_laws(
     records
         One record; or several of different surfaces, with the same times and velocities. The friction of
         several is averaged, and uncertainties follow from their scatter.
-    a, V_0, events
-        As in `rate_and_state`.
+    a, V_0, events, stiffness
+        As in `rate_and_state`; a stiffness is for one record, and where it is given it is fitted as well.
 
     Raises
     ------
@@ -113,11 +150,14 @@ def compare_state_laws(
     first = checks.instance("records", several[0], Record, "asperity.friction.record_of(history)")
     for record in several[1:]:
         _check_same(first, checks.instance("records", record, Record, "records of one kind"))
+    if len(several) > 1 and (first.drive is not None or stiffness is not None):
+        advice = "a call for each, or the mean of their numbers"
+        raise InputError("records", expected="one record of a machine", got=len(several), advice=advice)
     friction = np.array([record.friction for record in several])
 
-    def fitted(mean: Floats) -> dict[StateLaw, RateAndStateFit]:
-        record = replace(first, friction=mean)
-        return {law: rate_and_state(record, law=law, a=a, V_0=V_0, events=events) for law in STATE_LAWS}
+    def fitted(mean: Floats, k: float | str | None = stiffness) -> dict[StateLaw, RateAndStateFit]:
+        how: dict[str, Any] = {"a": a, "V_0": V_0, "events": events, "stiffness": k}
+        return {law: rate_and_state(replace(first, friction=mean), law=law, **how) for law in STATE_LAWS}
 
     def statistics(sample: Floats) -> Floats:
         fits = fitted(sample.mean(axis=0))
@@ -128,10 +168,12 @@ def compare_state_laws(
     estimates = {
         law: {
             name: _of_one(getattr(fit, name), getattr(fit, f"{name}_stderr"), *fit.interval(name))
-            for name in PARAMETERS
+            for name in (*PARAMETERS, *OF_MACHINES)
+            if hasattr(fit, name)
         }
         for law, fit in fits.items()
     }
+    is_given = all(isinstance(fit, MachineFit) and fit.stiffness_stderr == 0 for fit in fits.values())
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
         log_ratio, worth = _of_one(_log_ratio(fits)), better.effective_points
@@ -160,6 +202,7 @@ def compare_state_laws(
         delta_aicc=delta,
         effective_points=worth,
         relative_likelihood=likelihood,
+        free=fitted(mean.friction, "fit") if is_given else {},
     )
 
 

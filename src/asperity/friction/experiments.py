@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from asperity.base import checks, units
 from asperity.errors import InputError
 from asperity.friction.laws import RateAndState
-from asperity.friction.records import STEP, Record
+from asperity.friction.loading import STEP
+from asperity.friction.records import Record
 from asperity.protocols import Hold, Leg, Slide, legs_of
 
 

@@ -7,6 +7,7 @@ a table of what other programs call them.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -15,13 +16,15 @@ from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
-from asperity.friction.comparing import PARAMETERS, StateLaws
+from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
+from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.results.store import whole_file
 
-_UNITS = {"D_c": "m", "V_0": "m/s"}
+_UNITS = {"D_c": "m", "V_0": "m/s", "stiffness": "1/m", "drift": "1/m"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
-_SUFFIXES = {"D_c": "_m", "V_0": "_m_per_s"}
+_OWN_UNITS |= dict.fromkeys(("stiffness", "drift"), "1 / length of the record")
+_SUFFIXES = {"D_c": "_m", "V_0": "_m_per_s", "stiffness": "_per_m", "drift": "_per_m"}
 
 
 def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None = None) -> None:
@@ -55,7 +58,7 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
 
 
 def _values(found: StateLaws, law: StateLaw) -> dict[str, float]:
-    return {name: float(found.estimates[law][name].value) for name in PARAMETERS}
+    return {name: float(found.estimates[law][name].value) for name in found.names}
 
 
 def _origin(found: StateLaws) -> dict[str, object]:
@@ -73,7 +76,7 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
     parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0)}
     if found.record.normal_stress is not None:
         parameters["normal_stress"] = float(found.record.normal_stress)
-    intervals = {name: found.estimates[law][name] for name in PARAMETERS}
+    intervals = {name: found.estimates[law][name] for name in found.names}
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
         "intervals_95": {name: [float(one.low), float(one.high)] for name, one in intervals.items()},
@@ -90,14 +93,29 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
 
 
 def _csv(found: StateLaws, law: StateLaw) -> str:
-    suffixes = _SUFFIXES if found.record.si else {}
     rows: list[dict[str, object]] = []
     for each in sorted(STATE_LAWS, key=lambda one: one != law):
-        row: dict[str, object] = {"law": each}
-        for name, one in ((name, found.estimates[each][name]) for name in PARAMETERS):
-            for end, number in {"": one.value, "_low": one.low, "_high": one.high}.items():
-                row[f"{name}{end}{suffixes.get(name, '')}"] = float(number)
-        row[f"V_0{suffixes.get('V_0', '')}"] = float(found.fits[each].V_0)
-        row["normal_stress_Pa"] = "" if found.record.normal_stress is None else found.record.normal_stress
-        rows.append(row | {"verdict": found.verdict} | _origin(found))
+        estimates = found.estimates[each]
+        numbers = {name: (one.value, one.low, one.high) for name, one in estimates.items()}
+        several: list[tuple[RateAndStateFit, dict[str, tuple[Any, ...]]]] = [(found.fits[each], numbers)]
+        if each in found.free:
+            fit = found.free[each]
+            several.append((fit, {name: (getattr(fit, name), *fit.interval(name)) for name in estimates}))
+        rows += [_row(found, each, fit, numbers) for fit, numbers in several]
     return pd.DataFrame(rows).to_csv(index=False, na_rep="nan", lineterminator="\n")
+
+
+def _row(
+    found: StateLaws, law: StateLaw, fit: RateAndStateFit, numbers: dict[str, tuple[Any, ...]]
+) -> dict[str, object]:
+    """A line of the table: value, low and high of each number."""
+    suffixes = _SUFFIXES if found.record.si else {}
+    row: dict[str, object] = {"law": law}
+    for name, values in numbers.items():
+        for end, number in zip(("", "_low", "_high"), values, strict=True):
+            row[f"{name}{end}{suffixes.get(name, '')}"] = float(number)
+    row[f"V_0{suffixes.get('V_0', '')}"] = float(fit.V_0)
+    row["normal_stress_Pa"] = "" if found.record.normal_stress is None else found.record.normal_stress
+    if isinstance(fit, MachineFit):
+        row["stiffness_from"] = "fitted" if fit.stiffness_stderr > 0 else "given"
+    return row | {"misfit": fit.rms_residual, "verdict": found.verdict} | _origin(found)

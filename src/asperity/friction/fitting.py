@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +27,10 @@ from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import has_unit
 from asperity.errors import InputError
-from asperity.fits import FitResult
 from asperity.fits.comparison import ROUNDING, neighbors
 from asperity.fits.result import quality, rms
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import (
-    RateAndState,
     StateLaw,
     first_velocity,
     half_changes,
@@ -40,7 +38,10 @@ from asperity.friction.laws import (
     log_velocity,
     state_law,
 )
-from asperity.friction.records import HOLD, RUN_IN, STEP, STEPPED, Record
+from asperity.friction.loading import STEP
+from asperity.friction.parameters import RateAndStateFit
+from asperity.friction.pulling import pulled_fit, stiffness_of
+from asperity.friction.records import HOLD, RUN_IN, STEPPED, Record, refuse_noise
 
 Events = Literal["all", "holds", "steps"]
 _EVENTS: dict[str, tuple[str, tuple[int, ...]]] = {
@@ -66,72 +67,6 @@ _DIFFERENCE = 1e-5
 """Step of the central differences in ln D_c and ln theta."""
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class RateAndStateFit(FitResult):
-    """Parameters of rate-and-state friction.
-
-    Attributes
-    ----------
-    law
-        How the state evolves.
-    V_0
-        Reference velocity, as given.
-    mu_0, a, b, D_c
-        The parameters, each with a standard error in ``..._stderr``; 0 for an a that was given. The
-        interval of D_c is symmetric in its logarithm.
-    a_minus_b
-        Change of steady friction per e-fold of the velocity, with its standard error; below 0 sliding can be
-        unstable.
-    first_state
-        State theta at the first time of the record.
-    autocorrelation
-        Correlation rho of neighboring residuals.
-    effective_points
-        Number of independent values that standard errors count with.
-    residual
-        Friction less law at the values fitted, shape (points,).
-    used
-        Which entries of the record were fitted, shape (n,).
-    at_edge
-        Whether the search for D_c ended at the end of its range.
-    """
-
-    law: StateLaw
-    V_0: float
-    mu_0: float
-    mu_0_stderr: float
-    a: float
-    a_stderr: float
-    b: float
-    b_stderr: float
-    D_c: float
-    D_c_stderr: float
-    a_minus_b: float
-    a_minus_b_stderr: float
-    first_state: float
-    autocorrelation: float
-    effective_points: float
-    residual: Floats
-    used: NDArray[np.bool_]
-    at_edge: bool
-
-    scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
-
-    @property
-    def determined(self) -> bool:
-        """Whether the record determines D_c, to a factor of about three at least."""
-        return not self.at_edge and self.D_c_stderr < self.D_c
-
-    @property
-    def parameters(self) -> RateAndState:
-        """The law with these parameters."""
-        return RateAndState(law=self.law, a=self.a, b=self.b, D_c=self.D_c, mu_0=self.mu_0, V_0=self.V_0)
-
-    def predict(self, record: Record) -> Floats:
-        """Friction coefficient at each time of the record, from the state at its first time, shape (n,)."""
-        return self.parameters.friction(record.time, record.velocity, self.first_state)
-
-
 def rate_and_state(
     record: Record,
     *,
@@ -139,6 +74,7 @@ def rate_and_state(
     a: float | Literal["fitted"] | None = None,
     V_0: float | str | None = None,
     events: Events = "all",
+    stiffness: float | str | None = None,
 ) -> RateAndStateFit:
     """Fit rate-and-state friction to a record.
 
@@ -158,15 +94,37 @@ def rate_and_state(
         What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them
         until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
         followed through the whole record in any case.
+    stiffness
+        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of
+        the shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
+        infinity, where the load point is the slip. By default it is fitted where the velocity is not that
+        of slip, and not needed where it is.
+
+    Returns
+    -------
+    RateAndStateFit
+        A `MachineFit` where there is a stiffness.
 
     Raises
     ------
     InputError
-        There are no such events, too few values, or velocities that do not differ to fit a.
+        There are no such events, too few values, or velocities that do not differ to fit a; the stiffness
+        has no unit, or slides at it are stick-slip.
     """
     made = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
     record = checks.instance("record", record, Record, made)
+    k = stiffness_of(record, stiffness)
+    if k != math.inf:
+        reference = None if V_0 is None else _velocity(V_0, si=record.si)
+        return pulled_fit(record, state_law(law), a, reference, _kinds_of(events), k)
     return _Problem.of(record, state_law(law), a, V_0, events).solution()
+
+
+def _kinds_of(events: object) -> tuple[int, ...]:
+    """Kinds of events to fit."""
+    if events not in _EVENTS:
+        raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+    return _EVENTS[str(events)][1]
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
@@ -189,15 +147,15 @@ class _Problem:
 
     @classmethod
     def of(cls, record: Record, law: StateLaw, a: object, V_0: float | str | None, events: str) -> _Problem:
-        if events not in _EVENTS:
-            raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+        wanted, needed = _kinds_of(events), _EVENTS[events][0]
+        refuse_noise(record)
         reference = first_velocity(record.velocity)
         if V_0 is not None:
             reference = _velocity(V_0, si=record.si)
-        kinds, (needed, wanted) = record.events, _EVENTS[events]
+        kinds = record.events
         rests = bool((record.velocity[1:] == 0).any())
         if not ((rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())):
-            got = "rests only" if rests else f"slip at {reference:g}, without rest or step"
+            got = "rests only" if rests else f"slip at {record.speed(reference)}, without rest or step"
             raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
         # Where V changes by more, the mean of an interval does not say its velocity at the end.
         used = np.isin(kinds, (RUN_IN, *wanted))

@@ -20,7 +20,7 @@ it is 0 beside a jump (`half_changes`). Both chains are sums of terms above 0, w
 logarithm: no number overflows, however far a contact slides. At rest the aging law gives theta_start + t,
 and the slip law, in which only slip changes the state, theta_start.
 
-The stiffness of an apparatus is left out: V is the velocity of slip, not that of a distant load point.
+Here V is the velocity of slip; `asperity.friction.slider` has a machine whose load point pulls by a spring.
 """
 
 from __future__ import annotations

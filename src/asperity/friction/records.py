@@ -4,27 +4,38 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypedDict, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from asperity.base import checks, views
+from asperity.base import checks, units, views
 from asperity.base.checks import Floats
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
+from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 from asperity.friction.tabor import ShearStrength, add_friction
 from asperity.results import History, load
 
-STEP = 1.2
-"""Ratio of two velocities from which a change is a step."""
-
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
+
+_SHORT, _FEW = 2, 10
+"""Rests of so many rows, and how many of them are no noise of the displacement."""
+
+
+class About(TypedDict, total=False):
+    """What a record may say of itself; see there."""
+
+    si: bool
+    normal_stress: float | None
+    normal_force: float | None
+    source: str
+    read: str
+    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,10 +59,18 @@ class Record(views.Brief):
         The direct effect, if it is known: 0 for a simulation with a constant shear strength.
     si
         Whether times are in s and lengths in m; else they are in units of the simulation.
-    normal_stress
-        Mean normal stress (Pa), if it is known; only passed on.
+    normal_stress, normal_force
+        Mean normal stress (Pa) and force (N), if they are known: a stiffness may be over them.
     source
         Where the record comes from.
+    load_point, slip
+        Measured displacements, with their noise, of the load point of a machine and of the slider, shape
+        (n,); None where they are not.
+    drive
+        The load point as straight segments. Where there is one, `velocity` is that of the load point: what
+        rests is the machine, and a fit needs its stiffness.
+    units
+        Units of time and length in which messages speak of the record.
     read
         What was read of which columns of a table.
 
@@ -68,7 +87,12 @@ class Record(views.Brief):
     a: float | None = field(default=None, kw_only=True)
     si: bool = field(default=True, kw_only=True)
     normal_stress: float | None = field(default=None, kw_only=True)
+    normal_force: float | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True)
+    load_point: Floats | None = field(default=None, kw_only=True)
+    slip: Floats | None = field(default=None, kw_only=True)
+    drive: Drive | None = field(default=None, kw_only=True)
+    units: tuple[str, str] = field(default=("s", "m"), kw_only=True)
     read: str = field(default="", kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
@@ -79,6 +103,8 @@ class Record(views.Brief):
             raise InputError("friction", expected=expected, got=friction.size)
         for name, values in (("time", time), ("velocity", velocity), ("friction", friction)):
             object.__setattr__(self, name, values)
+        if not self.si:
+            object.__setattr__(self, "units", ("", ""))
 
     @classmethod
     def of_displacement(
@@ -89,9 +115,7 @@ class Record(views.Brief):
         *,
         strength_at_rest: bool = False,
         a: float | None = None,
-        si: bool = True,
-        normal_stress: float | None = None,
-        source: str = "",
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -104,8 +128,8 @@ class Record(views.Brief):
         ----------
         time, displacement, friction
             Shape (n,); the displacement never falls.
-        strength_at_rest, a, si, normal_stress, source
-            As in a record.
+        strength_at_rest, a, about
+            As in a record, as `si`, `source` and others.
 
         Raises
         ------
@@ -122,11 +146,13 @@ class Record(views.Brief):
         falls = np.diff(places) < 0
         if falls.any():
             at = int(np.argmax(falls))
+            names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
+            one, two = places[at : at + 2] / _scales(names)[1]
             raise InputError(
                 "displacement",
                 expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{places[at + 1]:g} after {places[at]:g}",
-                advice="cutting the record at the reversal, smoothing noise, or a column of velocity",
+                got=f"{two:.6g} after {one:.6g} {names[1]}".rstrip(),
+                advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
             )
         durations = np.diff(times)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -140,10 +166,89 @@ class Record(views.Brief):
             values,
             strength_at_rest=strength_at_rest,
             a=a,
-            si=si,
-            normal_stress=normal_stress,
-            source=source,
+            **about,
         )
+
+    @classmethod
+    def of_machine(
+        cls,
+        time: ArrayLike,
+        friction: ArrayLike,
+        *,
+        load_point: ArrayLike | None = None,
+        slip: ArrayLike | None = None,
+        a: float | None = None,
+        **about: Unpack[About],
+    ) -> Record:
+        """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
+
+        What rests is the load point. Where only slip is measured, it is slip + friction/k, for the k that
+        makes it straight between its kinks.
+
+        Parameters
+        ----------
+        time, friction
+            Shape (n,), as in a record.
+        load_point, slip
+            Displacements (length), shape (n,); one of them at least. They may fall by their noise.
+        a, about
+            As in a record: `normal_stress`, `normal_force`, `source`, `si`, `units`.
+
+        Raises
+        ------
+        InputError
+            As for a record; or the load point goes back.
+        """
+        times, values = checks.line("time", time), checks.line("friction", friction)
+        places = {
+            name: None if place is None else checks.line(name, place)
+            for name, place in (("load_point", load_point), ("slip", slip))
+        }
+        name, along = next(
+            ((name, place) for name, place in places.items() if place is not None), ("", times)
+        )
+        sizes = {name: place.size for name, place in places.items() if place is not None}
+        if not name or any(size != times.size for size in [values.size, *sizes.values()]) or times.size < 3:
+            got = f"{times.size} times, {values.size} friction coefficients, {sizes}"
+            raise InputError(
+                name or "load_point", expected="three displacements or more, one for each", got=got
+            )
+        timetable(times, np.zeros_like(times))
+        if name == "slip":
+            driven, compliance = drive_of_slip(times, along, values)
+            if compliance == 0 and not (np.diff(along) < 0).any():
+                return cls.of_displacement(times, along, values, a=a, **about)
+        else:
+            driven = drive_of(times, along)
+        forward = np.maximum(driven.per_row(times), 0.0)
+        record = cls(
+            times,
+            forward,
+            values,
+            drive=driven,
+            a=a,
+            load_point=places["load_point"],
+            slip=places["slip"],
+            **about,
+        )
+        _refuse_reversal(record, name)
+        return record
+
+    @property
+    def short_rests(self) -> int:
+        """Number of rests of a row or two."""
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.velocity == 0, [False]]).astype(int)))
+        return int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """The units of time and length of messages in those of the record."""
+        return _scales(self.units)
+
+    def speed(self, velocity: float) -> str:
+        """Write a velocity in these units."""
+        (second, length), (time_unit, length_unit) = self.scales, self.units
+        return f"{velocity * second / length:.4g} {length_unit}/{time_unit}".removesuffix(" /")
 
     @property
     def displacement(self) -> Floats:
@@ -165,6 +270,11 @@ class Record(views.Brief):
         change = np.where(now == 0, HOLD, np.where(stepped, STEPPED, -1))
         change = np.append(HOLD if self.velocity[0] == 0 else RUN_IN, change)
         return np.asarray(change[np.maximum.accumulate(np.where(change >= 0, np.arange(change.size), 0))])
+
+
+def _scales(names: tuple[str, str]) -> tuple[float, float]:
+    second, length = (units.factor(name, base) for name, base in zip(names, ("s", "m"), strict=True))
+    return second or 1.0, length or 1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -189,6 +299,31 @@ class HoldPeaks(views.Brief):
     velocity: Floats
 
 
+def refuse_noise(record: Record) -> None:
+    """Refuse velocities that rest for a row here and there, as a displacement with noise has them."""
+    if (many := record.short_rests) > _FEW and not record.strength_at_rest:
+        raise InputError(
+            "record",
+            expected="rests of the machine, longer than two rows",
+            got=f"{many} short ones, as noise or rounding of the displacement makes them",
+            advice="asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise",
+        )
+
+
+def _refuse_reversal(record: Record, name: str) -> None:
+    """Refuse a load point that goes back."""
+    assert record.drive is not None
+    if (record.drive.velocity < 0).any():
+        n, unit = int(np.argmax(record.drive.velocity < 0)), record.units[0]
+        start, end = record.drive.edges(record.time)[n : n + 2] / record.scales[0]
+        raise InputError(
+            name.replace("_", " "),
+            expected="a displacement that goes on in one direction",
+            got=f"{record.speed(record.drive.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
+            advice="a part of the record, --from and --to",
+        )
+
+
 def hold_peaks(record: Record) -> HoldPeaks:
     """Find static friction against hold time.
 
@@ -206,6 +341,7 @@ def hold_peaks(record: Record) -> HoldPeaks:
         Possibly of no holds.
     """
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
+    refuse_noise(record)
     time, velocity, friction = record.time, record.velocity, record.friction
     runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
     rows = []
@@ -275,101 +411,6 @@ def record_of(
 def _after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
     """Which entries are those after a slip at once, shape (n,)."""
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))
-
-
-ROLES = (
-    Role("", "", r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thickness|dicke"),
-    TIME,
-    Role(
-        "normal stress",
-        "Pa",
-        r"(normale?|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ",
-    ),
-    Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
-    Role("shear stress", "Pa", r"shear.*stress|(schub|scher)spannung|contrainte.*(cisail|tang)|^tau$|^τ$"),
-    Role(
-        "shear force",
-        "N",
-        r"(shear|friction|tangential|lateral).*force|(reib|reibungs|tangential|quer|scher)kraft"
-        r"|force.*(frottement|tangent)|^f ?[stx]$",
-    ),
-    Role("velocity", "m/s", r"veloc|speed|slip rate|geschwindigkeit|vitesse|^v$"),
-    Role(
-        "displacement",
-        "m",
-        r"displac|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
-    ),
-    Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
-)
-"""What the columns of a record hold."""
-_EXAMPLES = (
-    "time_s, displacement_um and friction, or time_s, velocity_um/s, shear_stress_MPa and normal_stress_MPa"
-)
-
-
-def read_record(
-    path: Path | str,
-    *,
-    columns: Chosen | None = None,
-    units: Units | None = None,
-    strength_at_rest: bool = False,
-) -> Record:
-    """Read the record of an experiment from a table in a text file, and convert it to s, m and Pa.
-
-    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
-    French: ``time_s``, ``velocity [um/s]`` or ``displacement (mm)``, and ``friction``, ``COF`` or
-    ``Reibungszahl [-]``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or ``Fx [N]`` and ``Fz [N]``, of
-    which friction is the ratio. Where there are velocity and displacement, the velocity counts, which is the
-    mean since the line before. If neither time nor velocity nor displacement has a unit, the record is in
-    units of its own, such as those of a simulation. For the form of the file see
-    `asperity.fits.read_measurements`.
-
-    Parameters
-    ----------
-    path
-        A text file with a line for each time.
-    columns
-        Names or numbers, from 0, of the columns to read; by default all whose names are understood.
-    units
-        Units of columns by name or number, in place of those of the table: ``{"slip": "um"}``.
-    strength_at_rest
-        As in `Record`.
-
-    Raises
-    ------
-    InputError
-        There is no such table, its columns are not understood, some have units and some have none, a cell
-        is no number, or the numbers are no record.
-    """
-    found = Columns(path, ROLES, columns, units)
-    by_role, name = found.by_role, found.table.name
-    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
-    motion = "velocity" if "velocity" in by_role else "displacement"
-    if "time" not in by_role or motion not in by_role or not ("friction" in by_role or ratios):
-        raise InputError(
-            name,
-            expected="columns of time, of velocity or displacement, and of friction, stresses or forces",
-            got=named(found.table),
-            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
-        )
-    # Of what is divided, or goes together, each has a unit or none has.
-    si = any(found.unit(role) for role in ("time", motion))
-    time, moved = (found.values(role, bare=not si) for role in ("time", motion))
-    if "friction" in by_role:
-        friction = found.values("friction")
-    else:
-        parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
-        bare = not any(map(found.unit, parts))
-        shear, normal = (found.values(part, bare=bare) for part in parts)
-        friction = shear / normal
-    has_stress = "normal stress" in by_role and bool(found.unit("normal stress"))
-    normal_stress = float(found.values("normal stress").mean()) if has_stress else None
-    make = Record if motion == "velocity" else Record.of_displacement
-    how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": si, "normal_stress": normal_stress}
-    try:
-        return replace(make(time, moved, friction, **how, source=name), read=found.read)
-    except InputError as error:
-        raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
 
 
 def _nominal_area(dataset: xr.Dataset) -> float:

@@ -132,6 +132,7 @@ def experiment(
     *,
     out: Out | None = None,
     surface: Annotated[list[Path] | None, Parameter(negative=(), consume_multiple=True)] = None,
+    record: Path | None = None,
     ensembles: Ensembles = _ENSEMBLES,
     work: Work = _WORK,
 ) -> None:
@@ -148,6 +149,8 @@ def experiment(
         Folder for the comparison: report.md, verdicts.csv, figure and data; made, or gone on with.
     surface
         Scans of your own, with units, in place of surfaces that are made: each is one sample.
+    record
+        File of the measured record, for experiments whose record is not in the package.
     """
     work.check()
     from asperity_research.commands import experiment as experimenting
@@ -157,4 +160,4 @@ def experiment(
     elif out is None:
         experimenting.say_experiment(name)
     else:
-        experimenting.compare(name, out, surface or (), ensembles, work)
+        experimenting.compare(name, out, surface or (), record, ensembles, work)

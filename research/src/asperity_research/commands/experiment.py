@@ -44,9 +44,12 @@ def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
     return it.unit, error, it.source, it.how
 
 
-def compare(name: str, out: Path, scans: Sequence[Path], ensembles: Ensembles, work: Work) -> None:
+def compare(
+    name: str, out: Path, scans: Sequence[Path], record: Path | None, ensembles: Ensembles, work: Work
+) -> None:
     """Run what is missing, compare, and write the report; or say what that takes; as for a study."""
     words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
-    done = answer(comparison_of(name, scans), words, out, ensembles, work)
+    words += [] if record is None else ["--record", str(record)]
+    done = answer(comparison_of(name, scans, record), words, out, ensembles, work)
     if done is not None:
         write_verdicts(out, done)

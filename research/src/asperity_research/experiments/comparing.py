@@ -10,30 +10,36 @@ import pandas as pd
 from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
-from asperity_research.experiments import pmma_2018, printed_2017, ptfe_2009
+from asperity_research.experiments import p655, pmma_2018, printed_2017, ptfe_2009
 from asperity_research.experiments.record import names
 from asperity_research.studies.report import row, write_table
 from asperity_research.studies.study import Concluded, Study
 from asperity_research.studies.typeset import plain
 
-COMPARISONS = {one.name: one for one in (pmma_2018.PMMA_2018, printed_2017.PRINTED_2017, ptfe_2009.PTFE_2009)}
+_ALL = (p655.P655, pmma_2018.PMMA_2018, printed_2017.PRINTED_2017, ptfe_2009.PTFE_2009)
+COMPARISONS = {one.name: one for one in _ALL}
 """Studies by the names of the experiments that they stand beside."""
 
 _ON_SCANS = {"pmma-2018": pmma_2018.campaigns, "printed-2017": printed_2017.campaigns}
 """Their campaigns on scans of an rms slope, where that can be."""
 
 
-def comparison_of(name: str, scans: Sequence[Path] = ()) -> Study:
+def comparison_of(name: str, scans: Sequence[Path] = (), record: Path | None = None) -> Study:
     """Return the study beside an experiment, on scans if there are any in place of surfaces that are made.
 
-    `InputError` if there is none, it has surfaces of its own, or a scan cannot be read or has no unit.
+    `InputError` if there is none, it has surfaces of its own, or a scan cannot be read or has no unit; or its
+    record is not there.
     """
     doors.named("experiment", name, dict.fromkeys(names()))
     study = doors.named("experiment", name, COMPARISONS)
+    if name == p655.P655.name and not scans:
+        return p655.of_record(record)
+    if record is not None:
+        raise InputError("--record", expected="none, for simulations", got=str(record))
     if not scans:
         return study
     if name not in _ON_SCANS:
-        got, advice = f"{len(scans)} for spheres", "leaving it out"
+        got, advice = f"{len(scans)}", "leaving it out"
         raise InputError("--surface", expected="none", got=got, advice=advice)
     slopes = []
     for scan in scans:
@@ -52,6 +58,7 @@ def run(
     directory: str | Path,
     *,
     scans: Sequence[str | Path] = (),
+    record: str | Path | None = None,
     quick: bool = False,
     seed: int = 0,
     workers: int | None = None,
@@ -66,6 +73,8 @@ def run(
         The folder; made, or gone on with.
     scans
         Files of scans of your own, with units, in place of surfaces that are made: each is one sample.
+    record
+        File of a record of friction that is compared, where it is no part of the package.
     quick
         The smaller effort.
     seed
@@ -78,7 +87,8 @@ def run(
     AsperityError
         There is no such experiment; a scan cannot be used; or as `asperity_research.studies.run`.
     """
-    study = comparison_of(name, [Path(scan) for scan in scans])
+    path = None if record is None else Path(record)
+    study = comparison_of(name, [Path(scan) for scan in scans], path)
     done = studies.run(study, directory, quick=quick, seed=seed, workers=workers, command=__name__)
     write_verdicts(Path(directory), done)
     return done

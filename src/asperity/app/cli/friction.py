@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Annotated, Any, Literal, cast
+
+from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.options import Reading, Results
 from asperity.base.words import number
+from asperity.errors import InputError
 
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
-_FLAGS |= {"a": "--a", "events": "--events"}
+_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")}
+_FLAGS |= {"start": "--from", "stop": "--to"}
 
 
 @command()
@@ -22,10 +26,14 @@ def friction(
     *,
     law: Literal["best", "aging", "slip"] = "best",
     a: float | None = None,
+    stiffness: str | None = None,
+    start: Annotated[str | None, Parameter(name="--from")] = None,
+    stop: Annotated[str | None, Parameter(name="--to")] = None,
     reference_velocity: str | None = None,
     events: Literal["all", "holds", "steps"] = "all",
     shear_strength: str | None = None,
     reading: Reading = _READING,
+    calibration: Path | None = None,
     strength_at_rest: Switch = False,
     out: Out = Path("friction"),
     results: Results = _RESULTS,
@@ -39,19 +47,28 @@ def friction(
     Parameters
     ----------
     records
-        The folder of a run that slid, or of a campaign over seeds; or a table of time, velocity or
-        displacement, and friction (or shear and normal stress or force), with units in its header: time_s,
-        displacement_um, friction. Several are surfaces under one protocol; their scatter gives the intervals.
+        The folder of a run that slid, or of a campaign over seeds; or a table, or a file of xlook: time; load
+        point, slip or both; friction, or shear and normal stress or force. Its header has units: time_s,
+        load_point_um, displacement_um, friction. Several are surfaces under one protocol; their scatter
+        gives the intervals.
     law
         The law whose parameters come first: one, or that of the verdict.
     a
         The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
+    stiffness
+        Of the machine: of the friction coefficient, "1.6e-3 / um"; of the shear stress or force where the
+        normal one is in the table, "0.16 MPa/um"; or fit. Where it is given, a fit stands beside it.
+        [default: fit, unless the slip itself is straight between holds and steps]
+    start, stop
+        Window in time, such as 3845s; a number alone has the unit of the table.
     reference_velocity
         V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
     events
         What to fit: all, the holds, or the velocity steps.
     shear_strength
         Shear strength of the contacts, such as 50MPa, for runs that did not state it.
+    calibration
+        For columns in bits: a text file with a line for each, factor, unit, zero in bits; - for none.
     strength_at_rest
         Friction at rest in a table is the strength, as in a simulation, and not the force held.
     out
@@ -60,26 +77,35 @@ def friction(
     from asperity.base.tables import read_table
 
     for path in records:
-        if not path.is_dir():
+        if not path.is_dir() and path.suffix.lower() in (".csv", ".txt", ".dat", ".tsv"):
             read_table(path)  # what is no table is told before all is imported
     from asperity.app.cli.computing import folder_of_results, tell_results
     from asperity.app.cli.output import check_free, write_figure
-    from asperity.app.cli.reports.friction import friction_report, records_at
+    from asperity.app.cli.reports.friction import events_report, friction_report, records_at
     from asperity.figures import rate_and_state_figure
-    from asperity.friction import compare_state_laws, save_parameters
+    from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
     replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
+    how |= {"start": start, "stop": stop, "calibration": calibration}
     strength, reference = (
         None if word is None else cast(float | str, number(word))
         for word in (shear_strength, reference_velocity)
     )
     with in_flags(_FLAGS):
         several = [record for path in records for record in records_at(path, strength, **how)]
-        found = compare_state_laws(several, a=a, V_0=reference, events=events)
-    rows = friction_report(found, str(records[0]))
+        if several[0].si and isinstance(reference, float | int):
+            raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
+        found = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
+    rows, by_event, fit = friction_report(found, str(records[0])), None, found.fits[found.preferred]
+    if isinstance(fit, MachineFit) and len(events_of(found.record)) > 1:
+        k = f"{fit.stiffness:.12g} 1/m" if found.record.si else fit.stiffness
+        more, by_event = events_report(fit_events(found.record, law=fit.law, stiffness=k), found.record)
+        rows += more
     with folder_of_results(out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
+        if by_event is not None:
+            by_event.to_csv(folder / "events.csv", index=False)
         write_figure(rate_and_state_figure(found), folder / "friction.png")
     tell_results(rows, out, results)

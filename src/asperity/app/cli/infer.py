@@ -15,7 +15,7 @@ from asperity.app.cli.flags import OF_TABLES, Out, in_flags, of_flags
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
-_OF_RECORDS = "veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
+_OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
 _FLAGS["absolute"] = "--unit-area"
@@ -53,7 +53,7 @@ def infer(
     ----------
     file
         A table of hold times and areas, or static friction; or, for healing, the record of a slide-hold-slide
-        test: time, velocity or displacement, and friction.
+        test: time, load point or slip, and friction.
     model
         relaxation: a separable half-space of some relaxation times; power: one whose creep is a power of
         time; lattice: light contacts on the lattice of springs; eyring: contacts that flow; healing: friction

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import pandas as pd
 import xarray as xr
 
 import asperity.app.campaign as campaign
 from asperity.analysis.scan import written
-from asperity.app.cli.report import Row
+from asperity.app.cli.report import Row, aligned
 from asperity.base.words import counted, uncertain
 from asperity.errors import InputError
-from asperity.friction import Record, StateLaws, read_record, record_of
+from asperity.friction import Event, MachineFit, Record, StateLaws, read_record, record_of
 from asperity.friction.laws import STATE_LAWS, StateLaw
 
 _OPEN = 100.0
@@ -55,15 +58,80 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
     for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
         rows += _law(found, law)
     rows.append(("verdict", _verdict(found)))
+    if isinstance(fit, MachineFit):
+        rows += _machine(found, fit)
     if fit.determined and fit.D_c < record.finest_slip:
         finest = written(record.finest_slip, "m" if record.si else "1", 3)
         text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
         rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
     if found.runs == 1 and fit.effective_points < fit.points:
         text = f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
-        text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}; "
-        rows.append(("note", f"{text}records of several surfaces give better intervals"))
+        text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}"
+        text += "" if isinstance(fit, MachineFit) else "; records of several surfaces give better intervals"
+        rows.append(("note", text))
     return rows
+
+
+def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
+    """Both laws, with the stiffness given and fitted, side by side; and what moves with the choice."""
+    (second, length), (time_unit, unit) = found.record.scales, found.record.units
+    heads = ("law", "stiffness", f"k (1/{unit})", "a", "b", f"D_c ({unit})", "mu_0", "misfit")
+    table: list[tuple[str, ...]] = [heads]
+    for one in found.every:
+        assert isinstance(one, MachineFit)
+        is_given = one.stiffness_stderr == 0
+        k = f"{one.stiffness * length:.4g}"
+        if one.stiffness_at_edge or one.stiffness_stderr > one.stiffness:
+            k = "not determined"
+        numbers = [uncertain(getattr(one, name), getattr(one, f"{name}_stderr")) for name in ("a", "b")]
+        D_c = uncertain(one.D_c / length, one.D_c_stderr / length) if one.determined else "not determined"
+        mu_0, misfit = uncertain(one.mu_0, one.mu_0_stderr), f"{float(np.std(one.residual)):.2g}"
+        table.append((one.law, "given" if is_given else "fitted", k, *numbers, D_c, mu_0, misfit))
+    rows = [("machine" * (n == 0), line) for n, line in enumerate(aligned(table).splitlines())]
+    moved: list[str] = []
+    kept: list[str] = []
+    for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
+        low, high, moves = found.range_of(name)
+        span = f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})"
+        (moved if moves else kept).append(span)
+    if kept and len(found.suiting) > 1:
+        rows.append(("", f"the record determines {', '.join(kept)}, whatever law and stiffness"))
+    if moved:
+        rows.append(("", f"with law and stiffness moves {', '.join(moved)}: state them beside it"))
+    drift = f"{fit.drift * length:.2g} +- {fit.drift_stderr * length:.1g} 1/{unit} of the load point"
+    rows.append(("drift", drift))
+    for n in fit.released:
+        assert found.record.drive is not None
+        seen, turned = float(found.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second
+        text = f"friction turns at {turned:.6g} {time_unit}, the load point at {seen:.6g}: friction counts"
+        rows.append(("note", text))
+    return rows
+
+
+def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tuple[list[Row], pd.DataFrame]:
+    """Holds and steps fitted one by one: rows of words, and a table."""
+    (second, length), (time_unit, unit) = record.scales, record.units
+    lines: list[tuple[str, ...]] = [("", "event", f"time ({time_unit})", "a", "b", f"D_c ({unit})")]
+    table = []
+    for event, fit in fits.items():
+        speeds = (
+            f"{event.before * second / length:.3g} to {event.after * second / length:.3g} {unit}/{time_unit}"
+        )
+        lasts = f"hold of {(event.end - event.time) / second:.4g} {time_unit}"
+        words = lasts if event.kind == "hold" else speeds
+        said = ["not fitted"]
+        row: dict[str, object] = {**vars(event)}
+        if fit is not None:
+            said = [uncertain(getattr(fit, name), getattr(fit, f"{name}_stderr")) for name in ("a", "b")]
+            D_c = uncertain(fit.D_c / length, fit.D_c_stderr / length)
+            said.append(D_c if fit.determined else "not determined")
+            for name, suffix in (("a", ""), ("b", ""), ("D_c", "_m"), ("stiffness", "_per_m"), ("mu_0", "")):
+                ends = zip(("", "_low", "_high"), (getattr(fit, name), *fit.interval(name)), strict=True)
+                row |= {f"{name}{end}{suffix}": value for end, value in ends}
+        table.append(row)
+        lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *said))
+    rows = [("events" * (n == 0), line) for n, line in enumerate(aligned(lines).splitlines())]
+    return rows, pd.DataFrame(table)
 
 
 def _law(found: StateLaws, law: StateLaw) -> list[Row]:

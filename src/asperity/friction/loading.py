@@ -1,0 +1,239 @@
+"""The load point of a machine as straight segments of time: what it rests and moves at, found under noise.
+
+A segment is split where two lines fit much better than one, judged by the noise, and neighbors whose
+velocities hardly differ are joined again. Where only slip was measured, the load point is slip + friction/k:
+of many k, that counts whose segments are the fewest for the noise.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from asperity.base.checks import Floats
+
+STEP = 1.2
+"""Ratio of two velocities from which a change is a step."""
+
+SLOW = 0.01
+"""Velocity over that of sliding below which the load point rests, or a slider is at hold."""
+
+_GAIN = 60.0
+"""A kink is one where it takes this many variances off the sum of squares."""
+
+_LEAST = 4
+"""Rows of a segment."""
+
+_MOST = 400
+"""Segments at most."""
+
+_SWEEPS = 2
+_ROUNDING = 1e-8
+_COMPLIANCES, _ROUNDS, _SETTLED = 6, 8, 1e-4
+"""How many k are tried, how often each is corrected for the kinks that it gives, and up to which part."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """A load point that moves at constant velocity from kink to kink.
+
+    Attributes
+    ----------
+    kinks
+        Times, shape (m,).
+    velocity
+        Of the segments before, between and after them, shape (m + 1,); 0 at rest.
+    spread
+        Standard errors of the kinks, shape (m,).
+    """
+
+    kinks: Floats
+    velocity: Floats
+    spread: Floats
+
+    def edges(self, time: Floats) -> Floats:
+        """The first of some times, the kinks, and the last."""
+        return np.concatenate([time[:1], self.kinks, time[-1:]])
+
+    def place(self, time: Floats) -> Floats:
+        """Displacement since the first time, shape (n,)."""
+        edges = np.clip(self.edges(time), time[0], time[-1])
+        places = np.concatenate([[0.0], np.cumsum(self.velocity * np.diff(edges))])
+        return np.asarray(np.interp(time, edges, places))
+
+    def per_row(self, time: Floats) -> Floats:
+        """Velocity in the interval that ends at each time, with the kinks at the nearest rows, shape (n,)."""
+        middles = (time[1:] + time[:-1]) / 2
+        rows = np.searchsorted(middles, self.kinks)
+        return np.asarray(self.velocity[np.searchsorted(rows, np.arange(time.size), side="left")])
+
+
+def drive_of(time: Floats, place: Floats) -> Drive:
+    """Straight segments through the noise of a load point; times rise, both of shape (n,)."""
+    return _Pieces.found(time, place, variance(time, place)).joined().drive()
+
+
+def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, float]:
+    """Segments of the load point behind a slip, and the compliance 1/k (length) that makes them straight."""
+    noises = variance(time, slip), variance(time, friction)
+    most = float(np.ptp(slip)) / max(float(np.ptp(friction)), math.sqrt(noises[1]), 1e-12)
+
+    def attempt(compliance: float) -> tuple[float, _Pieces]:
+        noise = noises[0] + compliance**2 * noises[1]
+        pieces = _Pieces.found(time, slip + compliance * friction, noise)
+        if len(pieces.edges) > _MOST:
+            return math.inf, pieces
+        pieces = pieces.joined()
+        return float(pieces.off @ pieces.off) / noise + 3 * len(pieces.edges) * math.log(time.size), pieces
+
+    def best(pieces: _Pieces) -> float:
+        """Compliance of the least squares over the noise, between the kinks of these segments."""
+        off, of_friction = (replace(pieces, place=values).off for values in (slip, friction))
+        A, B, C = (
+            float(one @ two) for one, two in ((off, off), (off, of_friction), (of_friction, of_friction))
+        )
+        # The root of the derivative of (A + 2 B c + C c^2)/(n_0 + n_1 c^2).
+        half = (C * noises[0] - A * noises[1]) / 2
+        root = math.hypot(half, B * math.sqrt(noises[0] * noises[1]))
+        return max(0.0, -B * noises[0] / (half + root) if half + root > 0 else 0.0)
+
+    found = [(*attempt(0.0), 0.0)]
+    for compliance in np.geomspace(1e-3, 0.3, _COMPLIANCES) * most:
+        for _ in range(_ROUNDS):
+            cost, pieces = attempt(compliance)
+            found.append((cost, pieces, compliance))
+            last, compliance = compliance, best(pieces)
+            if abs(compliance - last) < _SETTLED * last:
+                break
+    cost, pieces, compliance = min(found, key=lambda one: one[0])
+    if found[0][0] < cost + _GAIN:
+        _, pieces, compliance = found[0]
+    return pieces.drive(), float(compliance)
+
+
+def variance(time: Floats, values: Floats) -> float:
+    """Square of the noise from how far each value lies off the line through its neighbors."""
+    if time.size < 3:
+        return 0.0
+    part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-300)
+    off = values[1:-1] - (1 - part) * values[:-2] - part * values[2:]
+    squares = off**2 / (1 + part**2 + (1 - part) ** 2)
+    middle = float(np.median(squares)) / 0.455  # of a chi-squared variable of one degree
+    return max(middle, (_ROUNDING * float(np.ptp(values))) ** 2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pieces:
+    """Segments of rows, each from one of `edges` to the next; the last edge is the number of rows."""
+
+    time: Floats
+    place: Floats
+    noise: float
+    edges: tuple[int, ...]
+
+    @classmethod
+    def found(cls, time: Floats, place: Floats, noise: float) -> _Pieces:
+        edges, open_ = {0, time.size}, [(0, time.size)]
+        while open_ and len(edges) <= _MOST:
+            first, end = open_.pop()
+            if at := _split(time[first:end], place[first:end], noise):
+                edges.add(first + at)
+                open_ += [(first, first + at), (first + at, end)]
+        return cls(time, place, noise, tuple(sorted(edges)))
+
+    def joined(self) -> _Pieces:
+        """Join what is no kink by the noise around it, rests, and velocities that hardly differ."""
+        edges = list(self.edges)
+        lines = [self._line(*pair) for pair in pairwise(edges)]
+        fastest = max(abs(line[1]) for line in lines)
+
+        def worth(n: int) -> float:
+            one, two = lines[n : n + 2]
+            rests = max(abs(one[1]), abs(two[1])) < SLOW * fastest
+            if rests or (one[1] * two[1] > 0 and 1 / STEP < one[1] / two[1] < STEP):
+                return 0.0
+            together = self._line(edges[n], edges[n + 2])[2]
+            noise = max(self.noise, (one[2] + two[2]) / (edges[n + 2] - edges[n]))
+            return (together - one[2] - two[2]) / noise
+
+        kinks = [worth(n) for n in range(len(lines) - 1)]
+        while kinks and min(kinks) < _GAIN:
+            n = int(np.argmin(kinks))
+            lines[n : n + 2] = [self._line(edges[n], edges[n + 2])]
+            del edges[n + 1], kinks[n]
+            for near in range(max(0, n - 1), min(n + 1, len(kinks))):
+                kinks[near] = worth(near)
+        for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # a split did not know the others yet
+            part = slice(edges[n - 1], edges[n + 1])
+            edges[n] = part.start + _split(self.time[part], self.place[part], 0.0, always=True)
+        return _Pieces(self.time, self.place, self.noise, tuple(edges))
+
+    def _line(self, first: int, end: int) -> tuple[float, float, float]:
+        """Mean, slope and sum of squares about the line of some rows."""
+        t, y = self.time[first:end], self.place[first:end]
+        t, mean = t - t.mean(), float(y.mean())
+        span = float(t @ t)
+        slope = float(t @ y) / span if span > 0 else 0.0
+        return mean, slope, float(np.sum((y - mean - slope * t) ** 2))
+
+    @property
+    def off(self) -> Floats:
+        """Distance of each row from its line, shape (n,)."""
+        parts = [slice(*pair) for pair in pairwise(self.edges)]
+        lines = [self._line(*pair) for pair in pairwise(self.edges)]
+        return np.concatenate(
+            [
+                self.place[part] - mean - slope * (self.time[part] - self.time[part].mean())
+                for part, (mean, slope, _) in zip(parts, lines, strict=True)
+            ]
+        )
+
+    def drive(self) -> Drive:
+        """Where the lines cross, and with which errors; a slow segment beside a fast one is a rest."""
+        pairs = list(pairwise(self.edges))
+        lines = [self._line(*pair) for pair in pairs]
+        speeds = np.array([line[1] for line in lines])
+        beside = np.maximum(np.append(0.0, np.abs(speeds[:-1])), np.append(np.abs(speeds[1:]), 0.0))
+        speeds[(speeds < SLOW * beside) & (speeds > -5 * SLOW * beside)] = 0.0
+        centers = [float(self.time[slice(*pair)].mean()) for pair in pairs]
+        kinks, spread = [], []
+        for n, change in enumerate(np.diff(speeds).tolist()):
+            before, after = float(self.time[pairs[n][1] - 1]), float(self.time[pairs[n + 1][0]])
+            starts = [line[0] - speed * at for line, speed, at in zip(lines, speeds, centers, strict=True)]
+            room = 2 * (after - before)
+            crossing = (starts[n] - starts[n + 1]) / change if change else before
+            kinks.append(min(max(crossing, before - room), after + room))
+            # The error of a line at its end is twice that of its mean.
+            rows = [pair[1] - pair[0] for pair in pairs[n : n + 2]]
+            errors = [4 * line[2] / max(1, k - 2) / k for line, k in zip(lines[n : n + 2], rows, strict=True)]
+            spread.append(max(after - before, math.sqrt(sum(errors)) / abs(change) if change else 0.0))
+        turns = np.diff(speeds) != 0  # not between two rests
+        kept = np.concatenate([[True], turns])
+        return Drive(np.array(kinks)[turns], speeds[kept], np.array(spread)[turns])
+
+
+def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:
+    """Row at which two lines fit best, 0 where that is no better than one unless there is one `always`."""
+    n = time.size
+    if n < 2 * _LEAST:
+        return 0
+    t = time - time.mean()
+    y = place - place.mean()
+    y = y - t * (float(t @ y) / float(t @ t))
+    sums = [np.cumsum(values) for values in (np.ones(n), t, y, t * t, t * y, y * y)]
+    rows = np.arange(_LEAST - 1, n - _LEAST)
+    left = _squares(*(one[rows] for one in sums))
+    both = left + _squares(*(one[-1] - one[rows] for one in sums))
+    at = int(np.argmin(both))
+    gain = float(sums[5][-1] - both[at])
+    return int(rows[at]) + 1 if always or gain > _GAIN * max(noise, float(both[at]) / n) else 0
+
+
+def _squares(n: Floats, t: Floats, y: Floats, tt: Floats, ty: Floats, yy: Floats) -> Floats:
+    """Sums of squares about lines, from sums of their rows."""
+    across = tt - t * t / n
+    along = ty - t * y / n
+    return np.maximum(yy - y * y / n - along**2 / np.where(across > 0, across, np.inf), 0.0)

@@ -1,0 +1,124 @@
+"""Parameters of rate-and-state friction as a fit finds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.base.checks import Floats
+from asperity.errors import InputError
+from asperity.fits import FitResult
+from asperity.friction.laws import RateAndState, StateLaw
+from asperity.friction.records import Record
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RateAndStateFit(FitResult):
+    """Parameters of rate-and-state friction.
+
+    Attributes
+    ----------
+    law
+        How the state evolves.
+    V_0
+        Reference velocity, as given.
+    mu_0, a, b, D_c
+        The parameters, each with a standard error in ``..._stderr``; 0 for an a that was given. The
+        interval of D_c is symmetric in its logarithm.
+    a_minus_b
+        Change of steady friction per e-fold of the velocity, with its standard error; below 0 sliding can be
+        unstable.
+    first_state
+        State theta at the first time of the record.
+    autocorrelation
+        Correlation rho of neighboring residuals.
+    effective_points
+        Number of independent values that standard errors count with.
+    residual
+        Friction less law at the values fitted, shape (points,).
+    used
+        Which entries of the record were fitted, shape (n,).
+    at_edge
+        Whether the search for D_c ended at the end of its range.
+    """
+
+    law: StateLaw
+    V_0: float
+    mu_0: float
+    mu_0_stderr: float
+    a: float
+    a_stderr: float
+    b: float
+    b_stderr: float
+    D_c: float
+    D_c_stderr: float
+    a_minus_b: float
+    a_minus_b_stderr: float
+    first_state: float
+    autocorrelation: float
+    effective_points: float
+    residual: Floats
+    used: NDArray[np.bool_]
+    at_edge: bool
+
+    scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
+
+    @property
+    def determined(self) -> bool:
+        """Whether the record determines D_c, to a factor of about three at least."""
+        return not self.at_edge and self.D_c_stderr < self.D_c
+
+    @property
+    def parameters(self) -> RateAndState:
+        """The law with these parameters."""
+        return RateAndState(law=self.law, a=self.a, b=self.b, D_c=self.D_c, mu_0=self.mu_0, V_0=self.V_0)
+
+    def predict(self, record: Record) -> Floats:
+        """Friction coefficient at each time of the record, from the state at its first time, shape (n,)."""
+        return self.parameters.friction(record.time, record.velocity, self.first_state)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class MachineFit(RateAndStateFit):
+    """Parameters of rate-and-state friction of a slider on the spring of a machine.
+
+    Attributes
+    ----------
+    stiffness
+        k, change of the friction coefficient for each displacement of the load point (1/length), with its
+        standard error; 0 where k was given. Its interval is symmetric in its logarithm.
+    stiffness_at_edge
+        Whether the search for k ended at the end of its range: the machine is stiffer than the record tells.
+    drift
+        Change of friction for each displacement of the load point (1/length) that is not the law's.
+    kinks
+        Times at which the velocity of the load point changes, as friction has them.
+    released
+        Kinks at which friction turns far from where the measured load point does; friction counts there.
+    friction, slip, state
+        The course of the slider: friction coefficient, slip since the first time, theta; shape (n,), NaN
+        before its beginning in steady sliding.
+    """
+
+    stiffness: float
+    stiffness_stderr: float
+    stiffness_at_edge: bool
+    drift: float
+    drift_stderr: float
+    kinks: Floats
+    released: tuple[int, ...]
+    friction: Floats
+    slip: Floats
+    state: Floats
+
+    scales: ClassVar[frozenset[str]] = frozenset({"D_c", "stiffness"})
+
+    def predict(self, record: Record) -> Floats:
+        """Friction coefficient at each time of the record that was fitted, shape (n,)."""
+        if record.time.size != self.friction.size:
+            expected = f"the record that was fitted, of {self.friction.size} rows"
+            raise InputError("record", expected=expected, got=f"{record.time.size} rows")
+        return self.friction

@@ -1,0 +1,182 @@
+"""Records of experiments from files: text tables of any laboratory, and binary ones of xlook."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asperity.base import checks
+from asperity.base import units as si
+from asperity.base.checks import Floats
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
+from asperity.base.words import as_text
+from asperity.errors import InputError
+from asperity.friction.loading import variance
+from asperity.friction.records import Record
+from asperity.friction.xlook import is_xlook, read_xlook
+
+ROLES = (
+    Role("", "", r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thickness|dicke"),
+    TIME,
+    Role(
+        "normal stress",
+        "Pa",
+        r"(normale?|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ",
+    ),
+    Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
+    Role("shear stress", "Pa", r"shear.*stress|(schub|scher)spannung|contrainte.*(cisail|tang)|^tau$|^τ$"),
+    Role(
+        "shear force",
+        "N",
+        r"(shear|friction|tangential|lateral).*force|(reib|reibungs|tangential|quer|scher)kraft"
+        r"|force.*(frottement|tangent)|^f ?[stx]$",
+    ),
+    Role("load point", "m", r"load ?point|lastpunkt|^lp\b|piston|actuator|\bram\b"),
+    Role("velocity", "m/s", r"veloc|speed|slip rate|geschwindigkeit|vitesse|^v$"),
+    Role(
+        "displacement",
+        "m",
+        r"displac|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
+    ),
+    Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
+)
+"""What the columns of a record hold."""
+_EXAMPLES = (
+    "time_s, load_point_um and friction, or time_s, displacement_um, shear_stress_MPa and normal_stress_MPa"
+)
+_MOTIONS = ("load point", "velocity", "displacement")
+
+_CONSTANT, _NOISE = 0.02, 6.0
+"""Change of a normal stress that is no change: a part of it, or so many times its noise."""
+
+
+def read_record(
+    path: Path | str,
+    *,
+    columns: Chosen | None = None,
+    units: Units | None = None,
+    strength_at_rest: bool = False,
+    start: float | str | None = None,
+    stop: float | str | None = None,
+    calibration: Path | str | None = None,
+) -> Record:
+    """Read the record of an experiment from a table, and convert it to s, m and Pa.
+
+    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
+    French: ``time_s``; ``load_point_um``, or the slip in ``displacement (mm)`` or ``velocity [um/s]``; and
+    ``friction``, ``COF`` or ``Reibungszahl [-]``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or
+    ``Fx [N]`` and ``Fz [N]``, of which friction is the ratio. A velocity counts before a displacement; it is
+    the mean since the line before. If no time and displacement has a unit, the record is in units of its own,
+    such as those of a simulation. For the form of the file see `asperity.fits.read_measurements`.
+
+    Parameters
+    ----------
+    path
+        A text file with a line for each time; or a binary file of xlook.
+    columns
+        Names or numbers, from 0, of the columns to read; by default all whose names are understood.
+    units
+        Units of columns by name or number, in place of those of the table: ``{"slip": "um"}``.
+    strength_at_rest
+        As in `Record`.
+    start, stop
+        Times between which to read, in the unit of the file, or with one: ``"3845 s"``.
+    calibration
+        For columns in bits: a text file with a line for each column, ``factor, unit, zero, name``, of which
+        the zero (in bits) and the name may be left out; ``-`` for a column to leave alone.
+
+    Raises
+    ------
+    InputError
+        There is no such table, its columns are not understood, some have units and some have none, a cell
+        is no number, the normal stress changes, the load point goes back, or the numbers are no record.
+    """
+    table = read_xlook(Path(path), calibration) if is_xlook(Path(path)) else path
+    found = Columns(table, ROLES, columns, units)
+    by_role, name = found.by_role, found.table.name
+    ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
+    motions = [role for role in _MOTIONS if role in by_role]
+    if "time" not in by_role or not motions or not ("friction" in by_role or ratios):
+        raise InputError(
+            name,
+            expected="columns of time, of load point, velocity or displacement, and of friction or stresses",
+            got=named(found.table),
+            advice=f"a first line that names them with their units, such as {_EXAMPLES}",
+        )
+    if "load point" in motions or "velocity" not in motions:
+        motions = [role for role in motions if role != "velocity"]
+    else:
+        motions = ["velocity"]
+    # Of what is divided, or goes together, each has a unit or none has.
+    has_units = any(found.unit(role) for role in ("time", *motions))
+    time = found.values("time", bare=not has_units)
+    kept = _window(time, start, stop, found.unit("time"))
+    moved = {role: found.values(role, bare=not has_units)[kept] for role in motions}
+    if "friction" in by_role:
+        friction = found.values("friction")[kept]
+    else:
+        parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
+        bare = not any(map(found.unit, parts))
+        shear, normal = (found.values(part, bare=bare)[kept] for part in parts)
+        _refuse_change(time[kept], normal, parts[1], found.unit(parts[1]), name)
+        friction = shear / normal
+    how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
+    for part in ("normal stress", "normal force"):
+        if part in by_role and found.unit(part):
+            values = found.values(part)[kept]
+            _refuse_change(time[kept], values, part, found.unit(part), name)
+            how[part.replace(" ", "_")] = float(values.mean())
+    lengths = [found.unit(role).partition("/")[0] for role in motions]
+    how |= {"read": found.read, "units": (found.unit("time"), lengths[0])}
+    try:
+        return _made(time[kept], moved, friction, how)
+    except InputError as error:
+        raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
+
+
+def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[str, Any]) -> Record:
+    if "velocity" in moved:
+        return Record(time, moved["velocity"], friction, **how)
+    if how["strength_at_rest"]:
+        return Record.of_displacement(time, moved["displacement"], friction, **how)
+    del how["strength_at_rest"]
+    how |= {"load_point": moved.get("load point"), "slip": moved.get("displacement")}
+    return Record.of_machine(time, friction, **how)
+
+
+def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.bool_]:
+    """Which times count."""
+    factor = (si.factor(unit, "s") if unit else None) or 1.0
+    ends = []
+    for name, given, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
+        text = as_text(given)
+        if text is None:
+            ends.append(default)
+        elif isinstance(text, str) and re.search("[a-zA-Z]$", text.strip()):
+            ends.append(si.quantity(text, "s", name))
+        else:
+            ends.append(factor * checks.number(name, float(text) if isinstance(text, str) else text))
+    kept = (time >= ends[0]) & (time <= ends[1])
+    if kept.sum() < 3 and not np.isinf(ends).all():
+        expected = f"a window of rows between {time.min() / factor:.6g} and {time.max() / factor:.6g} {unit}"
+        got = " to ".join(f"{end / factor:.6g}" for end in ends)
+        raise InputError("start", expected=expected, got=f"{got} {unit}, with {int(kept.sum())} rows")
+    return np.asarray(kept)
+
+
+def _refuse_change(time: Floats, normal: Floats, what: str, unit: str, name: str) -> None:
+    """Refuse a normal stress or force that is not above 0, or changes by more than its noise."""
+    low, high = np.quantile(normal, [0.01, 0.99])
+    scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in what else "N") or 1.0
+    got = f"{low / scale:.4g} to {high / scale:.4g} {unit}".strip()
+    if high <= 0:
+        advice = "a calibration with the zero of each column, in bits"
+        raise InputError(name, expected=f"a {what} above 0", got=got, advice=advice)
+    if high - low > max(_CONSTANT * abs(normal.mean()), _NOISE * variance(time, normal) ** 0.5):
+        expected = f"a constant {what}, as no law here follows one that changes"
+        advice = "a part of the record, start=... and stop=..."
+        raise InputError(name, expected=expected, got=got, advice=advice)

@@ -1,0 +1,196 @@
+"""The search for the least squares of a machine, and how sure the numbers are."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from asperity.base.checks import Floats
+from asperity.fits.search import inverse_square
+from asperity.friction.machine import Machine
+from asperity.friction.slider import Course, RunsAwayError
+
+_STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
+"""Starts: a over the range of friction, b/a, D_c over the shortest slide, k over that seen."""
+
+_POLISHED, _FIRST, _FREE, _LAST = 3, 8, 16, 60
+"""How many starts are followed, for how many evaluations; of the best, with its kinks, how many."""
+
+_BEFORE = 5
+"""Rows before a kink whose friction is that of its beginning."""
+
+_ROUNDS = 3
+"""Searches, each with the noise that the one before left."""
+
+_SETTLED = 0.01
+"""Change of the noise at which the rounds end."""
+
+_RELEASED = 4.0
+"""Errors of a measured kink beyond which friction alone says where it is."""
+
+_EDGE = 1e-3
+"""Distance from the end of its range at which a number is not determined."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Least squares: mu_0, the drift and what was searched, by name, with their covariance."""
+
+    machine: Machine
+    names: tuple[str, ...]
+    point: Floats
+    linear: Floats
+    covariance: Floats
+    released: tuple[int, ...]
+    course: Course
+    residual: Floats
+    autocorrelation: float
+    worth: float
+    at_edge: frozenset[str]
+
+
+def solve(machine: Machine) -> Solved:
+    """Search from several starts; `RunsAwayError` where nothing slides stably."""
+    count, starts = len(machine.names), _starts(machine)[:_POLISHED]
+    # First with the kinks where they were seen, as friction of a stiff machine jumps there from row to row;
+    # and with free kinks, which may have been seen at wrong times.
+    tried = [one for start in starts if (one := _polished(machine, start, _FIRST, count))]
+    points = [point for _, point in sorted(tried, key=lambda one: one[0])[:1]] + starts[:1]
+    tried = [one for point in points if (one := _polished(machine, point, _FREE, point.size))]
+    if not tried:
+        raise RunsAwayError
+    point, released = min(tried, key=lambda one: one[0])[1], set[int]()
+    for _ in range(_ROUNDS):
+        off = np.abs(point[count:] - machine.drive.kinks) / machine.drive.spread > _RELEASED
+        released |= set(np.flatnonzero(machine.measured & off).tolist())
+        last = machine
+        try:
+            machine = machine.straightened(point).judged(point)[0]
+        except RunsAwayError:  # a law that does not suit, at the edge of what is stable
+            break
+        machine = replace(machine, measured=machine.measured & ~off)
+        found = _polished(machine, point, _LAST, point.size)
+        point = point if found is None else found[1]
+        if np.allclose(last.noise, machine.noise, rtol=_SETTLED) and not off.any():
+            break
+    return _sure(machine, point, tuple(sorted(released)))
+
+
+def _bounds(machine: Machine) -> tuple[Floats, Floats]:
+    """Least and largest of what is searched."""
+    drive, place = machine.drive, machine.drive.place(machine.time)
+    finest, size = float(np.diff(place)[np.diff(place) > 0].min()), float(np.ptp(machine.friction))
+    ranges = {
+        "a": (math.log(1e-4 * size), math.log(50 * size)),
+        "b": (-50 * size, 50 * size),
+        "D_c": (math.log(finest / 10), math.log(10 * place[-1])),
+        "k": (math.log(size / place[-1] / 10), math.log(100 * size / finest)),
+    }
+    rooms = np.diff(drive.edges(machine.time))
+    ends = np.array([ranges[name] for name in machine.names]).reshape(-1, 2)
+    low = np.concatenate([ends[:, 0], drive.kinks - 0.45 * rooms[:-1]])
+    return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
+
+
+def _starts(machine: Machine) -> list[Floats]:
+    """Points to search from, the best first."""
+    size, rooms = float(np.ptp(machine.friction)), np.diff(machine.drive.edges(machine.time))
+    slides = rooms * machine.drive.velocity
+    scales = {"a": size, "D_c": float(slides[slides > 0].min()), "k": _stiffness_seen(machine)}
+    low, high = _bounds(machine)
+    found: list[tuple[float, int, Floats]] = []
+    for parts in product(*(_STARTS[name] for name in machine.names)):
+        chosen = dict(zip(machine.names, parts, strict=True))
+        numbers = {name: math.log(scales[name] * part) for name, part in chosen.items() if name != "b"}
+        a = math.exp(numbers["a"]) if machine.a is None else machine.a or size
+        numbers["b"] = chosen["b"] * a
+        point = np.concatenate([[numbers[name] for name in machine.names], machine.drive.kinks])
+        cost = float(np.sum(machine.residual(np.clip(point, low, high)) ** 2))
+        if math.isfinite(cost):
+            found.append((cost, len(found), point))
+    return [point for _, _, point in sorted(found)]
+
+
+def _stiffness_seen(machine: Machine) -> float:
+    """Slope of friction against the load point, half-way, where that speeds up, or else slows down."""
+    slopes: dict[bool, list[float]] = {True: [], False: []}
+    drive, edges = machine.drive, machine.drive.edges(machine.time)
+    for n, change in enumerate(np.diff(drive.velocity).tolist()):
+        rows = (machine.time >= edges[n + 1]) & (machine.time <= edges[n + 2])
+        if rows.sum() > 3:
+            first, row = int(np.argmax(rows)), float(np.diff(machine.time[rows]).mean())
+            before = float(np.median(machine.friction[max(0, first - _BEFORE) : first + 1]))
+            rise = (machine.friction[rows] - before) * math.copysign(1.0, change)
+            at = int(np.argmax(rise >= rise.max() / 2))
+            slopes[change > 0].append(
+                rise[at] / abs(change) / max(machine.time[rows][at] - edges[n + 1], row / 2)
+            )
+    least = 1e-3 * float(np.ptp(machine.friction)) / float(drive.place(machine.time)[-1])
+    return max(least, float(np.median(slopes[True] or slopes[False] or [least])))
+
+
+def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> tuple[float, Floats] | None:
+    """Cost and place of the minimum that a start leads to in its first numbers; None in stick-slip."""
+    low, high = _bounds(machine)
+    margin = 1e-9 * (high - low)
+    start = np.clip(start, low + margin, high - margin)
+
+    def residual(part: Floats) -> Floats:
+        return machine.residual(np.concatenate([part, start[many:]]))
+
+    def jacobian(part: Floats) -> Floats:
+        return machine.jacobian(np.concatenate([part, start[many:]]), many)
+
+    if not np.isfinite(residual(start[:many])).all():
+        return None
+    try:
+        found = least_squares(
+            residual,
+            start[:many],
+            jac=jacobian,
+            bounds=(low[:many], high[:many]),
+            x_scale="jac",
+            ftol=1e-9,
+            xtol=1e-8,
+            gtol=1e-12,
+            max_nfev=evaluations,
+        )
+    except RunsAwayError:
+        return None
+    return float(found.cost), np.concatenate([found.x, start[many:]])
+
+
+def _sure(machine: Machine, point: Floats, released: tuple[int, ...]) -> Solved:
+    """Values and covariance of mu_0 and the drift, then of what was searched."""
+    machine, rho, worth = machine.judged(point)
+    course, count = machine.course(point), len(machine.names)
+    off = machine.friction[machine.used] - course.elastic(machine.shape(point))[machine.used]
+    inverse = np.linalg.pinv(machine.columns)
+    linear = inverse @ off
+    # Of linear numbers: their own noise, and what the others drag along.
+    slopes = machine.slopes(point, point.size)
+    searched = inverse_square(np.column_stack([np.concatenate(machine.weighted(rows)) for rows in slopes]))
+    drags = -inverse @ np.column_stack([rows.friction[machine.used] for rows in slopes])
+    cross = drags @ searched
+    own = machine.noise[0] ** 2 * inverse @ inverse.T + cross @ drags.T
+    covariance = np.block([[own, cross], [cross.T, searched]])[: count + 2, : count + 2]
+    scale = np.ones(count + 2)
+    scale[1] = 1 / machine.drive.place(machine.time)[-1]
+    ends = np.abs(np.array(_bounds(machine)) - point)[:, :count].min(axis=0)
+    return Solved(
+        machine=machine,
+        names=("mu_0", "drift", *machine.names),
+        point=point,
+        linear=linear * scale[:2],
+        covariance=covariance * np.outer(scale, scale),
+        released=released,
+        course=course,
+        residual=off - machine.columns @ linear,
+        autocorrelation=rho,
+        worth=worth,
+        at_edge=frozenset(name for name, end in zip(machine.names, ends, strict=True) if end < _EDGE),
+    )

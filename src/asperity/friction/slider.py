@@ -1,0 +1,119 @@
+r"""A slider with rate-and-state friction, pulled by a spring.
+
+    d mu/dt = k (V_lp - V),    V = V_1 exp(w),    mu = mu_1 + a w + b s,    s = ln(V_1 theta/D_c)
+    aging law   ds/dt = (V_1 exp(-s) - V)/D_c
+    slip law    ds/dt = -(V/D_c) (w + s)
+
+The load point moves at constant V_lp between kinks, V_1 before the first, at which the slider moves steadily.
+LSODA integrates w and s (A. C. Hindmarsh, Scientific Computing, 55 (1983); `scipy.integrate.odeint`).
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import ODEintWarning, odeint
+
+from asperity.base.checks import Floats
+from asperity.friction.laws import StateLaw
+from asperity.friction.loading import Drive
+
+_TOLERANCE = 1e-8
+_STEPS = 3000
+"""Steps from row to row after which the slider runs away."""
+
+_FORGOTTEN = 1e-7
+"""Difference of w and s at a kink from which on two courses are one."""
+
+
+class Shape(NamedTuple):
+    """What a course depends on, besides the drive."""
+
+    a: float
+    b: float
+    D_c: float
+    k: float
+
+
+class RunsAwayError(Exception):
+    """Friction falls faster than the force of the spring."""
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """States (w, s) at each time, shape (n, 2), and at the beginning and each kink."""
+
+    states: Floats
+    starts: tuple[Floats, ...]
+
+    def elastic(self, shape: Shape) -> Floats:
+        """Return a w + b s, the change of friction since the beginning, shape (n,)."""
+        return np.asarray(self.states @ np.array([shape.a, shape.b]))
+
+
+def follow(
+    law: StateLaw, shape: Shape, drive: Drive, time: Floats, base: Course | None = None, kink: int = 0
+) -> Course:
+    """Integrate through a record; `RunsAwayError` where that fails, as in stick-slip.
+
+    A course that differs from its `base` by one `kink` is integrated where it is another.
+    """
+    edges = drive.edges(time)
+    if (np.diff(edges) <= 0).any():
+        raise RunsAwayError
+    rows = np.concatenate([[0], np.searchsorted(time, drive.kinks), [time.size]])
+    states = np.empty((time.size, 2)) if base is None else base.states.copy()
+    starts: list[Floats] = [np.zeros(2)] if base is None else list(base.starts[: kink + 1])
+    for n in range(kink, drive.velocity.size):
+        rate = _rate(law, shape, float(drive.velocity[n]), float(drive.velocity[0]))
+        inside = slice(rows[n], rows[n + 1])
+        states[inside], end = _integrated(rate, starts[n], time[inside] - edges[n], edges[n + 1] - edges[n])
+        starts.append(end)
+        if base is not None and n > kink and np.abs(end - base.starts[n + 1]).max() < _FORGOTTEN:
+            states[rows[n + 1] :] = base.states[rows[n + 1] :]
+            starts.extend(base.starts[n + 2 :])
+            break
+    return Course(states, tuple(starts))
+
+
+def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Callable[..., tuple[float, float]]:
+    """Derivatives of w and s while the load point moves at `pulled`."""
+    a, b, D_c, k = shape
+    exp, aging = math.exp, law == "aging"
+
+    def rate(y: Floats, _: float) -> tuple[float, float]:
+        w, s = y
+        V = first * exp(w)
+        grown = (first * exp(-s) - V) / D_c if aging else -V / D_c * (w + s)
+        return (k * (pulled - V) - b * grown) / a, grown
+
+    return rate
+
+
+def _integrated(
+    rate: Callable[..., tuple[float, float]], start: Floats, times: Floats, end: float
+) -> tuple[Floats, Floats]:
+    """States at times from 0, and at the end."""
+    at_once = int(np.searchsorted(times, 1e-9 * end))  # LSODA refuses times that are no later
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ODEintWarning)
+        try:
+            states, about = odeint(
+                rate,
+                start,
+                np.concatenate([[0.0], times[at_once:], [end]]),
+                rtol=_TOLERANCE,
+                atol=_TOLERANCE,
+                mxstep=_STEPS,
+                full_output=True,
+            )
+        except OverflowError:
+            raise RunsAwayError from None
+    if about["message"] != "Integration successful." or not np.isfinite(states).all():
+        raise RunsAwayError
+    return np.concatenate([np.broadcast_to(start, (at_once, 2)), states[1:-1]]), states[-1]

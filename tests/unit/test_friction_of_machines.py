@@ -1,0 +1,211 @@
+"""Records of machines: load points under noise, sliders on springs against closed forms, honest refusals."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.friction.loading import Drive
+from asperity.friction.pulling import stiffness_of
+from asperity.friction.slider import Shape, follow
+from tests.refusals import each_refuses
+
+F = asp.friction
+UM = 1e-6
+TRUTH = Shape(a=0.008, b=0.010, D_c=10 * UM, k=0.01 / UM)
+LAWS = ("aging", "slip")
+RAW = Path(os.environ.get("ASPERITY_DATA", "")) / "friction"
+P655 = pytest.mark.skipif(not RAW.is_dir(), reason="the record is not ours to ship")
+
+
+def exact(velocity, lasts, step=0.1, law="aging", shape=TRUTH):
+    """Times, load point, slip and friction of a slider pulled at these velocities (um/s) for these times."""
+    drive = Drive(np.cumsum(lasts)[:-1] * 1.0, UM * np.array(velocity), np.full(len(lasts) - 1, step))
+    time = np.arange(0.0, sum(lasts) + step / 2, step)
+    place = drive.place(time)
+    elastic = follow(law, shape, drive, time).elastic(shape)
+    return time, place, place - elastic / shape.k, 0.6 + elastic
+
+
+STEPS = [1.0, 10.0, 1.0], [40.0, 10.0, 60.0]
+HOLDS = [10.0, 0.0, 10.0, 0.0, 10.0], [10.0, 3.0, 15.0, 100.0, 15.0]
+
+
+def noisy(time, friction, seed=0, **places):
+    """A record with noise of 3 % of D_c and 4e-4, and a drift."""
+    rng = np.random.default_rng(seed)
+    places = {name: place + 0.3 * UM * rng.standard_normal(time.size) for name, place in places.items()}
+    friction = friction + 4e-4 * rng.standard_normal(time.size) + 2.0 * UM / UM * 1e-6 * time
+    return F.Record.of_machine(time, friction, units=("s", "um"), **places)
+
+
+# -- The slider ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_load_point_at_rest_lets_friction_relax_as_a_logarithm(law):
+    """With b = 0, mu = mu_i - a ln(1 + k V_i t/a)."""
+    shape = TRUTH._replace(b=0.0)
+    time, _, _, friction = exact([10.0, 0.0], [5.0, 1000.0], law=law, shape=shape)
+    since = np.maximum(time - 5.0, 0.0)
+    expected = 0.6 - shape.a * np.log1p(shape.k * 10 * UM * since / shape.a)
+    np.testing.assert_allclose(friction, expected, atol=2e-8)
+
+
+def test_a_stiff_machine_has_the_closed_form_of_a_step():
+    """At k to infinity slip is the load point, and the fit is that which needs no integrator."""
+    rigid = F.RateAndState(law="slip", a=0.008, b=0.010, D_c=10 * UM, mu_0=0.6, V_0=UM)
+    stiff = TRUTH._replace(k=10 / UM)
+    time, place, _, friction = exact([1.0, 10.0, 1.0], [30.001, 10.0, 40.0], law="slip", shape=stiff)
+    velocity = np.append(UM, np.diff(place) / np.diff(time))
+    late = np.abs(time[:, None] - np.array([30.0, 40.0])).min(axis=1) > 0.2
+    np.testing.assert_allclose(friction[late], rigid.friction(time, velocity)[late], atol=3e-5)
+    record = F.Record.of_machine(time, friction, load_point=place)
+    pulled, at_once = (F.rate_and_state(record, law="slip", stiffness=k) for k in ("10/um", np.inf))
+    assert isinstance(pulled, F.MachineFit)
+    for name in ("a", "b", "D_c", "mu_0"):
+        value, stderr = getattr(at_once, name), getattr(at_once, f"{name}_stderr")
+        assert abs(getattr(pulled, name) - value) < 4 * stderr + 1e-3 * value
+
+
+def test_a_machine_that_is_too_stiff_to_tell_gives_the_others():
+    shape = TRUTH._replace(k=3 / UM)
+    time, place, _, friction = exact([1.0, 10.0, 1.0], [30.03, 10.0, 40.0], law="slip", shape=shape)
+    fit = F.rate_and_state(noisy(time, friction, load_point=place), law="slip")
+    assert isinstance(fit, F.MachineFit)
+    assert fit.stiffness_at_edge or fit.stiffness_stderr > fit.stiffness
+    for name in ("a", "b", "D_c"):
+        assert abs(getattr(fit, name) - getattr(TRUTH, name)) < 3 * getattr(fit, f"{name}_stderr")
+
+
+# -- The fit -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("protocol", "law", "measured"),
+    [(STEPS, "slip", ("load_point",)), (STEPS, "slip", ("load_point", "slip")), (HOLDS, "aging", ("slip",))],
+)
+def test_a_record_gives_its_parameters_whatever_was_measured(protocol, law, measured):
+    time, place, slip, friction = exact(protocol[0], protocol[1], law=law)
+    places = {"load_point": place, "slip": slip}
+    record = noisy(time, friction, **{name: places[name] for name in measured})
+    fit = F.rate_and_state(record, law=law)
+    assert isinstance(fit, F.MachineFit)
+    for name, value in zip(("a", "b", "D_c", "stiffness"), TRUTH, strict=True):
+        low, high = fit.interval(name)
+        middle = (low + high) / 2
+        assert abs(value - middle) < 2 * (high - low) / 2, name  # twice 95 %
+        assert high - low < 0.3 * value
+    assert np.sqrt(np.mean((fit.slip - slip) ** 2)) < 0.3 * UM  # the noise of one row
+    fixed = F.rate_and_state(record, law=law, stiffness="0.01 / um")
+    assert isinstance(fixed, F.MachineFit)
+    assert fixed.stiffness_stderr == 0
+    assert fixed.a_stderr < fit.a_stderr
+
+
+@pytest.mark.parametrize("text", ["0.01 / um", "1e4 1/m", "0.5 MPa/um", "20 N/um", "10 / mm"])
+def test_a_stiffness_has_a_unit(text):
+    record = F.Record.of_machine(TIME, FRICTION, load_point=PLACE, normal_stress=50e6, normal_force=2000.0)
+    assert stiffness_of(record, text) == pytest.approx(TRUTH.k, rel=1e-12)
+
+
+def test_what_rests_is_the_load_point():
+    """Hold times are those of the machine, to a row, although the slider creeps on; B is that of the law."""
+    time, place, slip, friction = exact(
+        [10.0, *[0.0, 10.0] * 3], [10.0, 10.0, 20.0, 100.0, 20.0, 1000.0, 20.0]
+    )
+    for measured in ({"load_point": place}, {"slip": slip}, {"slip": np.round(slip / UM, 1) * UM}):
+        peaks = F.hold_peaks(noisy(time, friction, **measured))
+        np.testing.assert_allclose(peaks.duration, [10.0, 100.0, 1000.0], atol=0.25)
+        healing = np.diff(peaks.peak - peaks.before)[-1] / np.log(10.0)
+        assert healing == pytest.approx(TRUTH.b, rel=0.15)
+
+
+def coverage(protocol, law, count, **measured):
+    """How often the intervals hold the truth."""
+    time, place, _, friction = exact(protocol[0], protocol[1], law=law)
+    hits = dict.fromkeys(("a", "b", "D_c", "stiffness"), 0)
+    for seed in range(count):
+        fit = F.rate_and_state(noisy(time, friction, seed, load_point=place), law=law, stiffness="fit")
+        for name, value in zip(hits, TRUTH, strict=True):
+            low, high = fit.interval(name)
+            hits[name] += low <= value <= high
+    return hits
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
+def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
+    assert min(coverage(protocol, law, 100).values()) >= 88  # fewer, at 95 %, in 1 of 250 cases
+
+
+# -- A measured record ---------------------------------------------------------------------------------------
+
+
+def p655(name, first, last):
+    """A part of the record that the reduction program xlook has as its example."""
+    time, place, shear, normal = np.loadtxt(RAW / name, delimiter=",", skiprows=1).T
+    kept = (time >= first) & (time <= last)
+    friction = (shear / normal)[kept]
+    return F.Record.of_machine(time[kept], friction, load_point=place[kept] * UM, units=("s", "um"))
+
+
+@P655
+@pytest.mark.parametrize(
+    ("law", "stiffness", "published"),
+    [
+        ("slip", "1.6e-3 / um", ((0.006005, 53e-6), (0.004230, 51e-6), (17.75, 0.33))),
+        ("slip", "1e-3 / um", ((0.005823, 98e-6), (0.004094, 94e-6), (12.8, 0.4))),
+        ("aging", "1e-3 / um", ((0.006043, 113e-6), (0.004279, 109e-6), (6.5, 0.2))),
+    ],
+)
+def test_a_step_of_rock_on_rock(law, stiffness, published):
+    """Parameters published with the record, and their standard errors; the joint ones are below 2.5."""
+    fit = F.rate_and_state(p655("p655_step_100MPa.csv", 3845, 3868), law=law, stiffness=stiffness)
+    for name, (value, error), unit in zip(("a", "b", "D_c"), published, (1, 1, UM), strict=True):
+        found, stderr = getattr(fit, name) / unit, getattr(fit, f"{name}_stderr") / unit
+        assert abs(found - value) < 2.5 * np.hypot(error, stderr), name
+    assert 4.2e-4 < np.std(fit.residual) < 5.3e-4
+    assert 0.8 < fit.autocorrelation < 0.9
+
+
+@P655
+def test_a_hold_whose_load_point_is_recorded_too_early():
+    """The column stops 3 s before friction falls, and goes on 5 s after it rises: friction counts."""
+    fit = F.rate_and_state(p655("p655_hold_75MPa.csv", 2600, 2720))
+    assert isinstance(fit, F.MachineFit)
+    np.testing.assert_allclose(fit.kinks, [2639.6, 2679.1], atol=0.3)
+    assert fit.released == (0, 1)
+    assert np.std(fit.residual) < 4.5e-4
+
+
+# -- Bad input -----------------------------------------------------------------------------------------------
+
+TIME, PLACE, SLIP, FRICTION = exact(*STEPS)
+GOOD = F.Record.of_machine(TIME, FRICTION, load_point=PLACE, units=("s", "um"))
+BACK = np.where(TIME < 50, PLACE, PLACE[500] - (PLACE - PLACE[500]))
+SAW = 0.6 + 0.01 * (TIME % 7.0) / 7.0 * (TIME > 45)
+GROWS = FRICTION + 1e-4 * np.exp(np.maximum(TIME - 50, 0) / 11) * np.sin(TIME)
+NOISE = np.round(SLIP / UM, 1) * UM
+BAD = {
+    "no unit": ("stiffness", lambda: F.rate_and_state(GOOD, stiffness="1.6e-3")),
+    "a number": ("stiffness", lambda: F.rate_and_state(GOOD, stiffness=1.6e-3)),
+    "of a time": ("stiffness", lambda: F.rate_and_state(GOOD, stiffness="1.6e-3 / s")),
+    "over nothing": ("stiffness", lambda: F.rate_and_state(GOOD, stiffness="0.16 MPa/um")),
+    "grows": ("record", lambda: F.rate_and_state(F.Record.of_machine(TIME, GROWS, load_point=PLACE))),
+    "saw": ("record", lambda: F.rate_and_state(F.Record.of_machine(TIME, SAW, load_point=PLACE))),
+    "back": ("load point", lambda: F.Record.of_machine(TIME, FRICTION, load_point=BACK, units=("s", "um"))),
+    "one velocity": (
+        "record",
+        lambda: F.rate_and_state(F.Record.of_machine(TIME[:300], FRICTION[:300], load_point=PLACE[:300])),
+    ),
+    "nothing": ("load_point", lambda: F.Record.of_machine(TIME, FRICTION)),
+    "few": ("load_point", lambda: F.Record.of_machine(TIME, FRICTION, load_point=PLACE[1:])),
+    "rounded": ("record", lambda: F.hold_peaks(F.Record.of_displacement(TIME, NOISE, FRICTION))),
+}
+
+
+def test_what_no_machine_records_is_refused():
+    each_refuses(*BAD.values())
