@@ -92,7 +92,7 @@ def test_scans_of_ones_own(tmp_path):
     np.save(tmp_path / "a.npy", rough)
     with pytest.raises(asp.errors.InputError, match="unit of length"):
         comparing.comparison_of("pmma-2018", [tmp_path / "a.npy"])
-    with pytest.raises(asp.errors.InputError, match="for spheres"):
+    with pytest.raises(asp.errors.InputError, match="not about a scan"):
         comparing.comparison_of("ptfe-2009", [tmp_path / "a.npy"])
 
 

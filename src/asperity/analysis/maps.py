@@ -29,7 +29,7 @@ _WINDOW = 160
 _CLOSE = 128
 """Side of a close-up, sites: few enough to be told apart in a map."""
 
-_STILL = 1e-9  # part of the largest load by which one that stays may rise by rounding
+_STILL = 1e-6  # part of the largest load by which one that stays may rise by rounding
 
 _BAR = 0.4
 """Part of a map's width up to which a scale bar may be long."""
@@ -206,8 +206,10 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
 
 def _loaded(dataset: xr.Dataset) -> int:
     """Number of the first map, or where its load is 0 of the first one after which the load does not rise."""
-    at = np.searchsorted(dataset["time"], dataset["field_time"], side="right") - 1
-    load = np.asarray(dataset["load"])[np.maximum(at, 0)]
+    forces = dataset.get("pressure", dataset.get("force"))
+    if forces is None:
+        return 0
+    load = np.asarray(forces.sum([axis for axis in forces.dims if axis != "field_time"]))
     if load[0] > 0:
         return 0
     rises = np.append(np.diff(load) > _STILL * load.max(), False)

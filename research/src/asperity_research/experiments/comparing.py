@@ -39,7 +39,7 @@ def comparison_of(name: str, scans: Sequence[Path] = (), record: Path | None = N
     if not scans:
         return study
     if name not in _ON_SCANS:
-        got, advice = f"{len(scans)}", "leaving it out"
+        got, advice = f"{len(scans)}: this experiment is not about a scan", "leaving it out"
         raise InputError("--surface", expected="none", got=got, advice=advice)
     slopes = []
     for scan in scans:
