@@ -30,6 +30,9 @@ _LEAST = 4
 _MOST = 400
 """Segments at most."""
 
+_EQUAL, _FEW = 1e-6, 0.1
+"""Change of velocity, over the largest, that is none; and changes a row up to which slip has no noise."""
+
 _SWEEPS = 2
 _ROUNDING = 1e-8
 _COMPLIANCES, _ROUNDS, _SETTLED = 6, 8, 1e-4
@@ -78,6 +81,8 @@ def drive_of(time: Floats, place: Floats) -> Drive:
 
 def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, float]:
     """Segments of the load point behind a slip, and the compliance 1/k (length) that makes them straight."""
+    if (straight := _without_noise(time, slip)) is not None:
+        return straight, 0.0
     noises = variance(time, slip), variance(time, friction)
     most = float(np.ptp(slip)) / max(float(np.ptp(friction)), math.sqrt(noises[1]), 1e-12)
 
@@ -112,6 +117,15 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
     if found[0][0] < cost + _GAIN:
         _, pieces, compliance = found[0]
     return pieces.drive(), float(compliance)
+
+
+def _without_noise(time: Floats, place: Floats) -> Drive | None:
+    """Segments, of any number of rows, if velocities repeat as in a simulation; else None."""
+    speeds = np.diff(place) / np.diff(time)
+    turns = np.flatnonzero(np.abs(np.diff(speeds)) > _EQUAL * np.abs(speeds).max()) + 1
+    if turns.size > _FEW * speeds.size:
+        return None
+    return Drive(time[turns], speeds[np.append(0, turns)], np.diff(time)[turns])
 
 
 def variance(time: Floats, values: Floats) -> float:
