@@ -95,6 +95,8 @@ def test_mistakes_are_named_with_their_line():
         "day,mu\n2024-01-01,2\n2024-01-02,3\n",
         't,mu\n"1,438",2\n"5,438",3\n',
         "t;mu\n1,438.45;2\n5,438.45;3\n",
+        "t,mu\n1,5,0,6\n10,0,0,61\n",
+        "T_C,time_s,area\n25,1,2\n25,2,3\n",
     ):
         Path("mu.csv").write_text(text)
         with refuses("mu.csv"):

@@ -126,6 +126,13 @@ class Columns:
         self._read[at] = words + ", by its antilogarithm" * bool(base)
         return values * factor if convert else values
 
+    def unit_text(self, at: int) -> str:
+        """What a row of units, or else the name of a column, says of its unit, whatever it holds."""
+        return self._below(at) or self._parts[at].unit
+
+    def _below(self, at: int) -> str:
+        return self.table.units[at].strip("[](){}<> ")
+
     def _meaning(self, name: str) -> tuple[str, _Parts]:
         """The role that a name says, and its parts: the first that have a role."""
         every = _parts(name)
@@ -138,7 +145,7 @@ class Columns:
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
         """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
         parts, name = self._parts[at], normal(self.table.names[at])
-        below, beside = self.table.units[at].strip("[](){}<> "), parts.unit
+        below, beside = self._below(at), parts.unit
         if (
             role.unit in ("1", "")
             and not parts.is_clear

@@ -97,6 +97,11 @@ def read_measurements(
     if len(set(places.values())) < len(places):
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
+    called = [at for at, role in enumerate(found.roles) if role == "time"]
+    if time is columns is None and len(called) == 1 and called[0] != places["time"] and table.names[0]:
+        expected = f"hold times in column {places['time']}, or a choice of columns"
+        got = f"{table.names[called[0]]!r} in column {called[0]}"
+        raise InputError(str(path), expected=expected, got=got, advice=f'columns="{called[0]} ..." to choose')
     read = {name: _checked(found, at, name) for name, at in places.items()}
     of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):

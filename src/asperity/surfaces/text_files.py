@@ -12,6 +12,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from asperity.base import units as si
+from asperity.base.columns import Columns, Role
 from asperity.base.tables import Table, read_table, text_of
 from asperity.base.version import __version__
 from asperity.base.words import shortened
@@ -23,22 +25,15 @@ from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spe
 
 _WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?|nan)"
-# Labels of Gwyddion's export in the languages of its menus.
-_CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
-_WIDTH = "width|šířka|breite|anchura|largeur|larghezza|largura|幅|폭|\u0448\u0438\u0440\u0438\u043d\u0430"
-_HEIGHT = "height|výška|höhe|altura|hauteur|altezza|高さ|높이|\u0432\u044b\u0441\u043e\u0442\u0430"
-_UNIT = (
-    "value units|jednotky hodnot|einheiten|unités|unità valore|unidades de valor|値の単位|값 단위"
-    "|\u0435\u0434\u0438\u043d\u0438\u0446\u044b \u0438\u0437\u043c\u0435\u0440\u0435\u043d\u0438\u044f"
-)
 _KEYWORDS = ("ncols", "nrows", "cellsize", "dx", "dy", "nodata_value")  # of ESRI's grids
 _FACTS = {
     name: re.compile(rf"[#%\s]*{fact}", re.IGNORECASE)
     for name, fact in {
-        "channel": rf"(?:{_CHANNEL})\s*[:=\uff1a]\s*(.+)",
-        "width": rf"(?:{_WIDTH})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
-        "height": rf"(?:{_HEIGHT})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
-        "unit": rf"(?:{_UNIT})\s*[:=\uff1a]\s*(\S*)",
+        # Labels of Gwyddion's export in three languages.
+        "channel": r"(?:channel|kanal|canal)\s*[:=]\s*(.+)",
+        "width": rf"(?:width|breite|largeur)\s*[:=]\s*{_NUMBER}\s*(\S*)",
+        "height": rf"(?:height|höhe|hauteur)\s*[:=]\s*{_NUMBER}\s*(\S*)",
+        "unit": r"(?:value units|einheiten|unités)\s*[:=]\s*(\S*)",
         "length_unit": r"lateral units\s*:\s*(\S*)",
         **{name: rf"{name}\s+{_NUMBER}\s*$" for name in _KEYWORDS},
         "corner": rf"[xy]ll(?:corner|center)\s+{_NUMBER}\s*$",
@@ -47,11 +42,11 @@ _FACTS = {
 _READER = f"asperity {__version__}"
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
-_AXES = {
-    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length|l\u00e4nge|weg\b|longueur)", re.IGNORECASE),
-    "y": re.compile(r"y\d?\b|y_", re.IGNORECASE),
-    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile?|topography|h\u00f6he|hauteur)", re.IGNORECASE),
-}
+_AXES = (
+    Role("y", "m", r"^y\d?\b"),
+    Role("x", "m", r"^x\b|position|lateral|distance|length|lange|weg\b|longueur"),
+    Role("z", "m", r"^z\d?\b|raw|height|profile?|topography|hohe|hauteur"),
+)
 
 
 @dataclass
@@ -151,16 +146,15 @@ def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
 
 
 def _table(path: Path, lines: list[str], block: _Block) -> Table:
-    """Read the numbers of a block; the last line above them may name the columns."""
+    """Read the numbers of a block; the last two lines above them may name the columns and their units."""
     rows = [line.rstrip(" ") for line in lines[block.first : block.end]]
     empty = min((len(row) - len(row.rstrip(",;")) for row in rows if row), default=0)  # columns at the end
     rows = ["" if _WORD.match(row.strip()) else row[: len(row) - empty] for row in rows]
     shown = [""] * block.first
-    above = next((i for i in range(block.first - 1, -1, -1) if lines[i].strip()), None)
-    if above is not None and block.header:
-        shown[above] = f"# {lines[above].strip().lstrip('#% ').rstrip(',;')}"
-    text = "\n".join(shown + rows)
-    return read_table(path, matrix=True, text=text, failure=SurfaceFileError)
+    above = [number for number, line in enumerate(lines[: block.first]) if line.strip()]
+    for number in above[-2:] if block.header else ():
+        shown[number] = f"# {lines[number].strip().lstrip('#% ').rstrip(',;')}"
+    return read_table(path, matrix=True, text="\n".join(shown + rows), failure=SurfaceFileError)
 
 
 def _roles(table: Table) -> list[tuple[str, str | None]]:
@@ -168,16 +162,13 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
 
     Nothing where x and heights are not among them; where there is no z, y are the heights.
     """
-    found: list[tuple[str, str | None]] = []
-    for name in table.names:
-        role = next((axis for axis, words in _AXES.items() if words.match(name)), "")
-        bracket = re.search(r"[\[({<]\s*(.*?)\s*[\])}>]\s*$", name)
-        unit = spelled((bracket[1] if bracket else re.split(r"[\s_/,]+", name)[-1]).replace("M", "m"))
-        known = is_length(unit)
-        found.append((role, unit if known else None if bracket else "1"))
-    if "z" not in dict(found):
-        found = [("z" if role == "y" else role, unit) for role, unit in found]
-    return found if {"x", "z"} <= set(dict(found)) else []
+    found = Columns(table, _AXES)
+    roles = found.roles if "z" in found.roles else ["z" if role == "y" else role for role in found.roles]
+    texts = (found.unit_text(at) for at in range(len(roles)))
+    # Nobody means megameters.
+    units = [spelled(si.spelled(text) or text.lower()) for text in texts]
+    known = [unit if unit == "1" or is_length(unit) else None for unit in units]
+    return list(zip(roles, known, strict=True)) if {"x", "z"} <= set(roles) else []
 
 
 def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
