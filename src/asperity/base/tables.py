@@ -31,8 +31,7 @@ _ONE_COLUMN = 0.01  # weight of a line of one cell: numbers in two columns or mo
 _OF_EXCEL = re.compile(r"\"?sep=(.)\"?\s*")  # its first line, which states the separator
 _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its unit
 
-MISSING = ("", "nan", "na", "n/a", "null")
-"""What may stand, in letters of any size, where a number is missing."""
+_MISSING = ("", "nan", "na", "n/a", "null")  # in letters of any size
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
@@ -218,7 +217,7 @@ def _numbers(cells: list[str], decimal: str) -> list[float | None]:
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    if cell.lower() in MISSING:
+    if cell.lower() in _MISSING:
         return math.nan
     if decimal == "," and "." in cell:
         return None
@@ -241,5 +240,5 @@ def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
 
 def _share(cells: list[str], decimal: str) -> float:
     """Share of numbers among the cells that are not missing."""
-    present = [cell for cell in cells if cell.lower() not in MISSING]
+    present = [cell for cell in cells if cell.lower() not in _MISSING]
     return sum(_number(cell, decimal) is not None for cell in present) / max(len(present), 1)

@@ -88,7 +88,6 @@ def record_of(raw: RawSurface) -> Provenance:
         "physical_size": [s * n for s, n in zip(sizes, raw.heights.shape, strict=False)],
         "size_from": raw.size_from if sizes else "",
         "length_unit": raw.length_unit or "",
-        "declared_periodic": raw.says_periodic,
     }
 
 

@@ -44,8 +44,6 @@ class RawSurface:
     length_unit: str | None = None
     channel: str = ""
     channels: tuple[str, ...] = ()
-    says_periodic: bool = False
-    """Whether the file declares itself one period of a periodic surface."""
     orientation: str = FIRST_ROW
     """Which line of the file is row 0."""
     undefined_by: tuple[str, ...] = ()
