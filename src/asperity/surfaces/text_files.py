@@ -12,10 +12,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from asperity.base import units as si
 from asperity.base.columns import Columns, Role
 from asperity.base.tables import Table, read_table, text_of
-from asperity.base.version import __version__
 from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
 from asperity.surfaces import points
@@ -39,7 +37,6 @@ _FACTS = {
         "corner": rf"[xy]ll(?:corner|center)\s+{_NUMBER}\s*$",
     }.items()
 }
-_READER = f"asperity {__version__}"
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
 _AXES = (
@@ -164,18 +161,15 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
     """
     found = Columns(table, _AXES)
     roles = found.roles if "z" in found.roles else ["z" if role == "y" else role for role in found.roles]
-    texts = (found.unit_text(at) for at in range(len(roles)))
-    # Nobody means megameters.
-    units = [spelled(si.spelled(text) or text.lower()) for text in texts]
+    units = [spelled(found.unit_text(at)) for at in range(len(roles))]
     known = [unit if unit == "1" or is_length(unit) else None for unit in units]
     return list(zip(roles, known, strict=True)) if {"x", "z"} <= set(roles) else []
 
 
 def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
     """Heights of a block; channels are the columns of heights beside the same coordinates."""
-    raw = RawSurface(
-        table.values, "text", _READER, spelled("".join(block.fact("unit"))), orientation=FIRST_LINE
-    )
+    unit = spelled("".join(block.fact("unit")))
+    raw = RawSurface(table.values, "text", unit=unit, orientation=FIRST_LINE)
     if void := block.fact("nodata_value"):
         heights, rule = without(raw.heights, _number(void), "NODATA_value", " in the header")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(rule,))
@@ -237,11 +231,8 @@ def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
         remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")
     if size is None and len(steps) == 2 and all(steps):
         size, raw = (steps[0], steps[1]), dataclasses.replace(raw, size_from="its coordinates")
-    if 1 in heights.shape:
-        size = size and size[heights.shape[0] == 1 :][:1]
-    heights = heights.ravel() if 1 in heights.shape else heights.copy()
     return dataclasses.replace(
-        raw, heights=heights, pixel_size=size, length_unit=length_unit, remarks=tuple(remarks)
+        raw, heights=heights.copy(), pixel_size=size, length_unit=length_unit, remarks=tuple(remarks)
     )
 
 
