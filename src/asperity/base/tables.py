@@ -109,11 +109,9 @@ def read_table(
         first, header, width = _beginning([line for _, line in lines], looked_at, separator, decimal)
     width = width or len(_cells(lines[first][1], separator))
     if not matrix and separator == "," and header >= 0 and 2 * len(_cells(lines[header][1], ",")) == width:
-        expected, got = (
-            "semicolons or tabs between numbers with decimal commas",
-            f"{lines[first][1].strip()[:60]!r}",
-        )
-        raise fail(expected=f"{expected}, in line {lines[first][0]}", got=got)
+        number, line = lines[first]
+        expected = f"semicolons or tabs between numbers with decimal commas, in line {number}"
+        raise fail(expected=expected, got=f"{line.strip()[:60]!r}")
     # numpy and many instruments write the names as a comment: the last before the numbers.
     notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
     headers = [line for _, line in reversed(lines[: header + 1])]
