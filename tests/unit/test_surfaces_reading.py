@@ -325,6 +325,17 @@ def test_a_profile_with_missing_points():
     np.testing.assert_array_equal(np.delete(surface.heights, [7, 31]), np.delete(PROFILE, [7, 31]))
 
 
+@pytest.mark.parametrize("separator", ["\t", ",", ";"])
+def test_empty_cells_at_the_end_of_all_rows_are_undefined_pixels(separator):
+    rows = [separator.join([*map(repr, row), "", "", ""]) for row in WIDE.tolist()]
+    surface, record = found("a.csv", "\n".join(rows).encode())
+    assert (surface.shape, record["undefined_pixels"]) == ((32, 23), 96)
+    np.testing.assert_array_equal(surface.heights[:, :20], WIDE)
+    assert found("b.csv", files.text(WIDE, "", separator).replace(b"\n", f"{separator}\n".encode()))[
+        0
+    ].shape == (32, 20)
+
+
 def test_a_remark_is_made_once():
     raw = RawSurface(H, "jpk", "a reader", remarks=("an unknown tag",) * 33)
     assert record_of(raw)["reader_remarks"] == ["an unknown tag"]

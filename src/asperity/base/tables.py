@@ -112,15 +112,9 @@ def read_table(
         number, line = lines[first]
         expected = f"semicolons or tabs between numbers with decimal commas, in line {number}"
         raise fail(expected=expected, got=f"{line.strip()[:60]!r}")
-    # numpy and many instruments write the names as a comment: the last before the numbers.
-    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
-    headers = [line for _, line in reversed(lines[: header + 1])]
-    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
-    names, in_row = _names([_named(line, separator, width) for line in headers], width)
-
     rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
     values = np.full((len(rows), width), math.nan)
-    trailing = width > 1 and not names[-1]  # every row ends with a separator, as some programs write it
+    used = 1  # columns up to the last that has cells: some programs end every row with separators
     for row, (number, line) in enumerate(rows):
         cells = _cells(line, separator)
         if len(cells) > width or (matrix and len(cells) < width):
@@ -131,8 +125,15 @@ def read_table(
             advice = "a # before header lines, and NaN for undefined pixels"
             raise fail(expected=f"only numbers in line {number}", got=got, advice=advice)
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
-        trailing = trailing and len(cells) == width and not cells[-1]
-    kept = width - trailing
+        used = next((count for count in range(len(cells), used, -1) if cells[count - 1]), used)
+    # numpy and many instruments write the names as a comment: the last before the numbers.
+    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
+    headers = [line for _, line in reversed(lines[: header + 1])]
+    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
+    names, in_row = _names([_named(line, separator, used, width) for line in headers], width)
+    kept = max((at for at, name in enumerate(names, 1) if name), default=0)
+    # Several empty columns without names are pixels that are undefined.
+    kept = max(kept, width if matrix and not kept and used < width - 1 else used)
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
 
 
@@ -167,11 +168,14 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     return (above[0], names) if is_row_of_units else (names, [""] * width)
 
 
-def _named(line: str, separator: str, width: int) -> list[str]:
-    """Cells of a header; between blanks a unit in brackets belongs to the name before it."""
+def _named(line: str, separator: str, used: int, width: int) -> list[str]:
+    """Cells of a header, filled up; between blanks a unit in brackets belongs to the name before it."""
     cells = _cells(line, separator)
     if separator == " " and len(cells) != width:
         cells = [cell.strip() for cell in _IN_BRACKETS.findall(line)]
+    while cells and not cells[-1]:
+        cells.pop()
+    cells += [""] * (width - len(cells)) * (len(cells) >= used)
     return [cell[1:-1] if re.fullmatch("'.*'", cell) else cell for cell in cells]
 
 

@@ -144,13 +144,11 @@ def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
 
 def _table(path: Path, lines: list[str], block: _Block) -> Table:
     """Read the numbers of a block; the last two lines above them may name the columns and their units."""
-    rows = [line.rstrip(" ") for line in lines[block.first : block.end]]
-    empty = min((len(row) - len(row.rstrip(",;")) for row in rows if row), default=0)  # columns at the end
-    rows = ["" if _WORD.match(row.strip()) else row[: len(row) - empty] for row in rows]
+    rows = ["" if _WORD.match(row.strip()) else row for row in lines[block.first : block.end]]
     shown = [""] * block.first
     above = [number for number, line in enumerate(lines[: block.first]) if line.strip()]
     for number in above[-2:] if block.header else ():
-        shown[number] = f"# {lines[number].strip().lstrip('#% ').rstrip(',;')}"
+        shown[number] = f"# {lines[number].strip().lstrip('#% ')}"
     return read_table(path, matrix=True, text="\n".join(shown + rows), failure=SurfaceFileError)
 
 
