@@ -222,6 +222,7 @@ def two(first, second):
             "Z level (um)",
             Z[1],
         ),
+        ("a.csv", files.text(np.c_[X[0], Z[:2].T], "x_um;z_nm;z_nm\n", ";"), "z_nm#2", Z[1]),
     ],
     ids=short,
 )

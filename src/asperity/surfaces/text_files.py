@@ -88,8 +88,7 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     labels = [
         shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
     ]
-    for number, (label, table, block) in enumerate(zip(labels, tables, blocks, strict=True), 1):
-        name = f"{label}#{labels[:number].count(label)}" if labels.count(label) > 1 else label
+    for name, table, block in zip(_distinct(labels), tables, blocks, strict=True):
         unit = "".join(block.fact("unit"))
         if unit and not is_length(spelled(unit)):
             others.append(f"{name!r} in {unit}")
@@ -101,6 +100,13 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         return _surface(path, *found[""], channel)
     name = choose(str(path), channel, shapes)
     return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Names of channels; of several that are the same, each with its number."""
+    return [
+        f"{name}#{names[:i].count(name)}" * (names.count(name) > 1) or name for i, name in enumerate(names, 1)
+    ]
 
 
 def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
@@ -185,9 +191,9 @@ def _points(
     used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["1", "1"]
     if roles := _roles(table):
         at = {role: [i for i, (each, _) in enumerate(roles) if each == role] for role in "xyz"}
-        names = {table.names[i]: f"column {i + 1}" for i in at["z"]}
-        name = choose(str(path), channel, names)
-        used = [*at["x"][:1], *at["y"][:1], table.names.index(name)]
+        names = dict(zip(_distinct([table.names[i] for i in at["z"]]), at["z"], strict=True))
+        name = choose(str(path), channel, {each: f"column {i + 1}" for each, i in names.items()})
+        used = [*at["x"][:1], *at["y"][:1], names[name]]
         found = [roles[i][1] for i in used]
         units = [unit for unit in found if unit is not None]
         if units != found or len(set(units[:-1])) > 1:
