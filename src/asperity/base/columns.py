@@ -117,7 +117,7 @@ class Columns:
         unit, factor = self._unit(wanted, at)
         if not (unit or bare or wanted.unit == "1"):
             raise self._no_unit(wanted, at, "none")
-        values = finite(self.table, at, role)
+        values = _finite(self.table, at, role)
         if base:
             if (too_large := values > (most := math.log(LARGEST, base))).any():
                 raise in_line(self.table, int(np.argmax(too_large)), at, role, f"of at most {most:.4g}")
@@ -249,7 +249,7 @@ def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False
     return factor * (1 if is_angular and counted == unit and "Hz" not in unit else 2 * math.pi)
 
 
-def finite(table: Table, at: int, role: str) -> Floats:
+def _finite(table: Table, at: int, role: str) -> Floats:
     """Numbers of a column; `InputError` with the line where one is missing."""
     values = table.values[:, at]
     if (known := np.isfinite(values)).all():

@@ -42,7 +42,7 @@ _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGN
 _AXES = (
     Role("y", "m", r"^y\d?\b"),
     Role("x", "m", r"^x\b|position|lateral|distance|length|lange|weg\b|longueur"),
-    Role("z", "m", r"^z\d?\b|raw|height|profile?|topography|hohe|hauteur"),
+    Role("z", "m", r"^[zh]\d?\b|raw|height|profile?|topography|hohe|hauteur"),
 )
 
 
