@@ -131,10 +131,7 @@ class Columns:
 
     def unit_text(self, at: int) -> str:
         """What a row of units, or else the name of a column, says of its unit, whatever it holds."""
-        return self._below(at) or self._parts[at].unit
-
-    def _below(self, at: int) -> str:
-        return self.table.units[at].strip("[](){}<> ")
+        return self.table.units[at] or self._parts[at].unit
 
     def _meaning(self, name: str) -> tuple[str, _Parts]:
         """The role that a name says, and its parts: the first that have a role."""
@@ -148,12 +145,9 @@ class Columns:
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
         """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
         parts, name = self._parts[at], normal(self.table.names[at])
-        below, beside = self._below(at), parts.unit
-        if (
-            role.unit in ("1", "")
-            and not parts.is_clear
-            and re.fullmatch(r"\w+" if role.unit else r"\w", beside)
-        ):
+        below, beside = self.table.units[at], parts.unit
+        unclear = {"1": r"\w+", "": r"\w"}.get(role.unit)
+        if unclear and not parts.is_clear and re.fullmatch(unclear, beside):
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
         *words, last = name.split() or [""]

@@ -164,8 +164,9 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
     sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
-    is_row_of_units = above and (sure or all(map(is_usual, names)))
-    return (above[0], names) if is_row_of_units else (names, [""] * width)
+    if above and (sure or all(map(is_usual, names))):
+        return above[0], [cell.strip("[](){}<> ") for cell in names]
+    return names, [""] * width
 
 
 def _named(line: str, separator: str, used: int, width: int) -> list[str]:
