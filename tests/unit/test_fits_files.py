@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asperity.fits import read_measurements
+from asperity.errors import InputError
+from asperity.fits import measured_growth, read_measurements
 from tests.refusals import each_refuses, refuses
 
 TABLES = {
@@ -102,3 +103,9 @@ def test_mistakes_are_named_with_their_line():
         with refuses("mu.csv"):
             read_measurements("mu.csv")
     each_refuses(*((path, read_measurements, path) for path in ("none.csv", str(Path()))))
+
+
+@pytest.mark.filterwarnings("error")
+def test_values_at_one_hold_time_do_not_grow():
+    with pytest.raises(InputError, match="values that grow with time"):
+        measured_growth(np.full(9, 25.0), np.arange(1.0, 10.0), name="mu")
