@@ -10,6 +10,7 @@ import contextlib
 import dataclasses
 import re
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from asperity.base.columns import Columns, Role
@@ -152,8 +153,8 @@ def _table(path: Path, lines: list[str], block: _Block) -> Table:
     """Read the numbers of a block; the last two lines above them may name the columns and their units."""
     rows = ["" if _WORD.match(row.strip()) else row for row in lines[block.first : block.end]]
     shown = [""] * block.first
-    above = [number for number, line in enumerate(lines[: block.first]) if line.strip()]
-    for number in above[-2:] if block.header else ():
+    above = (number for number in range(block.first - 1, -1, -1) if lines[number].strip())
+    for number in islice(above, 2) if block.header else ():
         shown[number] = f"# {lines[number].strip().lstrip('#% ')}"
     return read_table(path, matrix=True, text="\n".join(shown + rows), failure=SurfaceFileError)
 
