@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asperity.fits import read_measurements
+from asperity.errors import InputError
+from asperity.fits import measured_growth, read_measurements
 from tests.refusals import each_refuses, refuses
 
 TABLES = {
@@ -95,8 +96,16 @@ def test_mistakes_are_named_with_their_line():
         "day,mu\n2024-01-01,2\n2024-01-02,3\n",
         't,mu\n"1,438",2\n"5,438",3\n',
         "t;mu\n1,438.45;2\n5,438.45;3\n",
+        "t,mu\n1,5,0,6\n10,0,0,61\n",
+        "T_C,time_s,area\n25,1,2\n25,2,3\n",
     ):
         Path("mu.csv").write_text(text)
         with refuses("mu.csv"):
             read_measurements("mu.csv")
     each_refuses(*((path, read_measurements, path) for path in ("none.csv", str(Path()))))
+
+
+@pytest.mark.filterwarnings("error")
+def test_values_at_one_hold_time_do_not_grow():
+    with pytest.raises(InputError, match="values that grow with time"):
+        measured_growth(np.full(9, 25.0), np.arange(1.0, 10.0), name="mu")

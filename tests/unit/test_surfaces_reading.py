@@ -182,7 +182,6 @@ def test_a_grid_whose_header_names_its_void():
         (("Channel", "Width", "Height", "Value units"), ("7.00", "10.00")),
         (("Kanal", "Breite", "H\u00f6he", "Einheiten"), ("7,00", "10,00")),
         (("Canal", "Largeur", "Hauteur", "Unit\u00e9s"), ("7.00", "1e1")),
-        (("\u30c1\u30e3\u30cd\u30eb", "\u5e45", "\u9ad8\u3055", "\u5024\u306e\u5358\u4f4d"), ("7", "10.")),
     ],
 )
 def test_sizes_and_units_of_the_header(labels, numbers):
@@ -223,6 +222,7 @@ def two(first, second):
             "Z level (um)",
             Z[1],
         ),
+        ("a.csv", files.text(np.c_[X[0], Z[:2].T], "x_um;z_nm;z_nm\n", ";"), "z_nm#2", Z[1]),
     ],
     ids=short,
 )
@@ -280,6 +280,15 @@ NUMBERED = np.c_[np.arange(1, 33), WIDE]
         ("a.txt", b"\n".join(map(files.text, np.split(POINTS, 15))), Z[::-1], (0.3, 0.5), ("1", None)),
         ("a.csv", files.text(np.c_[np.arange(300), POINTS], "", ","), Z[::-1], (0.3, 0.5), ("1", None)),
         ("a.csv", files.text(POINTS, "X [mm],Y [mm],Z [um]\n", ","), Z[::-1], (0.3, 0.5), ("um", "mm")),
+        ("a.csv", files.text(POINTS, "x,y,z\nmm,mm,um\n", ","), Z[::-1], (0.3, 0.5), ("um", "mm")),
+        (
+            "a.csv",
+            files.text(POINTS, "X Position [cm],Y Position [cm],Z_UM\n", ","),
+            Z[::-1],
+            (0.3, 0.5),
+            ("um", "cm"),
+        ),
+        ("a.csv", files.text(POINTS, "x_MM,y_MM,z_m\n", ","), Z[::-1], (0.3, 0.5), ("m", "mm")),
         ("a.xyz", files.text(POINTS, GWYDDION), Z[::-1], (0.3, 0.5), ("nm", "um")),
         ("a.txt", files.text(np.c_[np.round(0.16 * STEPS, 1), PROFILE]), PROFILE, (0.16,), ("1", None)),
         ("a.xyz", files.text(np.c_[np.round(1.57 * STEPS), PROFILE]), PROFILE, (1.57,), ("1", None)),
@@ -315,6 +324,17 @@ def test_a_profile_with_missing_points():
     surface, record = found("a.xyz", files.text(np.c_[x, np.delete(PROFILE, [7, 31])]))
     assert (surface.shape, record["undefined_pixels"]) == ((60,), 2)
     np.testing.assert_array_equal(np.delete(surface.heights, [7, 31]), np.delete(PROFILE, [7, 31]))
+
+
+@pytest.mark.parametrize("separator", ["\t", ",", ";"])
+def test_empty_cells_at_the_end_of_all_rows_are_undefined_pixels(separator):
+    rows = [separator.join([*map(repr, row), "", "", ""]) for row in WIDE.tolist()]
+    surface, record = found("a.csv", "\n".join(rows).encode())
+    assert (surface.shape, record["undefined_pixels"]) == ((32, 23), 96)
+    np.testing.assert_array_equal(surface.heights[:, :20], WIDE)
+    assert found("b.csv", files.text(WIDE, "", separator).replace(b"\n", f"{separator}\n".encode()))[
+        0
+    ].shape == (32, 20)
 
 
 def test_a_remark_is_made_once():

@@ -50,6 +50,7 @@ def written(header: str, numbers: Any, decimal: str = ",") -> str:
         ("time [Min];E [Mpa]", 60, 1e6, "young"),
         ("time [SEC];E [KPA]", 1, 1e3, "young"),
         ("t/H;E/pa", 3600, 1, "young"),
+        ("time_s;E_kgf/cm2", 1, 98066.5, "young"),
         # Which modulus it is.
         ("t [min];shear modulus [MPa]", 60, 1e6, "shear"),
         ("t [s];G(t) [MPa];G_std [MPa];T", 1, 1e6, "shear"),

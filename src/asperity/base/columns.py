@@ -14,8 +14,8 @@ import numpy as np
 
 from asperity.base import units as si
 from asperity.base.checks import Floats
-from asperity.base.tables import Table, read_table
-from asperity.errors import InputError
+from asperity.base.tables import GROUPED, Table, read_table
+from asperity.errors import LARGEST, InputError
 
 Chosen = Sequence[int | str] | int | str
 """Columns by name or by number from 0: a list, or a text such as "0,1"."""
@@ -28,6 +28,8 @@ _BRACKETS = re.compile(r"(.*?)[\s_,/]*[\[({<]\s*([^\[\](){}<>]*?)\s*[\])}>]")
 _LOGARITHM = re.compile(r"(?i)(log_?10|log|lg|ln)(?:\s*\((.*)\)(.*)|[\s_]+(.*))")
 _ANGULAR = re.compile(r"omega|ω|angul|circular|kreis|winkel|pulsation|^w\b")
 _CYCLES = re.compile(r"(?i)\b(?:r|cycles?|cyc|revs?|revolutions?|turns?|tours?|tr|u|umdr\w*|osc\w*)\b")
+_DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
+_LEAVE_OUT = "a # before a line to leave it out"
 _OF_TIME = {"Hz", "mHz", "kHz", "MHz", "GHz", "s", "ms", "us", "µs", "μs", "min", "h", "d"}
 _EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "um", "m/s": "um/s"}
 
@@ -115,16 +117,21 @@ class Columns:
         unit, factor = self._unit(wanted, at)
         if not (unit or bare or wanted.unit == "1"):
             raise self._no_unit(wanted, at, "none")
-        values = finite(self.table, at, role)
+        values = _finite(self.table, at, role)
         if base:
-            with np.errstate(over="ignore"):
-                values = base**values
+            if (too_large := values > (most := math.log(LARGEST, base))).any():
+                raise in_line(self.table, int(np.argmax(too_large)), at, role, f"of at most {most:.4g}")
+            values = base**values
         words = f"{called or role} from {repr(name) if name else f'column {at}'}"
         words += f" in {unit}" * (unit not in ("", "1", "-"))
         words += f", {factor:.6g} rad/s each" * (wanted.unit == "rad/s" and "rad" not in unit)
         words += " without a unit" * (not unit and wanted.unit not in ("", "1"))
         self._read[at] = words + ", by its antilogarithm" * bool(base)
         return values * factor if convert else values
+
+    def unit_text(self, at: int) -> str:
+        """What a row of units, or else the name of a column, says of its unit, whatever it holds."""
+        return self.table.units[at] or self._parts[at].unit
 
     def _meaning(self, name: str) -> tuple[str, _Parts]:
         """The role that a name says, and its parts: the first that have a role."""
@@ -138,12 +145,9 @@ class Columns:
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
         """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
         parts, name = self._parts[at], normal(self.table.names[at])
-        below, beside = self.table.units[at].strip("[](){}<> "), parts.unit
-        if (
-            role.unit in ("1", "")
-            and not parts.is_clear
-            and re.fullmatch(r"\w+" if role.unit else r"\w", beside)
-        ):
+        below, beside = self.table.units[at], parts.unit
+        unclear = {"1": r"\w+", "": r"\w"}.get(role.unit)
+        if unclear and not parts.is_clear and re.fullmatch(unclear, beside):
             beside = ""  # mu_s is static friction
         text = self._stated.get(at) or below or beside
         *words, last = name.split() or [""]
@@ -239,19 +243,30 @@ def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False
     return factor * (1 if is_angular and counted == unit and "Hz" not in unit else 2 * math.pi)
 
 
-def finite(table: Table, position: int, role: str) -> Floats:
+def _finite(table: Table, at: int, role: str) -> Floats:
     """Numbers of a column; `InputError` with the line where one is missing."""
-    name = table.names[position]
-    values = table.values[:, position]
-    if not (known := np.isfinite(values)).all():
-        number, line = table.lines[int(np.argmin(known))]
-        raise InputError(
-            table.name,
-            expected=f"{repr(name) if name else f'a {role}'} to be a number in line {number}",
-            got=repr(line.strip()[:60]),
-            advice="a # before a line to leave it out",
-        )
-    return values
+    values = table.values[:, at]
+    if (known := np.isfinite(values)).all():
+        return values
+    row, advice = int(np.argmin(known)), _LEAVE_OUT
+    cell = table.cell(row, at)
+    if GROUPED.fullmatch(cell):
+        advice = "numbers without separators between thousands"
+    elif not known.any():
+        numeric = np.flatnonzero(np.isfinite(table.values).any(axis=0))
+        names = ", ".join(repr(table.names[i]) if table.names[i] else str(i) for i in numeric)
+        advice = f"to choose columns of numbers ({names})"
+        advice += f"; a {role} is a number, not a date" * bool(_DATE.match(cell))
+    raise in_line(table, row, at, role, "to be a number", advice)
+
+
+def in_line(
+    table: Table, row: int, at: int, role: str, expected: str, advice: str = _LEAVE_OUT
+) -> InputError:
+    """What is wrong with a cell of a column, by its name and its line."""
+    name, (number, line) = table.names[at], table.lines[row]
+    expected = f"{repr(name) if name else f'a {role}'} {expected} in line {number}"
+    return InputError(table.name, expected=expected, got=repr(line.strip()[:60]), advice=advice)
 
 
 def named(table: Table) -> str:

@@ -31,8 +31,7 @@ _ONE_COLUMN = 0.01  # weight of a line of one cell: numbers in two columns or mo
 _OF_EXCEL = re.compile(r"\"?sep=(.)\"?\s*")  # its first line, which states the separator
 _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its unit
 
-MISSING = ("", "nan", "na", "n/a", "null")
-"""What may stand, in letters of any size, where a number is missing."""
+_MISSING = ("", "nan", "na", "n/a", "null")  # in letters of any size
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
 """A number that seems to have separators between thousands."""
@@ -109,15 +108,13 @@ def read_table(
             raise fail(expected="two columns of numbers or more", got=got)
         first, header, width = _beginning([line for _, line in lines], looked_at, separator, decimal)
     width = width or len(_cells(lines[first][1], separator))
-    # numpy and many instruments write the names as a comment: the last before the numbers.
-    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
-    headers = [line for _, line in reversed(lines[: header + 1])]
-    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
-    names, in_row = _names([_named(line, separator, width) for line in headers], width)
-
+    if not matrix and separator == "," and header >= 0 and 2 * len(_cells(lines[header][1], ",")) == width:
+        number, line = lines[first]
+        expected = f"semicolons or tabs between numbers with decimal commas, in line {number}"
+        raise fail(expected=expected, got=f"{line.strip()[:60]!r}")
     rows = [(number, line) for number, line in lines[first:] if matrix or any(_cells(line, separator))]
     values = np.full((len(rows), width), math.nan)
-    trailing = width > 1 and not names[-1]  # every row ends with a separator, as some programs write it
+    used = 1  # columns up to the last that has cells: some programs end every row with separators
     for row, (number, line) in enumerate(rows):
         cells = _cells(line, separator)
         if len(cells) > width or (matrix and len(cells) < width):
@@ -128,8 +125,15 @@ def read_table(
             advice = "a # before header lines, and NaN for undefined pixels"
             raise fail(expected=f"only numbers in line {number}", got=got, advice=advice)
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
-        trailing = trailing and len(cells) == width and not cells[-1]
-    kept = width - trailing
+        used = next((count for count in range(len(cells), used, -1) if cells[count - 1]), used)
+    # numpy and many instruments write the names as a comment: the last before the numbers.
+    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
+    headers = [line for _, line in reversed(lines[: header + 1])]
+    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
+    names, in_row = _names([_named(line, separator, used, width) for line in headers], width)
+    kept = max((at for at, name in enumerate(names, 1) if name), default=0)
+    # Several empty columns without names are pixels that are undefined.
+    kept = max(kept, width if matrix and not kept and used < width - 1 else used)
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
 
 
@@ -160,15 +164,19 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
     sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
-    is_row_of_units = above and (sure or all(map(is_usual, names)))
-    return (above[0], names) if is_row_of_units else (names, [""] * width)
+    if above and (sure or all(map(is_usual, names))):
+        return above[0], [cell.strip("[](){}<> ") for cell in names]
+    return names, [""] * width
 
 
-def _named(line: str, separator: str, width: int) -> list[str]:
-    """Cells of a header; between blanks a unit in brackets belongs to the name before it."""
+def _named(line: str, separator: str, used: int, width: int) -> list[str]:
+    """Cells of a header, filled up; between blanks a unit in brackets belongs to the name before it."""
     cells = _cells(line, separator)
     if separator == " " and len(cells) != width:
         cells = [cell.strip() for cell in _IN_BRACKETS.findall(line)]
+    while cells and not cells[-1]:
+        cells.pop()
+    cells += [""] * (width - len(cells)) * (len(cells) >= used)
     return [cell[1:-1] if re.fullmatch("'.*'", cell) else cell for cell in cells]
 
 
@@ -212,7 +220,7 @@ def _numbers(cells: list[str], decimal: str) -> list[float | None]:
 
 
 def _number(cell: str, decimal: str) -> float | None:
-    if cell.lower() in MISSING:
+    if cell.lower() in _MISSING:
         return math.nan
     if decimal == "," and "." in cell:
         return None
@@ -235,5 +243,5 @@ def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
 
 def _share(cells: list[str], decimal: str) -> float:
     """Share of numbers among the cells that are not missing."""
-    present = [cell for cell in cells if cell.lower() not in MISSING]
+    present = [cell for cell in cells if cell.lower() not in _MISSING]
     return sum(_number(cell, decimal) is not None for cell in present) / max(len(present), 1)

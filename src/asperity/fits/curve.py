@@ -135,7 +135,7 @@ class Curve:
 def refuse_decline(series: Series, name: str = "area") -> None:
     """Raise `InputError` for values that do not grow with time on the whole (rank correlation)."""
     constant = bool((series.y == series.y[0]).all())
-    rank = 0.0 if constant else float(spearmanr(series.x, series.y).statistic)
+    rank = 0.0 if constant or not np.ptp(series.x) else float(spearmanr(series.x, series.y).statistic)
     if not rank > 0:
         got = f"{series.y[0]:g} at every time" if constant else f"{sketch(series.y)}"
         detail = "" if constant else f" (rank correlation with time {rank:.2f})"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,12 +9,10 @@ import numpy as np
 
 from asperity.base import views
 from asperity.base.checks import Floats
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, position
-from asperity.base.tables import GROUPED, MISSING, Table
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, position
+from asperity.base.tables import Table
 from asperity.errors import InputError
 
-_DATE = re.compile(r"\d{1,4}[-/.:]\d{1,2}[-/.:T ]?")
-_LEAVE_OUT = "a # before a line to leave it out"
 _ROLES = Role("time", "s", rf"{TIME.words}|hold|halte"), Role("value", "", ""), Role("stderr", "", "$^")
 
 
@@ -97,6 +94,11 @@ def read_measurements(
     if len(set(places.values())) < len(places):
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
+    called = [at for at, role in enumerate(found.roles) if role == "time"]
+    if time is columns is None and len(called) == 1 and called[0] != places["time"] and table.names[0]:
+        expected = f"hold times in column {places['time']}, or a choice of columns"
+        got = f"{table.names[called[0]]!r} in column {called[0]}"
+        raise InputError(str(path), expected=expected, got=got, advice=f'columns="{called[0]} ..." to choose')
     read = {name: _checked(found, at, name) for name, at in places.items()}
     of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):
@@ -129,38 +131,9 @@ def _begins_with_index(table: Table) -> bool:
 
 
 def _checked(found: Columns, column: int, name: str) -> Floats:
-    table, values = found.table, found.table.values[:, column]
-    if np.isfinite(values).all():
-        values = found.values(name, column, convert=False)
-    bad = ~np.isfinite(values) | (values < 0 if name == "time" else values <= 0)
-    if not bad.any():
-        return values
-    row = int(np.argmax(bad))
-    number, line = table.lines[row]
-    what = repr(table.names[column]) if table.names[column] else f"a {name}"
-    where, got = f"in line {number}", f"{line.strip()[:60]!r}"
-    if np.isfinite(values[row]):
-        expected = f"{what} {'not below' if name == 'time' else 'above'} 0 {where}"
-        raise InputError(table.name, expected=expected, got=got, advice=_LEAVE_OUT)
-    cell = table.cell(row, column)
-    is_missing = cell.lower() in MISSING
-    fault = "missing" if is_missing else "infinite" if np.isinf(values[row]) else "not a number"
-    fault = "too large for a logarithm" if np.isfinite(table.values[row, column]) else fault
-    raise InputError(
-        table.name,
-        expected=f"{what} to be a number {where}",
-        got=f"{got}, where it is {fault}",
-        advice=_advice(table, cell, all_bad=bool(np.isnan(values).all())),
-    )
-
-
-def _advice(table: Table, cell: str, *, all_bad: bool) -> str:
-    """What to do about a cell that is no number."""
-    if GROUPED.fullmatch(cell):
-        return "numbers without separators between thousands"
-    if not all_bad:
-        return _LEAVE_OUT
-    numeric = np.flatnonzero(np.isfinite(table.values).any(axis=0))
-    names = ", ".join(repr(table.names[i]) if table.names[i] else str(i) for i in numeric)
-    choice = f"to choose columns of numbers ({names})"
-    return f"{choice}; a hold time is a number, not a date" if _DATE.match(cell) else choice
+    values = found.values(name, column, convert=False)
+    bad = values < 0 if name == "time" else values <= 0
+    if bad.any():
+        expected = "not below 0" if name == "time" else "above 0"
+        raise in_line(found.table, int(np.argmax(bad)), column, name, expected)
+    return values

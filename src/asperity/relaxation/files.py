@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
-from asperity.base.checks import shown
+from asperity.base import checks
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named, normal
 from asperity.errors import InputError
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
@@ -29,12 +29,12 @@ _ROLES = (
     Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
     Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel"),
 )
-_MODULI: dict[Modulus, tuple[str, str]] = {
-    "shear": ("shear", r"shear|schub|scher|cisail"),
-    "contact": ("contact", r"plane.strain|contact|kontakt|reduced|reduit"),
-    "young": ("Young's", r"young|elastizit|d'elast|tensile|tension|zug|traction|flexur|bending|biege"),
+_MODULI: dict[Modulus, str] = {
+    "shear": r"shear|schub|scher|cisail",
+    "contact": r"plane.strain|contact|kontakt|reduced|reduit",
+    "young": r"young|elastizit|d'elast|tensile|tension|zug|traction|flexur|bending|biege",
 }
-"""What each modulus is called, and the words that say it."""
+"""Words that say which modulus it is."""
 _LETTERS: dict[str, Modulus] = {"e": "young", "g": "shear"}
 
 
@@ -82,12 +82,11 @@ def read(
         a cell is no number, or the numbers are no relaxation: see the classes.
     """
     for name, value, choice in (("kind", kind, Kind), ("modulus", modulus, Modulus)):
-        if value is not None and value not in get_args(choice):
-            raise InputError(name, expected=" or ".join(map(repr, get_args(choice))), got=shown(value))
+        checks.choice(name, value, (None, *get_args(choice)))
     found = Columns(path, _ROLES, columns, units)
     chosen, places = _chosen(found, kind, ordered=columns is not None)
     meant = _modulus(found, places[1:], modulus)
-    which = f"{_MODULI[meant][0]} " if meant else ""
+    which = "Young's " if meant == "young" else f"{meant} " if meant else ""
     names = {"storage": "storage modulus", "loss": "loss modulus"}
     numbers: list[Any] = []
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
@@ -133,9 +132,7 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
 def _modulus(found: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:
     """Which modulus the names of columns say; what is asked for overrides a letter, but no word."""
     names = [found.table.names[at] for at in places]
-    moduli = {
-        which for which, (_, words) in _MODULI.items() for name in names if re.search(words, normal(name))
-    }
+    moduli = {which for which, words in _MODULI.items() for name in names if re.search(words, normal(name))}
     if asked:
         moduli.add(asked)
     elif not moduli:

@@ -44,6 +44,9 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
         raise SurfaceFileError(str(file), expected="a surface file", got=got, advice=advice)
     if not raw.heights.size:
         raise SurfaceFileError(str(file), expected="heights", got="none")
+    if raw.heights.ndim == 2 and 1 in raw.heights.shape:  # a profile
+        size = raw.pixel_size and raw.pixel_size[raw.heights.shape[0] == 1 :][:1]
+        raw = dataclasses.replace(raw, heights=raw.heights.ravel(), pixel_size=size)
     if undefined_value is not None:
         heights, rule = without(raw.heights, undefined_value, "undefined_value")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(*raw.undefined_by, rule))
@@ -88,7 +91,6 @@ def record_of(raw: RawSurface) -> Provenance:
         "physical_size": [s * n for s, n in zip(sizes, raw.heights.shape, strict=False)],
         "size_from": raw.size_from if sizes else "",
         "length_unit": raw.length_unit or "",
-        "declared_periodic": raw.says_periodic,
     }
 
 

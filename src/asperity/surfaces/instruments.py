@@ -152,7 +152,6 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
         length_unit=unit if known and unit != "1" else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),
-        says_periodic=bool(topography.is_periodic),
         orientation=PICTURE,
         remarks=remarks,
     )

@@ -19,14 +19,12 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from asperity.base import checks
-from asperity.base.version import __version__
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 from asperity.surfaces.prepare import is_length
 from asperity.surfaces.raw import RawSurface, choose, spelled, without
 
-_READER = f"asperity {__version__}"
 _EXPECTED = "real numbers in one or two dimensions"
 _NUMERIC = re.compile("double|single|u?int(8|16|32|64)")  # MATLAB's classes of numbers
 # HDF5 of JPK and of pycroscopy, in which the pixels of an image are a column.
@@ -47,7 +45,7 @@ def read_npy(path: Path, channel: str | int | None) -> RawSurface:
             advice = "numpy.save of an array of floats" if "objects" in fault else ""
             raise SurfaceFileError(str(path), expected=_EXPECTED, got=fault, advice=advice)
         file.seek(0)
-        return RawSurface(_heights(npy.read_array(file)), format="npy", reader=_READER)
+        return RawSurface(_heights(npy.read_array(file)), format="npy")
 
 
 def read_npz(path: Path, channel: str | int | None) -> RawSurface:
@@ -62,7 +60,7 @@ def read_npz(path: Path, channel: str | int | None) -> RawSurface:
         chosen = _chosen(path, channel, shapes)
         with archive.open(f"{chosen}.npy") as file:
             heights = _heights(npy.read_array(file))
-    return RawSurface(heights, format="npz", reader=_READER, channel=chosen, channels=tuple(shapes))
+    return RawSurface(heights, format="npz", channel=chosen, channels=tuple(shapes))
 
 
 def read_mat(path: Path, channel: str | int | None) -> RawSurface:
@@ -77,8 +75,7 @@ def read_mat(path: Path, channel: str | int | None) -> RawSurface:
         shapes = {name: shape for name, shape in found if len(shape) == 2 and math.prod(shape) > 1}
         chosen = _chosen(path, channel, shapes)
         heights = _heights(loadmat(path, variable_names=[chosen])[chosen])
-    heights = heights.ravel() if 1 in heights.shape else heights
-    return RawSurface(heights, format="mat", reader=_READER, channel=chosen, channels=tuple(shapes))
+    return RawSurface(heights, format="mat", channel=chosen, channels=tuple(shapes))
 
 
 def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
@@ -118,12 +115,10 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
         values, rule = without(values, void, "_FillValue")
         values = values * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
         heights = _heights(values.T if "MATLAB_class" in attributes else values)
-    heights = heights.ravel() if 1 in heights.shape else heights
     return RawSurface(
         heights,
         "hdf5",
-        _READER,
-        units[chosen],
+        unit=units[chosen],
         channel=chosen,
         channels=tuple(likely),
         undefined_by=(rule,) * math.isfinite(void),

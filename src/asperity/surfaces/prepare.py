@@ -16,7 +16,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
 
 # Powers of ten of the length units.
-_EXPONENTS = {"km": 3, "m": 0, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
+_EXPONENTS = {"km": 3, "m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
 # What is left of a flat surface after its tilt is removed is rounding: this part of its largest height.
 _ROUNDING = 1e-12
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part

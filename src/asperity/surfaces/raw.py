@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.base import units
+from asperity.base.version import __version__
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
 # Spellings of units in files; the third is UTF-8 that was taken for Latin-1.
 _SPELLINGS = {
-    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m", "micron", "microns", "micrometer"),
-    "nm": ("nanometer", "nanometers"),
+    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
     "angstrom": ("\u00c5", "\u212b", "A"),
     "1": ("",),
 }
@@ -35,7 +36,7 @@ class RawSurface:
 
     heights: Field
     format: str
-    reader: str
+    reader: str = f"asperity {__version__}"
     """The software that read it."""
     unit: str = "1"
     """Unit of the heights; "1" if the file has none."""
@@ -44,8 +45,6 @@ class RawSurface:
     length_unit: str | None = None
     channel: str = ""
     channels: tuple[str, ...] = ()
-    says_periodic: bool = False
-    """Whether the file declares itself one period of a periodic surface."""
     orientation: str = FIRST_ROW
     """Which line of the file is row 0."""
     undefined_by: tuple[str, ...] = ()
@@ -58,6 +57,7 @@ class RawSurface:
 def spelled(unit: str | None) -> str:
     """A unit in our spelling; "1" for none."""
     unit = (unit or "").strip()
+    unit = units.spelled(unit) or unit.lower()  # nobody means megameters
     return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
 
 

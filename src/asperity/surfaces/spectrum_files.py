@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asperity.base import checks, units
-from asperity.base.columns import Columns, Role, finite, named
+from asperity.base import checks
+from asperity.base.columns import Columns, Role, named
 from asperity.errors import InputError
 from asperity.lattice import Field
 
-_ROLES = (
-    Role("wave number", "", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
-    Role("power", "", r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr|spektr|leistungsdichte"),
-)
+_POWER = r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr|spektr|leistungsdichte"
 
 
 def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int = 2) -> tuple[Field, Field]:
@@ -42,27 +39,25 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     InputError
         There is no such table, its columns are not understood, or one has a unit and none is given here.
     """
-    found = Columns(path, _ROLES)
+    power = 2 + checks.integer("dimension", dimension, least=1, most=2)
+    wanted = (
+        Role("wave number", f"1/{unit or 'm'}", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
+        Role("power", f"{unit or 'm'}^{power}", _POWER),
+    )
+    found = Columns(path, wanted)
     table, roles = found.table, found.roles
     if not any(table.names) and len(roles) == 2:
-        roles = ["wave number", "power"]
-    if any(roles.count(role) != 1 for role in ("wave number", "power")):
+        roles = [role.name for role in wanted]
+    if any(roles.count(role.name) != 1 for role in wanted):
         advice = "a first line such as q_1/um,C_um^4"
         raise InputError(table.name, expected="columns of q and C", got=named(table), advice=advice)
-    power = 2 + checks.integer("dimension", dimension, least=1, most=2)
-    columns = []
-    for role, kind in (("wave number", "1/{}"), ("power", f"{{}}^{power}")):
-        at = roles.index(role)
-        values, in_table = finite(table, at, role), found.unit(role, at)
-        if in_table:
-            target, spelled = kind.format(unit or "m"), units.spelled(in_table)
-            factor = None if spelled is None else units.factor(spelled, target)
-            if factor is None:
-                name = f"column {table.names[at]!r} of {table.name}"
-                raise InputError(name, expected=f"a unit like {target}", got=repr(in_table))
-            if unit is None:
-                expected = f"the unit of the heights, as the table has {in_table}"
-                raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")
-            values = values * factor
-        columns.append(values)
-    return columns[0], columns[1]
+    places = {role.name: roles.index(role.name) for role in wanted}
+    try:
+        in_table = [written for role, at in places.items() if (written := found.unit(role, at))]
+    except InputError as error:  # without the advice to state units, which nobody can here
+        raise InputError(error.name, expected=error.expected, got=error.got) from None
+    if in_table and unit is None:
+        expected = f"the unit of the heights, as the table has {in_table[0]}"
+        raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")
+    q, C = (found.values(role, at) for role, at in places.items())
+    return q, C

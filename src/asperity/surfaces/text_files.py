@@ -10,10 +10,11 @@ import contextlib
 import dataclasses
 import re
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
+from asperity.base.columns import Columns, Role
 from asperity.base.tables import Table, read_table, text_of
-from asperity.base.version import __version__
 from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
 from asperity.surfaces import points
@@ -23,35 +24,27 @@ from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spe
 
 _WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?|nan)"
-# Labels of Gwyddion's export in the languages of its menus.
-_CHANNEL = "channel|kanál|kanal|canale?|\u30c1\u30e3\u30cd\u30eb|채널|\u043a\u0430\u043d\u0430\u043b"
-_WIDTH = "width|šířka|breite|anchura|largeur|larghezza|largura|幅|폭|\u0448\u0438\u0440\u0438\u043d\u0430"
-_HEIGHT = "height|výška|höhe|altura|hauteur|altezza|高さ|높이|\u0432\u044b\u0441\u043e\u0442\u0430"
-_UNIT = (
-    "value units|jednotky hodnot|einheiten|unités|unità valore|unidades de valor|値の単位|값 단위"
-    "|\u0435\u0434\u0438\u043d\u0438\u0446\u044b \u0438\u0437\u043c\u0435\u0440\u0435\u043d\u0438\u044f"
-)
 _KEYWORDS = ("ncols", "nrows", "cellsize", "dx", "dy", "nodata_value")  # of ESRI's grids
 _FACTS = {
     name: re.compile(rf"[#%\s]*{fact}", re.IGNORECASE)
     for name, fact in {
-        "channel": rf"(?:{_CHANNEL})\s*[:=\uff1a]\s*(.+)",
-        "width": rf"(?:{_WIDTH})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
-        "height": rf"(?:{_HEIGHT})\s*[:=\uff1a]\s*{_NUMBER}\s*(\S*)",
-        "unit": rf"(?:{_UNIT})\s*[:=\uff1a]\s*(\S*)",
+        # Labels of Gwyddion's export in three languages.
+        "channel": r"(?:channel|kanal|canal)\s*[:=]\s*(.+)",
+        "width": rf"(?:width|breite|largeur)\s*[:=]\s*{_NUMBER}\s*(\S*)",
+        "height": rf"(?:height|höhe|hauteur)\s*[:=]\s*{_NUMBER}\s*(\S*)",
+        "unit": r"(?:value units|einheiten|unités)\s*[:=]\s*(\S*)",
         "length_unit": r"lateral units\s*:\s*(\S*)",
         **{name: rf"{name}\s+{_NUMBER}\s*$" for name in _KEYWORDS},
         "corner": rf"[xy]ll(?:corner|center)\s+{_NUMBER}\s*$",
     }.items()
 }
-_READER = f"asperity {__version__}"
 _SDF = re.compile(r"[ab](ISO|BCR)-\d")
 _MEASURES = re.compile("unit|scale|einheit|pixel|size|resolution|length", re.IGNORECASE)
-_AXES = {
-    "x": re.compile(r"x\b|x_|.*(position|lateral|distance|length|l\u00e4nge|weg\b|longueur)", re.IGNORECASE),
-    "y": re.compile(r"y\d?\b|y_", re.IGNORECASE),
-    "z": re.compile(r"z\d?\b|z_|raw|.*(height|profile?|topography|h\u00f6he|hauteur)", re.IGNORECASE),
-}
+_AXES = (
+    Role("y", "m", r"^y\d?\b"),
+    Role("x", "m", r"^x\b|position|lateral|distance|length|lange|weg\b|longueur"),
+    Role("z", "m", r"^[zh]\d?\b|raw|height|profile?|topography|hohe|hauteur"),
+)
 
 
 @dataclass
@@ -96,8 +89,7 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
     labels = [
         shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
     ]
-    for number, (label, table, block) in enumerate(zip(labels, tables, blocks, strict=True), 1):
-        name = f"{label}#{labels[:number].count(label)}" if labels.count(label) > 1 else label
+    for name, table, block in zip(_distinct(labels), tables, blocks, strict=True):
         unit = "".join(block.fact("unit"))
         if unit and not is_length(spelled(unit)):
             others.append(f"{name!r} in {unit}")
@@ -109,6 +101,13 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         return _surface(path, *found[""], channel)
     name = choose(str(path), channel, shapes)
     return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """Names of channels; of several that are the same, each with its number."""
+    return [
+        f"{name}#{names[:i].count(name)}" * (names.count(name) > 1) or name for i, name in enumerate(names, 1)
+    ]
 
 
 def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
@@ -151,16 +150,13 @@ def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
 
 
 def _table(path: Path, lines: list[str], block: _Block) -> Table:
-    """Read the numbers of a block; the last line above them may name the columns."""
-    rows = [line.rstrip(" ") for line in lines[block.first : block.end]]
-    empty = min((len(row) - len(row.rstrip(",;")) for row in rows if row), default=0)  # columns at the end
-    rows = ["" if _WORD.match(row.strip()) else row[: len(row) - empty] for row in rows]
+    """Read the numbers of a block; the last two lines above them may name the columns and their units."""
+    rows = ["" if _WORD.match(row.strip()) else row for row in lines[block.first : block.end]]
     shown = [""] * block.first
-    above = next((i for i in range(block.first - 1, -1, -1) if lines[i].strip()), None)
-    if above is not None and block.header:
-        shown[above] = f"# {lines[above].strip().lstrip('#% ').rstrip(',;')}"
-    text = "\n".join(shown + rows)
-    return read_table(path, matrix=True, text=text, failure=SurfaceFileError)
+    above = (number for number in range(block.first - 1, -1, -1) if lines[number].strip())
+    for number in islice(above, 2) if block.header else ():
+        shown[number] = f"# {lines[number].strip().lstrip('#% ')}"
+    return read_table(path, matrix=True, text="\n".join(shown + rows), failure=SurfaceFileError)
 
 
 def _roles(table: Table) -> list[tuple[str, str | None]]:
@@ -168,23 +164,17 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
 
     Nothing where x and heights are not among them; where there is no z, y are the heights.
     """
-    found: list[tuple[str, str | None]] = []
-    for name in table.names:
-        role = next((axis for axis, words in _AXES.items() if words.match(name)), "")
-        bracket = re.search(r"[\[({<]\s*(.*?)\s*[\])}>]\s*$", name)
-        unit = spelled((bracket[1] if bracket else re.split(r"[\s_/,]+", name)[-1]).replace("M", "m"))
-        known = is_length(unit)
-        found.append((role, unit if known else None if bracket else "1"))
-    if "z" not in dict(found):
-        found = [("z" if role == "y" else role, unit) for role, unit in found]
-    return found if {"x", "z"} <= set(dict(found)) else []
+    found = Columns(table, _AXES)
+    roles = found.roles if "z" in found.roles else ["z" if role == "y" else role for role in found.roles]
+    units = [spelled(found.unit_text(at)) for at in range(len(roles))]
+    known = [unit if unit == "1" or is_length(unit) else None for unit in units]
+    return list(zip(roles, known, strict=True)) if {"x", "z"} <= set(roles) else []
 
 
 def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
     """Heights of a block; channels are the columns of heights beside the same coordinates."""
-    raw = RawSurface(
-        table.values, "text", _READER, spelled("".join(block.fact("unit"))), orientation=FIRST_LINE
-    )
+    unit = spelled("".join(block.fact("unit")))
+    raw = RawSurface(table.values, "text", unit=unit, orientation=FIRST_LINE)
     if void := block.fact("nodata_value"):
         heights, rule = without(raw.heights, _number(void), "NODATA_value", " in the header")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(rule,))
@@ -202,9 +192,9 @@ def _points(
     used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["1", "1"]
     if roles := _roles(table):
         at = {role: [i for i, (each, _) in enumerate(roles) if each == role] for role in "xyz"}
-        names = {table.names[i]: f"column {i + 1}" for i in at["z"]}
-        name = choose(str(path), channel, names)
-        used = [*at["x"][:1], *at["y"][:1], table.names.index(name)]
+        names = dict(zip(_distinct([table.names[i] for i in at["z"]]), at["z"], strict=True))
+        name = choose(str(path), channel, {each: f"column {i + 1}" for each, i in names.items()})
+        used = [*at["x"][:1], *at["y"][:1], names[name]]
         found = [roles[i][1] for i in used]
         units = [unit for unit in found if unit is not None]
         if units != found or len(set(units[:-1])) > 1:
@@ -246,11 +236,8 @@ def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
         remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")
     if size is None and len(steps) == 2 and all(steps):
         size, raw = (steps[0], steps[1]), dataclasses.replace(raw, size_from="its coordinates")
-    if 1 in heights.shape:
-        size = size and size[heights.shape[0] == 1 :][:1]
-    heights = heights.ravel() if 1 in heights.shape else heights.copy()
     return dataclasses.replace(
-        raw, heights=heights, pixel_size=size, length_unit=length_unit, remarks=tuple(remarks)
+        raw, heights=heights.copy(), pixel_size=size, length_unit=length_unit, remarks=tuple(remarks)
     )
 
 
