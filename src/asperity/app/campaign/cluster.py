@@ -8,15 +8,15 @@ import logging
 import signal
 import threading
 import time as clock
-import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from asperity.base.calls import remark
 from asperity.base.machine import cores
 from asperity.base.words import shortened
-from asperity.errors import AsperityError, InputError, Remark
+from asperity.errors import AsperityError, InputError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -119,7 +119,7 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
             there, told = now, False
         elif now - there >= _TELL and not told:  # said before it ends, however slow the machine
             told = True
-            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
+            remark("waiting for workers: 0 connected")
         elif now - there >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "

@@ -16,7 +16,6 @@ import json
 import shutil
 import tempfile
 import tomllib
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -32,8 +31,9 @@ from numpy.typing import NDArray
 from asperity.app.campaign.plan import Run
 from asperity.app.config import RunConfig, from_tables, to_tables
 from asperity.app.runs import Outcome
+from asperity.base.calls import remark
 from asperity.base.files import expanded
-from asperity.errors import InputError, OutputError, Remark
+from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select
@@ -121,12 +121,8 @@ class Store:
         found = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
         if lacking := sorted(found - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
-            warnings.warn(
-                f"{self.runs / lacking[0]}{more} without zarr.json: damaged, and not used; "
-                "asperity sweep does it again",
-                Remark,
-                stacklevel=3,
-            )
+            damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
+            remark(f"{damaged}, and not used; asperity sweep does it again")
 
     def checkpoint(self, identity: str) -> Path:
         """Where a run keeps its place."""
