@@ -136,6 +136,14 @@ def test_pipes_are_read_once_or_again_and_devices_and_silent_pipes_are_refused(h
         assert content_of(Path("silent")) == b"1 2"
 
 
+def test_a_command_asks_again_for_what_a_pipe_held(here, capsys):
+    os.mkfifo("curve")
+    write = "open('curve', 'w').write('t,area\\n' + ''.join(f'{t},{1 + t / 9}\\n' for t in range(1, 9)))"
+    with subprocess.Popen([sys.executable, "-c", write]):
+        assert main(["infer", "curve", "--walkers", "10"]) == 2
+    assert "--walkers" in capsys.readouterr().err
+
+
 def test_more_text_than_memory_has_room_for_is_refused(here, monkeypatch):
     come("text", "1234567\n")
     monkeypatch.setattr(files, "available", lambda: 8 * files._TIMES)

@@ -15,11 +15,10 @@ import functools
 import hashlib
 import json
 import math
-import signal
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -30,6 +29,7 @@ from scipy.optimize import brentq, least_squares
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.machine import unhurried
 from asperity.base.words import reason_of
 from asperity.errors import CheckpointError, ConvergenceError, InputError
 from asperity.inference.models import Model
@@ -258,7 +258,7 @@ def sample(
         for turn in range(first, first + _MOST_ROUNDS):
             if turn > first or None in given:  # else a checkpoint holds this round, which may be the last
                 tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
-                with _deaf():  # where the processes begin
+                with unhurried():  # where the processes begin
                     advanced = pool.map(_advanced, tasks) if pool else map(_advanced, tasks)
                 given = list(advanced)
                 _keep(checkpoint, mark, turn, given)
@@ -279,18 +279,6 @@ def sample(
         f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} effective draws, "
         f"got R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, narrower priors, or fewer parameters"
     )
-
-
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Let Ctrl-C wait; processes that begin here never hear it, and end with the stage that they are at."""
-    masks = hasattr(signal, "pthread_sigmask")
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
-    try:
-        yield
-    finally:
-        if masks:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _keep(checkpoint: Path | None, mark: str, turn: int, several: Sequence[_Ensemble | None]) -> None:
