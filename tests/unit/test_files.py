@@ -1,5 +1,6 @@
 """Files of users: nothing that was not there when a command began is ever removed by it."""
 
+import hashlib
 import os
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import pytest
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.cli.terminal import make_streams_safe
-from asperity.app.config.reading import read_config
+from asperity.app.config.reading import config_from, read_config
 from asperity.base import files
 from asperity.base.files import content_of, expanded, standing
 from asperity.base.words import counted
@@ -134,6 +135,17 @@ def test_pipes_are_read_once_or_again_and_devices_and_silent_pipes_are_refused(h
     with subprocess.Popen([sys.executable, "-c", "open('silent', 'w').write('1 2')"]):
         monkeypatch.setattr(files, "_PATIENCE", 60.0)
         assert content_of(Path("silent")) == b"1 2"
+
+
+def test_a_spectrum_from_a_pipe_is_known_by_its_content():
+    table = b"q,C\n0.1,1\n1,0.1\n9,0.01\n"
+    handle, into = os.pipe()
+    os.write(into, table)
+    os.close(into)
+    surface = {"kind": "spectrum", "path": f"/dev/fd/{handle}", "shape": [8]}
+    made = config_from({"surface": surface}, {}, None).surface.build()
+    os.close(handle)
+    assert made.provenance["sha256"] == hashlib.sha256(table).hexdigest()
 
 
 def test_a_command_asks_again_for_what_a_pipe_held(here, capsys):

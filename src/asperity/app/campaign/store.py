@@ -15,7 +15,6 @@ import hashlib
 import json
 import shutil
 import tempfile
-import tomllib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -29,7 +28,6 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from asperity.app.campaign.plan import Run
-from asperity.app.config import RunConfig, from_tables, to_tables
 from asperity.app.runs import Outcome
 from asperity.base.calls import remark
 from asperity.base.files import expanded
@@ -41,8 +39,6 @@ from asperity.results.store import flush, flush_folder, whole_file
 
 QUANTITIES = ("time", *select("series"), "leg")
 FITTED = ("a", "q", "t0", "C")
-_ALWAYS = {"sites", "initial_area", "seconds"}
-"""Scalars that every finished run has."""
 KEPT_FIELDS = ("heights", *select("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
 """Fields of a run that asked for maps, in the order in which their checksum takes them."""
 
@@ -196,11 +192,10 @@ class Store:
         """
         with self._opened(run) as (group, facts):
             series = np.asarray(group["series"])
-            scalars = {name: float(value) for name, value in facts["scalars"].items()}
-            _check(facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS)
+            _check(facts["checksum"] == _checksum(series))
             return Finished(
                 series=_completed(series, facts["quantities"]),
-                scalars=scalars,
+                scalars={name: float(value) for name, value in facts["scalars"].items()},
                 config=str(facts["config"]),
                 described={name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()},
                 lattice=facts.get("lattice", {}),
@@ -249,13 +244,8 @@ class Store:
         try:
             group = zarr.open_group(place, mode="r")
             facts = dict(group.attrs)
-            whole = facts.pop(_WHOLE, None)
-            if whole is None:  # version 0.4.6 and before
-                same = _is_of(from_tables(tomllib.loads(str(facts["config"]))), run.config)
-            else:
-                _check(whole == _checksum_of(facts))
-                same = facts["identity"] == run.identity
-            if not same:
+            _check(facts.pop(_WHOLE) == _checksum_of(facts))
+            if facts["identity"] != run.identity:
                 raise _damage(place, "that folder", "holds another run")
             yield group, facts
         except Exception as error:
@@ -265,16 +255,6 @@ class Store:
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
-
-
-def _is_of(completed: RunConfig, asked: RunConfig) -> bool:
-    """Whether a configuration has all that another one gives; a surface file may lie elsewhere now."""
-    has, gives = to_tables(completed), to_tables(asked)
-    gives["surface"].pop("path", None)
-    return all(
-        has.get(name, {}).items() >= table.items() if isinstance(table, dict) else has.get(name) == table
-        for name, table in gives.items()
-    )
 
 
 def _check(sound: object) -> None:
@@ -326,7 +306,6 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
             [name, len(values), values.dtype.str, *map(dataset[name].attrs.get, ("long_name", "units"))]
             for name, values in kept.items()
         ],
-        "complete": True,
     }
     group.attrs.update(facts | {_WHOLE: _checksum_of(facts)})
 
