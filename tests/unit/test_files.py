@@ -19,6 +19,7 @@ from asperity.base.files import content_of, expanded, standing
 from asperity.base.words import counted
 from asperity.errors import ConfigError, OutputError, TooLargeError, printable
 from asperity.results import whole_file, whole_folder
+from tests.campaign.conftest import do_here
 from tests.cli.conftest import SMALL
 from tests.refusals import each_refuses
 
@@ -175,8 +176,11 @@ def test_a_tilde_is_the_home_in_flags_files_and_python(here, monkeypatch):
     come("run.toml", '[surface]\npath = "~/s.npy"\n')
     come("sweep.toml", '[sweep]\npath = ["~/s.npy"]\n')
     assert read_config("run.toml", {}).surface.file == here / "home" / "s.npy"
-    (run,) = asp.campaign.read_plan("sweep.toml").runs
-    assert run.config.surface.file == here / "home" / "s.npy"
+    plan = asp.campaign.read_plan("sweep.toml")
+    assert plan.runs[0].config.surface.file == here / "home" / "s.npy"
+    do_here(plan, here / "home" / "swept")
+    assert asp.campaign.sweep(plan, "~/swept").done == 1
+    assert not (here / "~").exists()
     assert asp.surfaces.read("~/s.npy", periodic="wrap").heights.shape == (8, 8)
     assert asp.fits.read_measurements("~/t.csv").time.size == 9
     assert expanded("~no such user/x") == Path("~no such user/x")

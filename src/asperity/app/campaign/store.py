@@ -71,7 +71,7 @@ class Finished:
 class Store:
     """The runs of one campaign on disk."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: str | Path) -> None:
         self.directory = directory = expanded(directory)
         self.runs = directory / "runs.zarr"
         self.work = directory / "state"

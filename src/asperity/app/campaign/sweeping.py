@@ -20,6 +20,7 @@ from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
 from asperity.base import checks
 from asperity.base.calls import remark
+from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
@@ -68,7 +69,7 @@ def tally(plan: Plan, directory: str | Path) -> Tally:
     directory
         Folder of the campaign.
     """
-    store = Store(Path(directory))
+    store = Store(directory)
     wanted = set(plan.distinct)
     store.remark_on_remains(wanted)
     done = store.done() & wanted
@@ -126,7 +127,7 @@ def sweep(
         import distributed  # noqa: F401
     for unused in {run.config.solid.unused for run in plan.runs} - {""}:
         remark(unused)
-    store = Store(Path(directory).resolve())
+    store = Store(expanded(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)
         store.prepare()
