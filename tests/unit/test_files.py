@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -71,6 +72,15 @@ def test_of_what_stands_there_only_what_stood_there_before_goes(here, write):
     with pytest.raises(OutputError, match="the results are in out-3"):
         write("out", overwrite=before, meanwhile=lambda: come("out/more" if write is folder else "out"))
     assert sorted(path.name for path in here.iterdir()) == ["out", "out-2", "out-3"]
+
+
+@pytest.mark.parametrize("fault", [OSError, KeyboardInterrupt])
+def test_what_stood_there_comes_back_if_the_new_cannot_take_its_name(here, monkeypatch, fault):
+    come("out/mine")
+    monkeypatch.setattr("asperity.results.store._rename", Mock(side_effect=fault))
+    with pytest.raises((OutputError, KeyboardInterrupt)):
+        folder("out", overwrite=True)
+    assert contents(here) == {"out/mine": "mine"}
 
 
 def test_an_empty_folder_is_replaced_and_a_file_is_not(here):

@@ -213,7 +213,7 @@ def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
         raise PlaceTakenError(f"{why}; the results are in {path.with_name(free.name)}") from None
     finally:
         if old.exists():
-            old.rename(made.parent / "old")
+            old.rename(made.parent / "old" if target.exists() else target)
 
 
 def _rename(made: Path, target: Path, *, over: bool) -> None:
