@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import inspect
 import pickle
 from collections.abc import Callable
 from typing import Any
@@ -127,6 +128,8 @@ def test_a_unit_makes_a_surface_of_the_same_heights(make, first, numbers, texts)
         assert rough.pixel_size == pytest.approx((0.5, 0.5))
     if waves:
         assert np.array_equal(make(first, **numbers, spacing=0.5), plain)
+    told = inspect.signature(make)  # as help and editors show it
+    assert (told.parameters["unit"].annotation, told.return_annotation) == ("str | None", "Field | Surface")
 
 
 @pytest.mark.parametrize(
