@@ -39,6 +39,9 @@ def unhurried() -> Iterator[None]:
                     before = signal.signal(name, lambda number, _: came.append(number))
                     stack.callback(signal.signal, name, before)
             if hasattr(signal, "pthread_sigmask"):  # threads and processes inherit what is blocked
+                from multiprocessing import resource_tracker
+
+                resource_tracker.ensure_running()  # begun with the first process, it would unblock Ctrl-C
                 blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
                 stack.callback(signal.pthread_sigmask, signal.SIG_SETMASK, blocked)
             yield
