@@ -109,3 +109,17 @@ def test_a_limit_on_address_space_counts(monkeypatch):
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2**50, 2**50))
     (left,) = machine._address_space()
     assert 0 < 2**50 - left < 2**40
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_no_process_that_begins_unhurried_hears_ctrl_c():
+    code = """import multiprocessing, signal
+from concurrent.futures import ProcessPoolExecutor
+from asperity.base.machine import unhurried
+asked = signal.pthread_sigmask, signal.SIG_BLOCK, ()
+with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+    with unhurried():
+        found = [pool.submit(*asked) for _ in range(2)]
+    print(*[signal.SIGINT in one.result() for one in found], signal.SIGINT in asked[0](*asked[1:]))"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stdout.split() == ["True", "True", "False"], done.stderr
