@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +17,7 @@ from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
+from asperity.base.calls import remark
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
@@ -25,7 +25,7 @@ from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.state import WHERE_FROM, Contact, control_of
-from asperity.errors import InputError, Remark
+from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
 from asperity.protocols import Hold as HoldLeg
@@ -139,13 +139,12 @@ def press(
         bodies = bodies_of(heights, body)
         units.check_units(dict(body.parameters), si=bodies.si)
         contact = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
-        for remark in load_on_filled(getattr(heights, "filled", None), contact.pressure):
-            warnings.warn(remark, Remark, stacklevel=4)
+        for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
+            remark(doubt)
         modulus: Any = body.parameters.get("modulus", math.inf)
         if bodies.si and contact.load > modulus * contact.contact_area:
             pressure = f"{contact.load / contact.contact_area:.3g} Pa"
-            said = f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa"
-            warnings.warn(Remark(said), stacklevel=4)
+            remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
         return contact
 
     value: Any = given[name]
@@ -291,7 +290,7 @@ def age(
     dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
-        warnings.warn(f"{slides}: friction times load is not above the shear force", Remark, stacklevel=2)
+        remark(f"{slides}: friction times load is not above the shear force")
     return History(dataset, final)
 
 

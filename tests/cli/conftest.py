@@ -99,7 +99,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFa
     found: list[Prediction] = []
     folder = tmp_path_factory.mktemp("undrawn")
     monkeypatch.setattr("asperity.app.predict.folder.write_files", lambda one, *_, **__: found.append(one))
-    monkeypatch.setattr("asperity.app.cli.computing.save_within", lambda *_: None)
+    monkeypatch.setattr("asperity.app.cli.computing.write_into", lambda *_: None)
     monkeypatch.setattr("asperity.app.cli.computing.whole_folder", lambda *_, **__: nullcontext(folder))
     return found
 

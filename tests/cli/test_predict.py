@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.cli import predict as command
-from asperity.app.cli.flags import of_flags
+from asperity.app.cli.flags import in_flags
 from asperity.app.config import config_from
 from asperity.app.predict import predict_config
 from asperity.app.predict.words import report
@@ -321,10 +321,10 @@ def test_the_same_number_in_another_unit_is_the_same_prediction(files, asperity,
 
 
 def test_advice_names_flags_but_not_within_python():
-    wrong = InputError(
-        "unit", expected="one", got="none", advice="unit='m', or Surface(h, unit='m', x=(1, 2))"
-    )
-    assert of_flags(wrong, {"unit": "--unit"}).advice == "--unit 'm', or Surface(h, unit='m', x=(1, 2))"
+    advice = "unit='m', or Surface(h, unit='m', x=(1, 2))"
+    with pytest.raises(InputError) as raised, in_flags({"unit": "--unit"}):
+        raise InputError("unit", expected="one", got="none", advice=advice)
+    assert raised.value.advice == "--unit 'm', or Surface(h, unit='m', x=(1, 2))"
 
 
 def test_more_branches_follow_a_table_of_few_times(files, undrawn, asperity):

@@ -1,6 +1,10 @@
 """What TOML takes, Python takes: texts with units, `young`, `unit`; mistaken arguments are answered."""
 
+import dataclasses
+import functools
+import inspect
 import pickle
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,7 +12,7 @@ import pytest
 
 import asperity as asp
 from asperity.app.config import config_from
-from asperity.errors import CallError, InputError
+from asperity.errors import CallError, InputError, Remark
 from tests.refusals import refuses
 
 SOLIDS, SURFACES, THEORY = asp.solids, asp.surfaces, asp.theory
@@ -33,6 +37,7 @@ BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
         (asp.press, {"heights": [1.0], "laod": 1.0}, "press"),
         (asp.predict, {"materiel": 1.0}, "predict"),
         (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated"),
+        (functools.partial(asp.press, [1.0], STIFF, 1.0), {}, "press"),
     ],
 )
 def test_a_mistaken_argument_is_answered(call, given, name):
@@ -123,6 +128,8 @@ def test_a_unit_makes_a_surface_of_the_same_heights(make, first, numbers, texts)
         assert rough.pixel_size == pytest.approx((0.5, 0.5))
     if waves:
         assert np.array_equal(make(first, **numbers, spacing=0.5), plain)
+    told = inspect.signature(make)  # as help and editors show it
+    assert (told.parameters["unit"].annotation, told.return_annotation) == ("str | None", "Field | Surface")
 
 
 @pytest.mark.parametrize(
@@ -150,3 +157,18 @@ def test_toml_takes_the_size_of_pixels_for_waves_too():
     assert one == other
     flagged = config_from({"surface": waves}, {"surface": {"pixel_size": [0.5]}}, None)
     assert flagged == one
+
+
+def test_a_remark_is_at_the_line_that_called():
+    made = SURFACES.gaussian((8, 8), rms="1 um", unit="um")
+    rough = dataclasses.replace(made, filled=np.ones((8, 8), dtype=bool))
+    slides = asp.Carried(shear="1 N", friction=0.1)
+    calls: list[Callable[[], object]] = [
+        lambda: asp.press(rough, STIFF, pressure="1 MPa"),
+        lambda: asp.press(rough, STIFF, pressure=["1 MPa"]),
+        lambda: asp.age(asp.press(made, STIFF, pressure="1 MPa"), [1.0], carried=slides),
+    ]
+    for call in calls:
+        with pytest.warns(Remark) as seen:
+            call()
+        assert {one.filename for one in seen} == {__file__}

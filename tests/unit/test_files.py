@@ -1,10 +1,12 @@
 """Files of users: nothing that was not there when a command began is ever removed by it."""
 
+import hashlib
 import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -12,12 +14,13 @@ import pytest
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.cli.terminal import make_streams_safe
-from asperity.app.config.reading import read_config
+from asperity.app.config.reading import config_from, read_config
 from asperity.base import files
 from asperity.base.files import content_of, expanded, standing
 from asperity.base.words import counted
 from asperity.errors import ConfigError, OutputError, TooLargeError, printable
 from asperity.results import whole_file, whole_folder
+from tests.campaign.conftest import do_here
 from tests.cli.conftest import SMALL
 from tests.refusals import each_refuses
 
@@ -69,6 +72,15 @@ def test_of_what_stands_there_only_what_stood_there_before_goes(here, write):
     with pytest.raises(OutputError, match="the results are in out-3"):
         write("out", overwrite=before, meanwhile=lambda: come("out/more" if write is folder else "out"))
     assert sorted(path.name for path in here.iterdir()) == ["out", "out-2", "out-3"]
+
+
+@pytest.mark.parametrize("fault", [OSError, KeyboardInterrupt])
+def test_what_stood_there_comes_back_if_the_new_cannot_take_its_name(here, monkeypatch, fault):
+    come("out/mine")
+    monkeypatch.setattr("asperity.results.store._rename", Mock(side_effect=fault))
+    with pytest.raises((OutputError, KeyboardInterrupt)):
+        folder("out", overwrite=True)
+    assert contents(here) == {"out/mine": "mine"}
 
 
 def test_an_empty_folder_is_replaced_and_a_file_is_not(here):
@@ -136,6 +148,25 @@ def test_pipes_are_read_once_or_again_and_devices_and_silent_pipes_are_refused(h
         assert content_of(Path("silent")) == b"1 2"
 
 
+def test_a_spectrum_from_a_pipe_is_known_by_its_content():
+    table = b"q,C\n0.1,1\n1,0.1\n9,0.01\n"
+    handle, into = os.pipe()
+    os.write(into, table)
+    os.close(into)
+    surface = {"kind": "spectrum", "path": f"/dev/fd/{handle}", "shape": [8]}
+    made = config_from({"surface": surface}, {}, None).surface.build()
+    os.close(handle)
+    assert made.provenance["sha256"] == hashlib.sha256(table).hexdigest()
+
+
+def test_a_command_asks_again_for_what_a_pipe_held(here, capsys):
+    os.mkfifo("curve")
+    write = "open('curve', 'w').write('t,area\\n' + ''.join(f'{t},{1 + t / 9}\\n' for t in range(1, 9)))"
+    with subprocess.Popen([sys.executable, "-c", write]):
+        assert main(["infer", "curve", "--walkers", "10"]) == 2
+    assert "--walkers" in capsys.readouterr().err
+
+
 def test_more_text_than_memory_has_room_for_is_refused(here, monkeypatch):
     come("text", "1234567\n")
     monkeypatch.setattr(files, "available", lambda: 8 * files._TIMES)
@@ -155,8 +186,11 @@ def test_a_tilde_is_the_home_in_flags_files_and_python(here, monkeypatch):
     come("run.toml", '[surface]\npath = "~/s.npy"\n')
     come("sweep.toml", '[sweep]\npath = ["~/s.npy"]\n')
     assert read_config("run.toml", {}).surface.file == here / "home" / "s.npy"
-    (run,) = asp.campaign.read_plan("sweep.toml").runs
-    assert run.config.surface.file == here / "home" / "s.npy"
+    plan = asp.campaign.read_plan("sweep.toml")
+    assert plan.runs[0].config.surface.file == here / "home" / "s.npy"
+    do_here(plan, here / "home" / "swept")
+    assert asp.campaign.sweep(plan, "~/swept").done == 1
+    assert not (here / "~").exists()
     assert asp.surfaces.read("~/s.npy", periodic="wrap").heights.shape == (8, 8)
     assert asp.fits.read_measurements("~/t.csv").time.size == 9
     assert expanded("~no such user/x") == Path("~no such user/x")

@@ -109,3 +109,17 @@ def test_a_limit_on_address_space_counts(monkeypatch):
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2**50, 2**50))
     (left,) = machine._address_space()
     assert 0 < 2**50 - left < 2**40
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+def test_no_process_that_begins_unhurried_hears_ctrl_c():
+    tell = "import signal; print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ()))"
+    code = f"""import multiprocessing
+from asperity.base.machine import unhurried
+process = multiprocessing.get_context("spawn").Process(target=exec, args=({tell!r},))
+with unhurried():
+    process.start()
+process.join()
+{tell}"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stdout.split() == ["True", "False"], done.stderr

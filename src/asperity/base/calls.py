@@ -5,15 +5,13 @@ from __future__ import annotations
 import functools
 import inspect
 import sys
+import warnings
 from collections.abc import Callable
-from types import FunctionType
-from typing import Any, ParamSpec, TypeVar
+from types import FrameType, FunctionType
+from typing import Any
 
 from asperity.base.words import MEANT, closest, shortened
-from asperity.errors import CallError
-
-_P = ParamSpec("_P")
-_T = TypeVar("_T")
+from asperity.errors import CallError, Remark
 
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
@@ -23,31 +21,40 @@ def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
     """
     names: list[str] = namespace["__all__"]
     for name in names:
-        thing: Any = namespace[name]
-        if isinstance(thing, FunctionType):
+        thing = namespace[name]
+        if isinstance(thing, FunctionType):  # pickles find it where it was defined
             home = vars(sys.modules[thing.__module__])
-            if home.get(thing.__name__) == thing:
-                home[thing.__name__] = _answering(thing)
-            namespace[name] = home[thing.__name__]
+            namespace[name] = home[thing.__name__] = _answering(home[thing.__name__])
         elif isinstance(thing, type) and not issubclass(thing, BaseException):
             for key, member in list(vars(thing).items()):
-                wrap = type(member) if isinstance(member, classmethod | staticmethod) else lambda inner: inner
-                inner = getattr(member, "__func__", member)
-                if (key == "__init__" or key[0] != "_") and isinstance(inner, FunctionType):
-                    setattr(thing, key, wrap(_answering(inner)))
+                if (key == "__init__" or key[0] != "_") and (made := _answering(member)) is not member:
+                    setattr(thing, key, made)
     return names.copy
 
 
-def _answering(function: Callable[_P, _T]) -> Callable[_P, _T]:
-    if hasattr(function, "answers"):
-        return function
+def remark(text: str) -> None:
+    """Issue a `Remark` at the line that called this package."""
+    frame: FrameType | None = sys._getframe()
+    level = outermost = 1
+    while frame:  # of the compiler there may be some between ours
+        outermost = level if str(frame.f_globals.get("__name__")).startswith("asperity.") else outermost
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, Remark, stacklevel=outermost + 1)
 
-    @functools.wraps(function)
-    def call(*args: _P.args, **kwargs: _P.kwargs) -> _T:
+
+def _answering(member: Any) -> Any:
+    """A function or method that answers; anything else as it is."""
+    if isinstance(member, classmethod | staticmethod):
+        return type(member)(_answering(member.__func__))
+    if not isinstance(member, FunctionType) or hasattr(member, "answers"):
+        return member
+
+    @functools.wraps(member)
+    def call(*args: Any, **kwargs: Any) -> Any:
         try:
-            return function(*args, **kwargs)
+            return member(*args, **kwargs)
         except TypeError:
-            _check(function, args, kwargs)
+            _check(member, args, kwargs)
             raise
 
     call.answers = True  # type: ignore[attr-defined]
@@ -58,6 +65,7 @@ def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str,
     """Refuse arguments that a function does not have, and too few of them."""
     signature = inspect.signature(function)
     known = [name for name in signature.parameters if name not in ("self", "cls")]
+    by_name = [one.name for one in signature.parameters.values() if one.kind is one.KEYWORD_ONLY]
     *_, owner, name = f".{function.__qualname__}".split(".")
     name, listed = owner if name == "__init__" else name, shortened(", ".join(known), 120)
     try:
@@ -67,4 +75,5 @@ def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str,
             meant = MEANT.get(word) if MEANT.get(word) in known else closest(word, known)
             advice = f"{meant}=..." if meant else ""
             raise CallError(name, expected=f"one of {listed}", got=repr(word), advice=advice) from None
-        raise CallError(name, expected=f"the arguments {listed}", got=error) from None
+        advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
+        raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None

@@ -7,7 +7,8 @@ import os
 import select
 import stat
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from asperity.base.machine import available
@@ -22,6 +23,9 @@ _TIMES, _PATIENCE = 20, 5.0
 
 _pipes: dict[tuple[int, int], bytes] = {}
 """What pipes of a shell held, which can be read only once, by device and inode."""
+
+_commands: list[object] = []
+"""Commands that are running: one may ask again for what any pipe held."""
 
 
 def expanded(path: str | Path) -> Path:
@@ -46,7 +50,7 @@ def content_of(path: Path) -> bytes:
             if not found:
                 expected = "a pipe into which something is written"
                 raise InputError(str(path), expected=expected, got="none for 5 s")
-            if path.parts[1:2] in (("dev",), ("proc",)):
+            if _commands or path.parts[1:2] in (("dev",), ("proc",)):
                 _pipes[mark] = found
         elif stat.S_ISREG(facts.st_mode):
             found = file.read(most + 1)
@@ -55,6 +59,17 @@ def content_of(path: Path) -> bytes:
     if len(found) > most:
         raise TooLargeError(f"{path}: expected a text of at most {data_size(most)}, got a longer one")
     return found
+
+
+@contextmanager
+def command_running() -> Iterator[None]:
+    """Let each pipe be read once while a command runs, and what it held be asked for again."""
+    _commands.append(None)
+    try:
+        yield
+    finally:
+        _commands.pop()
+        _pipes.clear()
 
 
 def _piped(handle: int, most: int) -> bytes:

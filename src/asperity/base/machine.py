@@ -1,11 +1,14 @@
-"""The cores and the memory there are, and whether a lattice fits: too much is refused before it is made."""
+"""The cores and the memory there are, whether a lattice fits, and when the user may interrupt."""
 
 from __future__ import annotations
 
 import math
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from asperity.base.words import data_size
@@ -23,6 +26,28 @@ def usual_threads() -> int:
     """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
     wanted = os.environ.get("OMP_NUM_THREADS", "")
     return max(1, int(wanted)) if wanted.isdigit() else cores()
+
+
+@contextmanager
+def unhurried() -> Iterator[None]:
+    """Let Ctrl-C and termination wait. Processes that begin here never hear Ctrl-C: it is for the client."""
+    came: list[int] = []
+    try:
+        with ExitStack() as stack:
+            if threading.current_thread() is threading.main_thread():
+                for name in (signal.SIGINT, signal.SIGTERM):
+                    before = signal.signal(name, lambda number, _: came.append(number))
+                    stack.callback(signal.signal, name, before)
+            if hasattr(signal, "pthread_sigmask"):  # threads and processes inherit what is blocked
+                from multiprocessing import resource_tracker
+
+                resource_tracker.ensure_running()  # begun with the first process, it would unblock Ctrl-C
+                blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+                stack.callback(signal.pthread_sigmask, signal.SIG_SETMASK, blocked)
+            yield
+    finally:
+        for number in came[:1]:
+            signal.raise_signal(number)
 
 
 def available() -> int:

@@ -13,7 +13,6 @@ import platform
 import stat
 import sys
 import tempfile
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
@@ -26,8 +25,8 @@ from numba import extending, njit
 from numba.core import config, event, registry
 from numba.core.caching import IndexDataCacheFile
 
+from asperity.base.calls import remark
 from asperity.base.words import reason_of
-from asperity.errors import Remark
 
 COMPILING = "compiling loops (once on this machine, about half a minute)"
 
@@ -123,7 +122,7 @@ class _CacheFile(IndexDataCacheFile):
             kept.save(key, data)
         except (OSError, EOFError, UnpicklingError) as error:
             said = f"compiled loops are not kept in {self._cache_path}: {reason_of(error)}"
-            warn(f"{said}; NUMBA_CACHE_DIR sets another folder")
+            remark(f"{said}; NUMBA_CACHE_DIR sets another folder")
 
 
 @lru_cache
@@ -135,11 +134,6 @@ def intrinsic(function: F) -> Callable[..., Any]:
     """Compile an operation that is given in the compiler's own terms; its first parameter is not passed."""
     operation: Callable[..., Any] = extending.intrinsic(function)
     return operation
-
-
-def warn(text: str) -> None:
-    """Issue a remark."""
-    warnings.warn(text, Remark, stacklevel=2)
 
 
 def tell_of_place(tell: Callable[[str], None]) -> None:
@@ -191,8 +185,8 @@ class _Watch(event.Listener):
         _settings.DISABLE_JIT = 0
         if not self.told and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
             self.told = True
-            tell_of_place(warn)
-            warn(COMPILING)
+            tell_of_place(remark)
+            remark(COMPILING)
 
     def on_end(self, _: Any) -> None:
         _settings.DISABLE_JIT = self.disabled.pop()

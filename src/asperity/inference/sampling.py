@@ -15,11 +15,10 @@ import functools
 import hashlib
 import json
 import math
-import signal
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -30,6 +29,7 @@ from scipy.optimize import brentq, least_squares
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.machine import unhurried
 from asperity.base.words import reason_of
 from asperity.errors import CheckpointError, ConvergenceError, InputError
 from asperity.inference.models import Model
@@ -251,18 +251,18 @@ def sample(
     some = problem.misfit(problem.of_prior(np.random.default_rng(0), 4))  # of this function, and this ramp
     data = np.concatenate([problem.time, problem.value, problem.error, some.ravel()]).tobytes()
     mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
-    given, first = _resumed(checkpoint, mark)
+    several, first = _resumed(checkpoint, mark)
     r_hat, worth = math.inf, 0.0
     spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
     with spawned() if workers > 1 else nullcontext() as pool:
         for turn in range(first, first + _MOST_ROUNDS):
-            if turn > first or None in given:  # else a checkpoint holds this round, which may be the last
-                tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(given)]
-                with _deaf():  # where the processes begin
+            if turn > first or not several:  # else a checkpoint holds this round, which may be the last
+                before: Sequence[_Ensemble | None] = several or [None] * ENSEMBLES
+                tasks = [(problem, one, walkers, [seed, n, turn], steps) for n, one in enumerate(before)]
+                with unhurried():  # where the processes begin
                     advanced = pool.map(_advanced, tasks) if pool else map(_advanced, tasks)
-                given = list(advanced)
-                _keep(checkpoint, mark, turn, given)
-            several = [one for one in given if one is not None]
+                several = list(advanced)
+                _keep(checkpoint, mark, turn, several)
             if any(one.weight < 1 for one in several):
                 told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
                 continue
@@ -281,30 +281,18 @@ def sample(
     )
 
 
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Let Ctrl-C wait; processes that begin here never hear it, and end with the stage that they are at."""
-    masks = hasattr(signal, "pthread_sigmask")
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
-    try:
-        yield
-    finally:
-        if masks:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def _keep(checkpoint: Path | None, mark: str, turn: int, several: Sequence[_Ensemble | None]) -> None:
+def _keep(checkpoint: Path | None, mark: str, turn: int, several: Sequence[_Ensemble]) -> None:
     """Write ensembles, and the round they have come to, to a checkpoint, if there is to be one."""
-    arrays = {f"{name}_{n}": x for n, one in enumerate(several) if one for name, x in one._asdict().items()}
+    arrays = {f"{name}_{n}": x for n, one in enumerate(several) for name, x in one._asdict().items()}
     if checkpoint is not None:
         with whole_file(checkpoint) as path, path.open("wb") as stream:
             np.savez(stream, mark=mark, done=turn, **arrays)
 
 
-def _resumed(checkpoint: Path | None, mark: str) -> tuple[Sequence[_Ensemble | None], int]:
+def _resumed(checkpoint: Path | None, mark: str) -> tuple[list[_Ensemble], int]:
     """The ensembles of a checkpoint, if there is one, and the round they have come to."""
     if checkpoint is None or not checkpoint.exists():
-        return [None] * ENSEMBLES, 0
+        return [], 0
     try:
         with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as found:
             same, turn = str(found["mark"]) == mark, int(found["done"])

@@ -62,7 +62,13 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     if overwrite and target.exists() and not is_empty and not (target / "zarr.json").exists():
         why = "it is no zarr folder, so save did not write it"
         raise OutputError(f"{target} is kept: {why}; choose another name")
-    with whole_folder(target, overwrite=overwrite) as folder, warnings.catch_warnings():
+    with whole_folder(target, overwrite=overwrite) as folder:
+        write_into(dataset, folder)
+
+
+def write_into(dataset: xr.Dataset, folder: Path) -> None:
+    """Write a Dataset into a folder, which takes its name later, as `save` does."""
+    with warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
         # Each chunk with a checksum, so that a damaged byte is an error and never another number.
@@ -207,7 +213,7 @@ def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
         raise PlaceTakenError(f"{why}; the results are in {path.with_name(free.name)}") from None
     finally:
         if old.exists():
-            old.rename(made.parent / "old")
+            old.rename(made.parent / "old" if target.exists() else target)
 
 
 def _rename(made: Path, target: Path, *, over: bool) -> None:

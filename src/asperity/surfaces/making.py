@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import Any, Protocol, overload
+from typing import Any, ParamSpec, Protocol, cast, overload
 
 from asperity.base import checks, units
 from asperity.base.words import written_with_units
@@ -14,24 +14,31 @@ from asperity.lattice import Field
 from asperity.surfaces.prepare import LENGTHS
 from asperity.surfaces.surface import Surface
 
+_P = ParamSpec("_P")
+_KEYWORD = inspect.Parameter.KEYWORD_ONLY
+_ADDED = {"unit": "str | None", "pixel_size": "ArrayLike | str | None"}
+"""Arguments that are added, and what they may be."""
 
-class Maker(Protocol):
+
+class Maker(Protocol[_P]):
     """Makes heights, or with a unit a surface."""
+
+    @overload
+    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
 
     @overload
     def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...
 
-    @overload
-    def __call__(self, *args: Any, **given: Any) -> Field: ...
 
-
-def in_unit(*lengths: str) -> Callable[[Callable[..., Field]], Maker]:
+def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
     """Let what makes heights take a ``unit``, and with it texts such as ``"50 nm"`` for these arguments."""
 
-    def decorated(make: Callable[..., Field]) -> Maker:
+    def decorated(make: Callable[_P, Field]) -> Maker[_P]:
         signature = inspect.signature(make)
-        added = [name for name in ("unit", "pixel_size") if name not in signature.parameters]
-        more = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None) for name in added]
+        added = {name: kind for name, kind in _ADDED.items() if name not in signature.parameters}
+        more = [
+            inspect.Parameter(name, _KEYWORD, default=None, annotation=kind) for name, kind in added.items()
+        ]
 
         @functools.wraps(make)
         def call(*args: Any, unit: str | None = None, **given: Any) -> Any:
@@ -49,8 +56,9 @@ def in_unit(*lengths: str) -> Callable[[Callable[..., Field]], Maker]:
             size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
             return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        whole = signature.replace(parameters=[*signature.parameters.values(), *more])
+        parameters = [*signature.parameters.values(), *more]
+        whole = signature.replace(parameters=parameters, return_annotation="Field | Surface")
         call.__signature__ = whole  # type: ignore[attr-defined]
-        return call
+        return cast(Maker[_P], call)
 
     return decorated

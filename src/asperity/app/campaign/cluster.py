@@ -5,18 +5,16 @@ from __future__ import annotations
 import asyncio
 import gc
 import logging
-import signal
-import threading
 import time as clock
-import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
-from asperity.base.machine import cores
+from asperity.base.calls import remark
+from asperity.base.machine import cores, unhurried
 from asperity.base.words import shortened
-from asperity.errors import AsperityError, InputError, Remark
+from asperity.errors import AsperityError, InputError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -57,7 +55,7 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
             yield stack.enter_context(_connected(scheduler))
             return
         # Dask cannot be stopped while it starts or ends.
-        with _unhurried():
+        with unhurried():
             try:
                 cluster = LocalCluster(
                     n_workers=min(workers or cores(), runs),
@@ -74,7 +72,7 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         try:
             yield client
         finally:
-            with _unhurried():
+            with unhurried():
                 within.close()
 
 
@@ -119,7 +117,7 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
             there, told = now, False
         elif now - there >= _TELL and not told:  # said before it ends, however slow the machine
             told = True
-            warnings.warn("waiting for workers: 0 connected", Remark, stacklevel=2)
+            remark("waiting for workers: 0 connected")
         elif now - there >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
@@ -142,22 +140,3 @@ def _connected(scheduler: str) -> Client:
     except (OSError, TimeoutError, ValueError) as error:
         got = f"{scheduler}: {str(error) or f'no answer in {_ANSWER:.0f} seconds'}"
         raise InputError("scheduler", expected="the address of a Dask scheduler", got=got) from error
-
-
-@contextmanager
-def _unhurried() -> Iterator[None]:
-    """Let Ctrl-C and termination wait. Processes that begin here never hear Ctrl-C: it is for the client."""
-    came: list[int] = []
-    try:
-        with ExitStack() as stack:
-            if threading.current_thread() is threading.main_thread():
-                for name in (signal.SIGINT, signal.SIGTERM):
-                    before = signal.signal(name, lambda number, _: came.append(number))
-                    stack.callback(signal.signal, name, before)
-            if hasattr(signal, "pthread_sigmask"):  # threads and processes inherit what is blocked
-                blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-                stack.callback(signal.pthread_sigmask, signal.SIG_SETMASK, blocked)
-            yield
-    finally:
-        for number in came[:1]:
-            signal.raise_signal(number)

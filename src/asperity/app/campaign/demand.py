@@ -56,7 +56,7 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
         A surface file cannot be read.
     """
     checks.instance("plan", plan, Plan, 'asperity.campaign.read_plan("campaign.toml")')
-    done = Store(Path(directory)).done()
+    done = Store(directory).done()
     todo = {name: run for name, run in plan.distinct.items() if name not in done}
     points = {run.point: run.config for run in todo.values()}
     measured: dict[str, tuple[int, ...]] = {}

@@ -75,7 +75,7 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         The folder holds no campaign, or no finished run.
     """
     plan = load_plan(directory)
-    store = Store(Path(directory))
+    store = Store(directory)
     runs, done = plan.distinct, store.done()
     store.remark_on_remains(set(runs))
     finished = {name: store.read(run) for name, run in runs.items() if name in done}
@@ -162,7 +162,7 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
             expected=f"values of {', '.join(plan.swept) or 'nothing'} that name one run",
             got=f"{where}, which names {len(chosen)}",
         )
-    return Store(Path(directory)).fields(chosen[0])
+    return Store(directory).fields(chosen[0])
 
 
 def table(dataset: xr.Dataset) -> pd.DataFrame:

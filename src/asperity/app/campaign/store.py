@@ -15,8 +15,6 @@ import hashlib
 import json
 import shutil
 import tempfile
-import tomllib
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -30,10 +28,10 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from asperity.app.campaign.plan import Run
-from asperity.app.config import RunConfig, from_tables, to_tables
 from asperity.app.runs import Outcome
+from asperity.base.calls import remark
 from asperity.base.files import expanded
-from asperity.errors import InputError, OutputError, Remark
+from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select
@@ -41,8 +39,6 @@ from asperity.results.store import flush, flush_folder, whole_file
 
 QUANTITIES = ("time", *select("series"), "leg")
 FITTED = ("a", "q", "t0", "C")
-_ALWAYS = {"sites", "initial_area", "seconds"}
-"""Scalars that every finished run has."""
 KEPT_FIELDS = ("heights", *select("field"), "in_contact_relaxed", "u_relaxed", "area_observed")
 """Fields of a run that asked for maps, in the order in which their checksum takes them."""
 
@@ -75,7 +71,7 @@ class Finished:
 class Store:
     """The runs of one campaign on disk."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: str | Path) -> None:
         self.directory = directory = expanded(directory)
         self.runs = directory / "runs.zarr"
         self.work = directory / "state"
@@ -121,12 +117,8 @@ class Store:
         found = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
         if lacking := sorted(found - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
-            warnings.warn(
-                f"{self.runs / lacking[0]}{more} without zarr.json: damaged, and not used; "
-                "asperity sweep does it again",
-                Remark,
-                stacklevel=3,
-            )
+            damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
+            remark(f"{damaged}, and not used; asperity sweep does it again")
 
     def checkpoint(self, identity: str) -> Path:
         """Where a run keeps its place."""
@@ -200,11 +192,10 @@ class Store:
         """
         with self._opened(run) as (group, facts):
             series = np.asarray(group["series"])
-            scalars = {name: float(value) for name, value in facts["scalars"].items()}
-            _check(facts["complete"] and facts["checksum"] == _checksum(series) and scalars.keys() >= _ALWAYS)
+            _check(facts["checksum"] == _checksum(series))
             return Finished(
                 series=_completed(series, facts["quantities"]),
-                scalars=scalars,
+                scalars={name: float(value) for name, value in facts["scalars"].items()},
                 config=str(facts["config"]),
                 described={name: (str(long), str(unit)) for name, (long, unit) in facts["described"].items()},
                 lattice=facts.get("lattice", {}),
@@ -253,13 +244,8 @@ class Store:
         try:
             group = zarr.open_group(place, mode="r")
             facts = dict(group.attrs)
-            whole = facts.pop(_WHOLE, None)
-            if whole is None:  # version 0.4.6 and before
-                same = _is_of(from_tables(tomllib.loads(str(facts["config"]))), run.config)
-            else:
-                _check(whole == _checksum_of(facts))
-                same = facts["identity"] == run.identity
-            if not same:
+            _check(facts.pop(_WHOLE) == _checksum_of(facts))
+            if facts["identity"] != run.identity:
                 raise _damage(place, "that folder", "holds another run")
             yield group, facts
         except Exception as error:
@@ -269,16 +255,6 @@ class Store:
 
     def _lock(self, identity: str) -> Path:
         return self.work / "locks" / f"{identity}.lock"
-
-
-def _is_of(completed: RunConfig, asked: RunConfig) -> bool:
-    """Whether a configuration has all that another one gives; a surface file may lie elsewhere now."""
-    has, gives = to_tables(completed), to_tables(asked)
-    gives["surface"].pop("path", None)
-    return all(
-        has.get(name, {}).items() >= table.items() if isinstance(table, dict) else has.get(name) == table
-        for name, table in gives.items()
-    )
 
 
 def _check(sound: object) -> None:
@@ -330,7 +306,6 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
             [name, len(values), values.dtype.str, *map(dataset[name].attrs.get, ("long_name", "units"))]
             for name, values in kept.items()
         ],
-        "complete": True,
     }
     group.attrs.update(facts | {_WHOLE: _checksum_of(facts)})
 

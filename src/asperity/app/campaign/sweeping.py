@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import multiprocessing
 import time as clock
-import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
@@ -20,8 +19,10 @@ from asperity.app.campaign.worker import Report, run_task
 from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
 from asperity.base import checks
+from asperity.base.calls import remark
+from asperity.base.files import expanded
 from asperity.base.version import __version__
-from asperity.errors import InputError, OutputError, Remark
+from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ def tally(plan: Plan, directory: str | Path) -> Tally:
     directory
         Folder of the campaign.
     """
-    store = Store(Path(directory))
+    store = Store(directory)
     wanted = set(plan.distinct)
     store.remark_on_remains(wanted)
     done = store.done() & wanted
@@ -125,8 +126,8 @@ def sweep(
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
     for unused in {run.config.solid.unused for run in plan.runs} - {""}:
-        warnings.warn(unused, Remark, stacklevel=2)
-    store = Store(Path(directory).resolve())
+        remark(unused)
+    store = Store(expanded(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)
         store.prepare()

@@ -32,7 +32,7 @@ def run_task(
     """
     if version != __version__:
         return identity, "version", f"a worker runs asperity {__version__}, the campaign {version}"
-    store = Store(Path(directory))
+    store = Store(directory)
     if store.is_done(identity):
         return identity, "done", ""
     try:

@@ -21,6 +21,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandErro
 from asperity.app.cli import explore, fit, friction, gather, infer, predict, run, status, surface, sweep
 from asperity.app.cli.command import app, command
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
+from asperity.base.files import command_running
 from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import AsperityError, ConfigError, InputError, Remark
 
@@ -67,7 +68,7 @@ def answer(arguments: list[str]) -> int:
     make_streams_safe()
     widen()
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), command_running():
         warnings.showwarning = _show_warning
         if not any(word in _OWN for word in arguments[:1]):
             with_others()

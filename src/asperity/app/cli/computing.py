@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.cli.options import Results
-from asperity.app.cli.output import check_free, save_within
+from asperity.app.cli.output import check_free
 from asperity.app.cli.report import Row, aligned
 from asperity.base.files import Standing, beside
 from asperity.progress import listener
 from asperity.results import Checkpoint
-from asperity.results.store import PlaceTakenError, whole_folder
+from asperity.results.store import PlaceTakenError, whole_folder, write_into
 
 _SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
 """What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
@@ -46,7 +46,7 @@ def compute_into(
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         with folder_of_results(out, rows, replaceable) as folder:
-            save_within(found.dataset, folder)
+            write_into(found.dataset, folder / "history.zarr")
             remarks = write(found, folder) or ()
     tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
 

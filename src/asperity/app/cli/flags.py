@@ -96,25 +96,20 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
     return sections
 
 
-def of_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
-    """The same error about flags, by the names of arguments that they stand for; in its advice too."""
+@contextmanager
+def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
+    """Name flags in errors within it, by the arguments that they stand for; in their advice too."""
 
     def named(found: re.Match[str]) -> str:
         return f"{flags[found[1]]} " if found[1] else found[0]
 
-    # What stands in parentheses is Python.
-    advice = re.sub(rf"\(.*\)|\b({'|'.join(flags)})=(?=\S)", named, error.advice)
-    name = flags.get(error.name, error.name)
-    return InputError(name, expected=error.expected, got=error.got, advice=advice)
-
-
-@contextmanager
-def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
-    """Name flags in errors within it, as `of_flags`."""
     try:
         yield
     except InputError as error:
-        raise of_flags(error, flags) from error
+        # What stands in parentheses is Python.
+        advice = re.sub(rf"\(.*\)|\b({'|'.join(flags)})=(?=\S)", named, error.advice)
+        name = flags.get(error.name, error.name)
+        raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
 
 
 def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = "") -> None:

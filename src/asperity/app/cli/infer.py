@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, in_flags, of_flags
+from asperity.app.cli.flags import OF_TABLES, Out, in_flags
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
@@ -111,11 +111,8 @@ def infer(
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
-        try:
+        with in_flags(_FLAGS | {name: f"{file}: {name}" for name in ("time", "area", "friction")}):
             found = inferred(*data, **how, progress=progress, checkpoint=place)
-        except InputError as wrong:
-            wrong.args = (f"{file}: {wrong}",) if wrong.name in ("time", "area", "friction") else wrong.args
-            raise of_flags(wrong, _FLAGS) from wrong
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = [("read", read), *inference_report(found, str(file))]
         progress.stage("writing the results")

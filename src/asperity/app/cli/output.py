@@ -14,7 +14,7 @@ from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
 from asperity.base.files import Standing, standing
 from asperity.base.tables import with_unit
-from asperity.errors import InputError, OutputError
+from asperity.errors import InputError
 from asperity.figures import (
     aging_curve,
     carried_figure,
@@ -24,7 +24,6 @@ from asperity.figures import (
     sliding_figure,
 )
 from asperity.figures.style import RESOLUTION
-from asperity.results import save
 from asperity.results.quantities import RUN, select
 from asperity.results.store import whole_file
 
@@ -86,17 +85,6 @@ def write_run(outcome: Outcome, folder: Path) -> list[str]:
     if "patches" in outcome.dataset:
         _write_patches(outcome.dataset, folder / "patches.csv")
     return _write_figures(outcome, folder)
-
-
-def save_within(dataset: xr.Dataset, folder: Path) -> None:
-    """Save the history in a folder of which the name will change."""
-    try:
-        save(dataset, folder / "history.zarr")
-    except OutputError as error:
-        # Its own name is that of a folder which will be gone; the disk's reason is what matters.
-        if isinstance(error.__cause__, OSError):
-            raise error.__cause__ from None
-        raise
 
 
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:

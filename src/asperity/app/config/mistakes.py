@@ -95,15 +95,14 @@ def _unknown_keys(
             continue
         named = _named(section, key, flags, path)
         owners = [name for name, other in kinds.items() if key in other.model_fields]
-        if MEANT.get(key) in known:
-            yield f"{named}: no such key; try {MEANT[key]}", key, []
+        meant = MEANT.get(key)
+        if meant in known or (not owners and any(meant in other.model_fields for other in kinds.values())):
+            yield f"{named}: no such key; try {meant}", key, []
         elif owners:
             reason = f"not a key of a {section} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
             if key in flags.get(section, {}):
                 reason += f"; try --{section} {owners[0]}"
             yield f"{named}: {reason}", key, []
-        elif any(MEANT.get(key) in other.model_fields for other in kinds.values()):
-            yield f"{named}: no such key; try {MEANT[key]}", key, []
         else:
             yield f"{named}: no such key", key, known
 

@@ -40,7 +40,7 @@ from asperity.app.config.sections import (
     usual,
 )
 from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
-from asperity.base.files import expanded
+from asperity.base.files import content_of, expanded
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
 from asperity.protocols import KINDS as LEGS_OF_PROTOCOLS
@@ -206,7 +206,7 @@ class Waves(SurfaceSection):
         origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
         heights = self.heights_or_surface()
         if self.file is not None:
-            origin["sha256"] = hashlib.sha256(self.file.read_bytes()).hexdigest()
+            origin["sha256"] = hashlib.sha256(content_of(self.file)).hexdigest()
         return Surface(heights, self.unit or "1", self.pixel_size, self.unit, origin)
 
 

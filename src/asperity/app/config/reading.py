@@ -104,7 +104,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     path, text = expanded(path), ""
     try:
         text = content_of(path).decode("utf-8-sig")  # editors on Windows write a mark before the first letter
-        tables = tomllib.loads(text.replace("\r\n", "\n"))
+        tables = tomllib.loads(text)
     except InputError:
         raise
     except UnicodeDecodeError:

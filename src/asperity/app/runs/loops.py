@@ -8,16 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from asperity.base.calls import remark
 from asperity.contact import asperities, branches, line_sites, stencils
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, warn, watch
+from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, watch
 from asperity.contact.multigrid.loops import one_field, rows, states, two_fields
 from asperity.simulate import age, press, relax
 from asperity.solids import Eyring, half_space, spring_lattice
 from asperity.surfaces import self_affine
 
 
-def compile_loops(tell: Callable[[str], None] = warn, remark: Callable[[str], None] = warn) -> None:
+def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], None] = remark) -> None:
     """Compile all loops and keep their machine code on disk, unless that has been done.
 
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
