@@ -138,6 +138,24 @@ def test_a_window_in_the_units_of_the_record_and_what_it_lacks(says, refused):
     refused("friction", "lab.csv", "--stiffness", "0.01", "--out", "none")
 
 
+def test_what_does_not_concern_a_record_is_refused(refused):
+    machine("lab.csv", places=["load_point_um"])
+    Path("bits.txt").write_text("1, s")
+    for flag in (
+        ["--strength-at-rest"],
+        ["--calibration", "bits.txt"],
+        ["--shear-strength", "50MPa"],
+        ["--events", "holds", "--from", "20.5 s"],
+    ):
+        refused("friction", "lab.csv", *flag, "--out", "none")
+
+
+def test_an_infinite_stiffness_fits_slip_that_is_the_load_point(says):
+    machine("lab.csv", places=["load_point_um"])
+    says("friction", "lab.csv", "--stiffness", "inf")
+    assert "stiffness_from" not in rows_of(Path("friction/friction.csv"))[0]
+
+
 SLIDE = {"kind": "slide", "distance": 8, "velocity": 1.0}
 CAMPAIGN = {
     "surface": {"shape": [64]},

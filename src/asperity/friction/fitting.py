@@ -28,7 +28,6 @@ from asperity.base.checks import Floats
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.fits.comparison import ROUNDING, neighbors
-from asperity.fits.result import quality, rms
 from asperity.fits.search import inverse_square
 from asperity.friction.laws import (
     StateLaw,
@@ -39,7 +38,7 @@ from asperity.friction.laws import (
     state_law,
 )
 from asperity.friction.loading import STEP
-from asperity.friction.parameters import RateAndStateFit
+from asperity.friction.parameters import RateAndStateFit, described
 from asperity.friction.pulling import pulled_fit, stiffness_of
 from asperity.friction.records import HOLD, RUN_IN, STEPPED, Record, refuse_noise
 
@@ -252,31 +251,16 @@ class _Problem:
         rho, worth = neighbors(residual)
         effective = n * worth if rho > 2 / math.sqrt(n) else float(n)
         covariance = squares / (n - self.count) * n / effective * inverse_square(jacobian)
-        of_mu_0, of_b, *of_a = np.sqrt(np.diag(covariance))[: 2 + len(rest)]
-        of_D_c = math.sqrt(covariance[-2, -2])
-        contrast = np.zeros(self.count)
-        contrast[1], contrast[2] = -1.0, 1.0 if rest else 0.0
         D_c = math.exp(shape[0])
+        values = {"mu_0": float(mu_0), "b": float(b)} | ({"a": float(a)} if rest else {}) | {"D_c": D_c}
+        scale = np.append(np.ones(len(values) - 1), D_c)
+        errors = covariance[:-1, :-1] * np.outer(scale, scale)
         return RateAndStateFit(
-            **quality(residual, friction, None, self.count)
-            | {"degrees_of_freedom": max(1.0, effective - self.count)},
-            rms_residual=rms(residual / friction),
+            **described(residual, friction, effective, self.count, values | {"a": float(a)}, errors),
             law=self.law,
             V_0=self.V_0,
-            mu_0=float(mu_0),
-            mu_0_stderr=float(of_mu_0),
-            a=float(a),
-            a_stderr=float(of_a[0]) if of_a else 0.0,
-            b=float(b),
-            b_stderr=float(of_b),
-            D_c=D_c,
-            D_c_stderr=D_c * of_D_c,
-            a_minus_b=float(a - b),
-            a_minus_b_stderr=math.sqrt(float(contrast @ covariance @ contrast)),
             first_state=math.exp(self.log_start(shape)),
             autocorrelation=rho,
-            effective_points=effective,
-            residual=residual,
             used=self.used,
             at_edge=min(abs(shape[0] - end) for end in self.reach) < _EDGE,
         )

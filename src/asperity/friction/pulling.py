@@ -13,13 +13,12 @@ from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import as_text
 from asperity.errors import InputError
-from asperity.fits.result import quality, rms
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
-from asperity.friction.parameters import MachineFit
+from asperity.friction.parameters import MachineFit, described
 from asperity.friction.records import RUN_IN, Record
-from asperity.friction.searching import Solved, solve
+from asperity.friction.searching import solve
 from asperity.friction.slider import RunsAwayError
 
 _LIKE_NOISE = 6.0
@@ -39,8 +38,10 @@ def stiffness_of(record: Record, given: object) -> float | None:
         return math.inf if record.drive is None else None
     if isinstance(given, str) and given.strip().lower() == "fit":
         return None
-    if not record.si or given == math.inf:
-        return math.inf if given == math.inf else checks.number("stiffness", given, above=0.0)
+    if given == math.inf or (isinstance(given, str) and given.strip().lower() in ("inf", "infinity")):
+        return math.inf
+    if not record.si:
+        return checks.number("stiffness", given, above=0.0)
     text = _WITH_UNIT.fullmatch(str(as_text(given)))
     if text is None:
         advice = f'"{given} / {record.units[1]}"' if isinstance(given, int | float) else '"1.6e-3 / um"'
@@ -84,7 +85,7 @@ def pulled_fit(
         found = solve(machine)
     except RunsAwayError:
         raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
-    return _result(record, found, first, V_0)
+    return _result(record, *found, first, V_0)
 
 
 def _steady_start(time: Floats, drive: Drive) -> tuple[int, Drive]:
@@ -128,64 +129,57 @@ def _stick_slip(text: str) -> InputError:
     )
 
 
-def _result(record: Record, found: Solved, first: int, V_0: float | None) -> MachineFit:
+def _result(
+    record: Record, machine: Machine, point: Floats, released: tuple[int, ...], first: int, V_0: float | None
+) -> MachineFit:
     """The numbers in the units of the record, with mu_0 at the reference velocity."""
-    machine, shape = found.machine, found.machine.shape(found.point)
-    start = float(machine.drive.velocity[0])
-    reference = start if V_0 is None else V_0
+    shape, start = machine.shape(point), float(machine.drive.velocity[0])
     a, b, D_c, k = shape
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length
         raise _stick_slip(f"k = {k * length:.3g} / {unit} below (b - a)/D_c = {lost:.3g} / {unit}")
-    # From logarithms to numbers.
-    scale = np.array([getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in found.names])
-    covariance = found.covariance * np.outer(scale, scale)
-
-    def spread(**weights: float) -> float:
-        row = np.array([weights.get(name, 0.0) for name in found.names])
-        return math.sqrt(max(0.0, float(row @ covariance @ row)))
-
+    machine, rho, worth = machine.judged(point)
+    course = machine.course(point)
+    elastic, place = course.elastic(shape), machine.moved(point).place(machine.time)
+    (mu_0, drift), (friction, *_) = machine.compared(point, course)
+    drift /= (whole := machine.drive.place(machine.time)[-1])
+    reference = start if V_0 is None else V_0
     logs = math.log(reference / start)
-    parameters, effective = found.names, found.residual.size * found.worth
-    elastic, place = found.course.elastic(shape), machine.moved(found.point).place(machine.time)
-    mu_0, drift = found.linear.tolist()
+    # From logarithms to numbers, from start to reference, and what was given last.
+    names = ("mu_0", "drift", *machine.names)
+    scale = [getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in machine.names]
+    turned = np.diag([1.0, 1 / whole, *scale])
+    turned[0] += logs * ((np.array(names) == "a") * a - (np.array(names) == "b") * 1.0)
+    values = {"mu_0": mu_0 + (a - b) * logs, "drift": drift, **shape._asdict()}
+    values = {name: float(values[name]) for name in sorted(values, key=(*names, "a", "k").index)}
+    values = {{"k": "stiffness"}.get(name, name): value for name, value in values.items()}
     used: NDArray[np.bool_] = np.concatenate([np.zeros(first, bool), machine.used])
-    count = len(parameters) + machine.drive.kinks.size
+    residual = -machine.noise[0] * friction
+    at_edge = machine.at_edge(point)
 
-    def course(values: Floats) -> Floats:
+    def whole_course(values: Floats) -> Floats:
         return np.concatenate([np.full(first, np.nan), values])
 
     return MachineFit(
-        **quality(found.residual, record.friction[used], None, count)
-        | {"degrees_of_freedom": max(1.0, effective - count)},
-        rms_residual=rms(found.residual / record.friction[used]),
+        **described(
+            residual,
+            record.friction[used],
+            residual.size * worth,
+            len(names) + machine.drive.kinks.size,
+            values,
+            turned @ machine.covariance(point) @ turned.T,
+        ),
         law=machine.law,
         V_0=reference,
-        mu_0=mu_0 + (a - b) * logs,
-        mu_0_stderr=spread(mu_0=1.0, a=logs, b=-logs),
-        a=a,
-        a_stderr=spread(a=1.0),
-        b=b,
-        b_stderr=spread(b=1.0),
-        D_c=D_c,
-        D_c_stderr=spread(D_c=1.0),
-        a_minus_b=a - b,
-        a_minus_b_stderr=spread(a=1.0, b=-1.0),
         first_state=D_c / start,
-        autocorrelation=found.autocorrelation,
-        effective_points=effective,
-        residual=found.residual,
+        autocorrelation=rho,
         used=used,
-        at_edge="D_c" in found.at_edge,
-        stiffness=k,
-        stiffness_stderr=spread(k=1.0),
-        stiffness_at_edge="k" in found.at_edge,
-        drift=drift,
-        drift_stderr=spread(drift=1.0),
-        kinks=found.point[len(machine.names) :],
-        released=found.released,
-        friction=course(mu_0 + drift * place + elastic),
-        slip=course(place - elastic / k),
-        state=course(np.exp(found.course.states[:, 1]) * D_c / start),
+        at_edge="D_c" in at_edge,
+        stiffness_at_edge="k" in at_edge,
+        kinks=point[len(machine.names) :],
+        released=released,
+        friction=whole_course(mu_0 + drift * place + elastic),
+        slip=whole_course(place - elastic / k),
+        state=whole_course(np.exp(course.states[:, 1]) * D_c / start),
     )

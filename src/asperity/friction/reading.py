@@ -13,6 +13,7 @@ from asperity.base import checks
 from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
+from asperity.base.tables import Table
 from asperity.base.words import as_text
 from asperity.errors import InputError
 from asperity.friction.loading import variance
@@ -48,6 +49,7 @@ ROLES = (
 _EXAMPLES = (
     "time_s, load_point_um and friction, or time_s, displacement_um, shear_stress_MPa and normal_stress_MPa"
 )
+_ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
 
 _CONSTANT, _NOISE = 0.02, 6.0
@@ -95,7 +97,12 @@ def read_record(
         There is no such table, its columns are not understood, some have units and some have none, a cell
         is no number, the normal stress changes, the load point goes back, or the numbers are no record.
     """
-    table = read_xlook(Path(path), calibration) if is_xlook(Path(path)) else path
+    if is_xlook(Path(path)):
+        table: Table | Path | str = read_xlook(Path(path), calibration)
+    elif calibration is not None:
+        raise InputError("calibration", expected="none, as a table states its units", got=str(calibration))
+    else:
+        table = path
     found = Columns(table, ROLES, columns, units)
     by_role, name = found.by_role, found.table.name
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
@@ -135,13 +142,16 @@ def read_record(
     try:
         return _made(time[kept], moved, friction, how)
     except InputError as error:
-        raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
+        raise error if error.name in _ARGUMENTS else error.about(f"{name}, {error.name}") from error
 
 
 def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[str, Any]) -> Record:
     if "velocity" in moved:
         return Record(time, moved["velocity"], friction, **how)
     if how["strength_at_rest"]:
+        if "displacement" not in moved:
+            got = "the load point of a machine, which slips at rest"
+            raise InputError("strength_at_rest", expected="a velocity or displacement of slip", got=got)
         return Record.of_displacement(time, moved["displacement"], friction, **how)
     del how["strength_at_rest"]
     how |= {"load_point": moved.get("load point"), "slip": moved.get("displacement")}

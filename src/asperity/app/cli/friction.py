@@ -15,7 +15,9 @@ from asperity.errors import InputError
 
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
-_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")}
+_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")} | {
+    "strength_at_rest": "--strength-at-rest"
+}
 _FLAGS |= {"start": "--from", "stop": "--to"}
 
 
@@ -59,8 +61,10 @@ def friction(
         Of the machine: of the friction coefficient, "1.6e-3 / um"; of the shear stress or force where the
         normal one is in the table, "0.16 MPa/um"; or fit. Where it is given, a fit stands beside it.
         [default: fit, unless the slip itself is straight between holds and steps]
-    start, stop
-        Window in time, such as 3845s; a number alone has the unit of the table.
+    start
+        Time from which to read, such as 3845s; a number alone has the unit of the table.
+    stop
+        Time up to which to read.
     reference_velocity
         V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
     events

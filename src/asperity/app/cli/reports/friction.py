@@ -28,6 +28,9 @@ _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a
 def records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
     """The record of a table, or of a run or those of a campaign, each of one surface."""
     if not path.is_dir():
+        if strength is not None:
+            expected = "none for a table, which has friction itself"
+            raise InputError("shear_strength", expected=expected, got=strength)
         return [read_record(path, **how)]
     histories = _surfaces(path) if (path / "plan.json").exists() else [path]
     return [record_of(history, shear_strength=strength) for history in histories]
