@@ -19,10 +19,11 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
-from asperity.friction.fitting import Events, rate_and_state
+from asperity.friction.events import Events, HoldPeaks, hold_peaks
+from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MachineFit, RateAndStateFit
-from asperity.friction.records import HoldPeaks, Record, hold_peaks
+from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
 """What is estimated."""

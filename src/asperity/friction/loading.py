@@ -64,11 +64,19 @@ class Drive:
         places = np.concatenate([[0.0], np.cumsum(self.velocity * np.diff(edges))])
         return np.asarray(np.interp(time, edges, places))
 
+    def between(self, start: float, stop: float) -> Drive:
+        """Return the part with the kinks between two times."""
+        inside = slice(np.searchsorted(self.kinks, start, "right"), np.searchsorted(self.kinks, stop))
+        velocity = self.velocity[inside.start : inside.stop + 1]
+        return Drive(self.kinks[inside], velocity, self.spread[inside])
+
     def per_row(self, time: Floats) -> Floats:
-        """Velocity in the interval that ends at each time, with the kinks at the nearest rows, shape (n,)."""
+        """Velocity forward in the interval that ends at each time, kinks at the nearest rows, shape (n,)."""
         middles = (time[1:] + time[:-1]) / 2
         rows = np.searchsorted(middles, self.kinks)
-        return np.asarray(self.velocity[np.searchsorted(rows, np.arange(time.size), side="left")])
+        return np.asarray(
+            np.maximum(self.velocity, 0.0)[np.searchsorted(rows, np.arange(time.size), side="left")]
+        )
 
 
 def drive_of(time: Floats, place: Floats) -> Drive:

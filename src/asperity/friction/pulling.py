@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import as_text
 from asperity.errors import InputError
+from asperity.friction.events import rows_of
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
 from asperity.friction.parameters import MachineFit, described
-from asperity.friction.records import RUN_IN, Record
+from asperity.friction.records import Record
 from asperity.friction.searching import solve
 from asperity.friction.slider import RunsAwayError
 
@@ -59,24 +60,23 @@ def stiffness_of(record: Record, given: object) -> float | None:
 
 
 def pulled_fit(
-    record: Record, law: StateLaw, a: object, V_0: float | None, kinds: tuple[int, ...], k: float | None
+    record: Record, law: StateLaw, a: object, V_0: float | None, events: object, k: float | None
 ) -> MachineFit:
     """Fit a record from its steady sliding on; k is None where it is fitted. `InputError` as there."""
     if record.strength_at_rest:
         expected = "a record of a machine for a stiffness: in simulations the velocity is that of slip"
         raise InputError("record", expected=expected, got="the strength at rest")
-    slip, drive = record.slip, record.drive
+    rows, drive = record.time.size, record.drive
     if drive is None:
-        slip = record.displacement
-        drive = drive_of_slip(record.time, slip, record.friction)[0]
-    first, drive = _steady_start(record.time, drive)
-    time, friction = record.time[first:], record.friction[first:]
-    _refuse_steady(record, drive, time)
-    _refuse_oscillation(record, drive, time, friction)
+        drive, _ = drive_of_slip(record.time, record.displacement, record.friction)
+        record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
+    if drive.velocity[0] == 0 and drive.kinks.size:  # steady half-way through the first slide
+        record = record.between(float(drive.edges(record.time)[1:3].mean()))
+        drive = drive.between(record.time[0], math.inf)
+    used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
+    _refuse_oscillation(record, drive)
     if a is None:
         a = record.a
-    used = np.isin(record.events[first:], (RUN_IN, *kinds))
-    slip = None if slip is None else slip[first:]
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
@@ -85,27 +85,12 @@ def pulled_fit(
         found = solve(machine)
     except RunsAwayError:
         raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
-    return _result(record, *found, first, V_0)
+    return _result(record, *found, rows - time.size, V_0)
 
 
-def _steady_start(time: Floats, drive: Drive) -> tuple[int, Drive]:
-    """First row to fit, half-way through the first slide if the record begins at rest; and the drive then."""
-    if drive.velocity[0] > 0 or drive.kinks.size == 0:
-        return 0, drive
-    start = float(drive.edges(time)[1:3].mean())
-    return int(np.searchsorted(time, start)), Drive(drive.kinks[1:], drive.velocity[1:], drive.spread[1:])
-
-
-def _refuse_steady(record: Record, drive: Drive, time: Floats) -> None:
-    if drive.kinks.size:
-        return
-    first, last = time[0] / record.scales[0], time[-1] / record.scales[0]
-    got = f"one velocity, {record.speed(drive.velocity[0])}, from {first:.6g} to {last:.6g} {record.units[0]}"
-    raise InputError("record", expected="a hold, or a step of the velocity, to learn b and D_c from", got=got)
-
-
-def _refuse_oscillation(record: Record, drive: Drive, time: Floats, friction: Floats) -> None:
+def _refuse_oscillation(record: Record, drive: Drive) -> None:
     """Refuse oscillations that do not die out while the load point goes on steadily."""
+    time, friction = record.time, record.friction
     noise = math.sqrt(variance(time, friction))
     edges = drive.edges(time)
     for n, speed in enumerate(drive.velocity):
@@ -154,7 +139,6 @@ def _result(
     values = {"mu_0": mu_0 + (a - b) * logs, "drift": drift, **shape._asdict()}
     values = {name: float(values[name]) for name in sorted(values, key=(*names, "a", "k").index)}
     values = {{"k": "stiffness"}.get(name, name): value for name, value in values.items()}
-    used: NDArray[np.bool_] = np.concatenate([np.zeros(first, bool), machine.used])
     residual = -machine.noise[0] * friction
     at_edge = machine.at_edge(point)
 
@@ -164,7 +148,7 @@ def _result(
     return MachineFit(
         **described(
             residual,
-            record.friction[used],
+            record.friction[machine.used],
             residual.size * worth,
             len(names) + machine.drive.kinks.size,
             values,
@@ -174,7 +158,7 @@ def _result(
         V_0=reference,
         first_state=D_c / start,
         autocorrelation=rho,
-        used=used,
+        used=np.append(np.zeros(first, bool), machine.used),
         at_edge="D_c" in at_edge,
         stiffness_at_edge="k" in at_edge,
         kinks=point[len(machine.names) :],
