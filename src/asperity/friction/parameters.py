@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.fits import FitResult
-from asperity.fits.result import quality, rms
+from asperity.fits import Estimate, FitResult
+from asperity.fits.result import parameters_of, quality, rms
 from asperity.friction.laws import RateAndState, StateLaw
 from asperity.friction.records import Record
 
@@ -89,6 +89,17 @@ class RateAndStateFit(FitResult):
     at_edge: bool
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """What is estimated, by name, with its standard error and 95 % interval."""
+        found = {}
+        for name in parameters_of(self):
+            value, stderr, low, high = np.array(
+                [getattr(self, name), getattr(self, f"{name}_stderr"), *self.interval(name)]
+            )
+            found[name] = Estimate(value, stderr, low, high, 1)
+        return found
 
     @property
     def determined(self) -> bool:
