@@ -146,8 +146,15 @@ def test_what_does_not_concern_a_record_is_refused(refused):
         ["--calibration", "bits.txt"],
         ["--shear-strength", "50MPa"],
         ["--events", "holds", "--from", "20.5 s"],
+        ["--from", "12:30"],
     ):
         refused("friction", "lab.csv", *flag, "--out", "none")
+
+
+def test_a_window_with_a_unit_is_refused_where_the_record_has_none(refused):
+    np.savetxt("bare.csv", np.ones((9, 3)).cumsum(0), delimiter=",", header="time,slip,mu", comments="")
+    refused("friction", "bare.csv", "--from", "2 s")
+    refused("friction", "bare.csv", "--from", "20")
 
 
 def test_an_infinite_stiffness_fits_slip_that_is_the_load_point(says):

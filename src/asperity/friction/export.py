@@ -20,7 +20,6 @@ from asperity.fits import Estimate
 from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.friction.parameters import MachineFit, RateAndStateFit
-from asperity.results.store import whole_file
 
 _UNITS = {"D_c": "m", "V_0": "m/s", "stiffness": "1/m", "drift": "1/m"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
@@ -48,6 +47,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     OutputError
         The disk refused.
     """
+    from asperity.results.store import whole_file  # late, as it brings the solvers
+
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
     target, preferred = expanded(path), found.preferred if law is None else state_law(law)
     writers = {".toml": _toml, ".csv": _csv}

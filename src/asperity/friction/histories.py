@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -13,7 +14,9 @@ from asperity.base import checks
 from asperity.errors import InputError
 from asperity.friction.records import Record, after_slips
 from asperity.friction.tabor import ShearStrength, add_friction
-from asperity.results import History, load
+
+if TYPE_CHECKING:
+    from asperity.results import History
 
 
 def record_of(
@@ -80,6 +83,8 @@ def _nominal_area(dataset: xr.Dataset) -> float:
 
 def _dataset(history: object) -> tuple[xr.Dataset, str]:
     """The dataset of a history, and where it comes from."""
+    from asperity.results import History, load  # late, as they bring the solvers
+
     if isinstance(history, Path | str):
         return load(history), str(Path(history))
     if isinstance(history, History):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
 from asperity.base.tables import Table
-from asperity.base.words import as_text
+from asperity.base.words import number
 from asperity.errors import InputError
 from asperity.friction.loading import variance
 from asperity.friction.records import Record
@@ -163,18 +162,20 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     factor = (si.factor(unit, "s") if unit else None) or 1.0
     ends = []
     for name, given, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
-        text = as_text(given)
-        if text is None:
-            ends.append(default)
-        elif isinstance(text, str) and re.search("[a-zA-Z]$", text.strip()):
-            ends.append(si.quantity(text, "s", name))
+        value = number(given) if isinstance(given, str) else given
+        if isinstance(value, str) and not unit:
+            expected = "a plain number, as the record has no units"
+            raise InputError(name, expected=expected, got=repr(value))
+        if isinstance(value, str):
+            ends.append(si.quantity(value, "s", name))
         else:
-            ends.append(factor * checks.number(name, float(text) if isinstance(text, str) else text))
+            ends.append(default if value is None else factor * checks.number(name, value))
     kept = (time >= ends[0]) & (time <= ends[1])
     if kept.sum() < 3 and not np.isinf(ends).all():
-        expected = f"a window of rows between {time.min() / factor:.6g} and {time.max() / factor:.6g} {unit}"
-        got = " to ".join(f"{end / factor:.6g}" for end in ends)
-        raise InputError("start", expected=expected, got=f"{got} {unit}, with {int(kept.sum())} rows")
+        first, last, *window = (f"{end / factor:.6g}" for end in (time.min(), time.max(), *ends))
+        expected = f"a window of rows between {first} and {last} {unit}".strip()
+        got = f"{' to '.join(window)} {unit}".strip()
+        raise InputError("start", expected=expected, got=f"{got}, with {int(kept.sum())} rows")
     return np.asarray(kept)
 
 
