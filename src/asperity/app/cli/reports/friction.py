@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
-import asperity.app.campaign as campaign
 from asperity.analysis.scan import written
 from asperity.app.cli.report import Row, aligned
 from asperity.base.words import counted, uncertain
-from asperity.errors import InputError
-from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws, read_record, record_of
+from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
 from asperity.friction.export import columns_of
 from asperity.friction.laws import STATE_LAWS, StateLaw
 
@@ -24,29 +19,6 @@ _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
 
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
-
-
-def records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
-    """The record of a table, or of a run or those of a campaign, each of one surface."""
-    if not path.is_dir():
-        if strength is not None:
-            expected = "none for a table, which has friction itself"
-            raise InputError("shear_strength", expected=expected, got=strength)
-        return [read_record(path, **how)]
-    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
-    return [record_of(history, shear_strength=strength) for history in histories]
-
-
-def _surfaces(path: Path) -> list[xr.Dataset]:
-    """The finished runs of a campaign in which nothing but the surfaces differs."""
-    dataset = campaign.open(path)
-    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
-    if several := [dim for dim, n in swept.items() if n > 1]:
-        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
-        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
-    runs = dataset.isel(dict.fromkeys(swept, 0))
-    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
-    return [run for run in every if run["load"].notnull().any()]
 
 
 def friction_report(found: StateLaws, first: str) -> list[Row]:
