@@ -136,9 +136,9 @@ def _result(
     scale = [getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in machine.names]
     turned = np.diag([1.0, 1 / whole, *scale])
     turned[0] += logs * ((np.array(names) == "a") * a - (np.array(names) == "b") * 1.0)
-    values = {"mu_0": mu_0 + (a - b) * logs, "drift": drift, **shape._asdict()}
-    values = {name: float(values[name]) for name in sorted(values, key=(*names, "a", "k").index)}
-    values = {{"k": "stiffness"}.get(name, name): value for name, value in values.items()}
+    linear = {"mu_0": float(mu_0 + (a - b) * logs), "drift": float(drift)}
+    values = linear | dict.fromkeys(machine.names, 0.0) | shape._asdict()
+    values = {"stiffness" if name == "k" else name: value for name, value in values.items()}
     residual = -machine.noise[0] * friction
     at_edge = machine.at_edge(point)
 
