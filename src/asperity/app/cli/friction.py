@@ -64,7 +64,8 @@ def friction(
         The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
     stiffness
         Of the machine: of the friction coefficient, "1.6e-3 / um"; of the shear stress or force where the
-        normal one is in the table, "0.16 MPa/um"; or fit. Where it is given, a fit stands beside it.
+        normal one is in the table, "0.16 MPa/um"; fit; or inf, where the load point is the slip. Where it is
+        given, a fit stands beside it.
         [default: fit, unless the slip itself is straight between holds and steps]
     start
         Time from which to read, such as 3845s; a number alone has the unit of the table.
