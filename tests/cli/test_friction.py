@@ -138,6 +138,40 @@ def test_a_window_in_the_units_of_the_record_and_what_it_lacks(says, refused):
     refused("friction", "lab.csv", "--stiffness", "0.01", "--out", "none")
 
 
+def test_what_does_not_concern_a_record_is_refused(refused):
+    machine("lab.csv", places=["load_point_um"])
+    Path("bits.txt").write_text("1, s")
+    for flag in (
+        ["--strength-at-rest"],
+        ["--calibration", "bits.txt"],
+        ["--shear-strength", "50MPa"],
+        ["--events", "holds", "--from", "20.5 s"],
+        ["--from", "12:30"],
+    ):
+        refused("friction", "lab.csv", *flag, "--out", "none")
+
+
+def test_a_window_with_a_unit_is_refused_where_the_record_has_none(refused):
+    np.savetxt("bare.csv", np.ones((9, 3)).cumsum(0), delimiter=",", header="time,slip,mu", comments="")
+    refused("friction", "bare.csv", "--from", "2 s")
+    refused("friction", "bare.csv", "--from", "20")
+
+
+def test_an_infinite_stiffness_fits_slip_that_is_the_load_point(says):
+    machine("lab.csv", places=["load_point_um"])
+    says("friction", "lab.csv", "--stiffness", "inf")
+    assert "stiffness_from" not in rows_of(Path("friction/friction.csv"))[0]
+
+
+def test_what_a_record_leaves_open_is_not_called_the_same_for_all_laws(says):
+    machine("lab.csv", places=["load_point_um"])
+    for stop, b_is_open in (("45.3 s", True), ("46 s", False)):
+        text = says("friction", "lab.csv", "--from", "30 s", "--to", stop, "--overwrite")
+        (same,) = [line for line in text.splitlines() if "whatever law" in line]
+        assert "a (" in same
+        assert ("b (" in same) is not b_is_open
+
+
 SLIDE = {"kind": "slide", "distance": 8, "velocity": 1.0}
 CAMPAIGN = {
     "surface": {"shape": [64]},

@@ -2,14 +2,15 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.friction.comparing import StateLaws, compare_state_laws
-from asperity.friction.events import Event, events_of, fit_events
+from asperity.friction.events import Event, HoldPeaks, events_of, hold_peaks
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps
 from asperity.friction.export import save_parameters
-from asperity.friction.fitting import rate_and_state
+from asperity.friction.fitting import fit_events, rate_and_state
+from asperity.friction.histories import record_of
 from asperity.friction.laws import RateAndState
 from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.reading import read_record
-from asperity.friction.records import HoldPeaks, Record, hold_peaks, record_of
+from asperity.friction.records import Record
 from asperity.friction.tabor import ShearStrength, add_friction
 
 __all__ = [

@@ -19,16 +19,14 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
-from asperity.friction.fitting import Events, rate_and_state
+from asperity.friction.events import Events, HoldPeaks, hold_peaks
+from asperity.friction.fitting import rate_and_state
 from asperity.friction.laws import STATE_LAWS, StateLaw
 from asperity.friction.parameters import MachineFit, RateAndStateFit
-from asperity.friction.records import HoldPeaks, Record, hold_peaks
+from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
 """What is estimated."""
-
-OF_MACHINES = ("stiffness", "drift")
-"""And of the record of a machine."""
 
 _SUITS = 1.5
 """Misfit over the least up to which a law with a stiffness is possible."""
@@ -82,12 +80,6 @@ class StateLaws(views.Brief):
     free: Mapping[StateLaw, RateAndStateFit] = field(default_factory=dict)
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """What is estimated, by the kind of the record."""
-        of_machine = isinstance(self.fits[self.preferred], MachineFit)
-        return (*PARAMETERS, *OF_MACHINES) if of_machine else PARAMETERS
-
-    @property
     def every(self) -> list[RateAndStateFit]:
         """All fits, the preferred law first, with a given stiffness before a fitted one."""
         laws = sorted(STATE_LAWS, key=lambda law: law != self.preferred)
@@ -99,11 +91,16 @@ class StateLaws(views.Brief):
         least = min(fit.rms_residual for fit in self.every)
         return [fit for fit in self.every if fit.rms_residual < _SUITS * least]
 
-    def range_of(self, name: str) -> tuple[float, float, bool]:
-        """Least and largest value among the fits that suit, and whether their 95 % intervals are narrower."""
-        values = [float(getattr(fit, name)) for fit in self.suiting]
-        widest = max(high - low for low, high in (fit.interval(name) for fit in self.suiting))
-        return min(values), max(values), max(values) - min(values) > widest
+    def range_of(self, name: str) -> tuple[float, float, bool | None]:
+        """Least and largest value among the fits that suit, and whether the 95 % intervals are narrower.
+
+        None where a fit leaves it open, as its error is above its value.
+        """
+        found = [fit.estimates[name] for fit in self.suiting]
+        values = [float(one.value) for one in found]
+        moves = max(values) - min(values) > max(float(one.high - one.low) for one in found)
+        is_open = any(one.stderr > abs(one.value) for one in found)
+        return min(values), max(values), None if is_open else moves
 
     @property
     def preferred(self) -> StateLaw:
@@ -165,18 +162,12 @@ def compare_state_laws(
 
     mean = replace(first, friction=friction.mean(axis=0))
     fits = fitted(mean.friction)
-    estimates = {
-        law: {
-            name: _of_one(getattr(fit, name), getattr(fit, f"{name}_stderr"), *fit.interval(name))
-            for name in (*PARAMETERS, *OF_MACHINES)
-            if hasattr(fit, name)
-        }
-        for law, fit in fits.items()
-    }
+    estimates = {law: fit.estimates for law, fit in fits.items()}
     is_given = all(isinstance(fit, MachineFit) and fit.stiffness_stderr == 0 for fit in fits.values())
     if len(several) == 1:
         better = min(fits.values(), key=_lack)
-        log_ratio, worth = _of_one(_log_ratio(fits)), better.effective_points
+        ratio, unknown = np.array(_log_ratio(fits)), np.array(math.nan)
+        log_ratio, worth = Estimate(ratio, unknown, unknown, unknown, 1), better.effective_points
         delta = worth * float(log_ratio.value)
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
@@ -231,9 +222,3 @@ def _log_ratio(fits: Mapping[StateLaw, RateAndStateFit]) -> float:
 def _numbers(fit: RateAndStateFit) -> list[float]:
     """The parameters in order, D_c as its logarithm."""
     return [math.log(fit.D_c) if name == "D_c" else float(getattr(fit, name)) for name in PARAMETERS]
-
-
-def _of_one(value: float, stderr: float = math.nan, *interval: float) -> Estimate:
-    """An estimate from one record."""
-    numbers = np.array([value, stderr, *(interval or (math.nan, math.nan))])
-    return Estimate(numbers[0], numbers[1], numbers[2], numbers[3], 1)

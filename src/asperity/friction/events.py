@@ -1,20 +1,28 @@
-"""Holds and steps of a record, numbered, and fitted one by one."""
+"""Holds and steps of a record: which rows they are, numbered, and static friction after holds."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from asperity.base import checks
+from asperity.base import checks, views
+from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.friction.fitting import rate_and_state
-from asperity.friction.laws import StateLaw
-from asperity.friction.loading import Drive
-from asperity.friction.parameters import MachineFit
-from asperity.friction.records import Record
+from asperity.friction.laws import first_velocity
+from asperity.friction.records import HOLD, RUN_IN, STEPPED, Record
+
+Events = Literal["all", "holds", "steps"]
+_EVENTS: dict[str, tuple[str, tuple[int, ...]]] = {
+    "all": ("a rest, or a step of the velocity", (HOLD, STEPPED)),
+    "holds": ("a rest", (HOLD,)),
+    "steps": ("a step", (STEPPED,)),
+}
+
+_SHORT, _FEW = 2, 10
+"""Rests of so many rows, and how many of them are no noise of the displacement."""
 
 
 @dataclass(frozen=True)
@@ -65,47 +73,80 @@ def events_of(record: Record) -> list[Event]:
     return found
 
 
-def part_of(record: Record, start: float, stop: float) -> Record:
-    """The rows of a record of a machine between two times, with the kinks there."""
-    assert record.drive is not None
-    kept = (record.time >= start) & (record.time <= stop)
-    inside = (record.drive.kinks > start) & (record.drive.kinks < stop)
-    first = int(np.searchsorted(record.drive.kinks, start, side="right"))
-    speeds = record.drive.velocity[first : first + int(inside.sum()) + 1]
-    drive = Drive(record.drive.kinks[inside], speeds, record.drive.spread[inside])
-    rows: dict[str, Any] = {name: getattr(record, name)[kept] for name in ("time", "velocity", "friction")}
-    rows |= {
-        name: None if (place := getattr(record, name)) is None else place[kept]
-        for name in ("load_point", "slip")
-    }
-    return replace(record, drive=drive, **rows)
+def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
+    """Which rows belong to the run-in or such events, shape (n,); `InputError` where there are none."""
+    if events not in _EVENTS:
+        raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
+    _refuse_noise(record)
+    (needed, wanted), kinds = _EVENTS[str(events)], record.events
+    rests = bool((record.velocity[1:] == 0).any())
+    if not ((rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())):
+        got = "rests only"
+        if not rests:
+            got = f"slip at {record.speed(first_velocity(record.velocity))}, without rest or step"
+        raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
+    return np.isin(kinds, (RUN_IN, *wanted))
 
 
-def fit_events(
-    record: Record, *, law: StateLaw = "aging", stiffness: float | str | None = None
-) -> Mapping[Event, MachineFit | None]:
-    """Fit the events of a record of a machine, each by itself.
+def _refuse_noise(record: Record) -> None:
+    """Refuse velocities that rest for a row here and there, as a displacement with noise has them."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], record.velocity == 0, [False]]).astype(int)))
+    many = int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
+    if many > _FEW and not record.strength_at_rest:
+        raise InputError(
+            "record",
+            expected="rests of the machine, longer than two rows",
+            got=f"{many} short ones, as noise or rounding of the displacement makes them",
+            advice="asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise",
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HoldPeaks(views.Brief):
+    """Static friction after holds.
+
+    Attributes
+    ----------
+    duration
+        Time at rest, shape (holds,).
+    peak
+        Friction at the end of the rest where it is the strength, else the largest of the slip after it.
+    before
+        Mean friction of the second half of the slip before, shape (holds,).
+    velocity
+        Velocity of the slip before, shape (holds,).
+    """
+
+    duration: Floats
+    peak: Floats
+    before: Floats
+    velocity: Floats
+
+
+def hold_peaks(record: Record) -> HoldPeaks:
+    """Find static friction against hold time.
+
+    If the state before each hold is that of steady sliding at V, the aging law says
+    peak - before = b ln(1 + V duration/D_c) without a direct effect: `asperity.fits.logarithm` fits it.
 
     Parameters
     ----------
     record
-        Of a machine.
-    law, stiffness
-        As in `rate_and_state`.
+        Holds count if there is slip before and after them.
 
     Returns
     -------
-    dict
-        By event, its fit; None where it has too few rows, or none that a law fits.
+    HoldPeaks
+        Possibly of no holds.
     """
-    found: dict[Event, MachineFit | None] = {}
-    for event in events_of(record):
-        try:
-            fit = rate_and_state(part_of(record, event.start, event.stop), law=law, stiffness=stiffness)
-        except InputError as error:
-            if error.name == "stiffness":
-                raise
-            found[event] = None
-        else:
-            found[event] = fit if isinstance(fit, MachineFit) else None
-    return found
+    checks.instance("record", record, Record, "asperity.friction.record_of(history)")
+    _refuse_noise(record)
+    time, velocity, friction = record.time, record.velocity, record.friction
+    runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
+    rows = []
+    for slid, rest, slip in zip(runs, runs[1:], runs[2:], strict=False):
+        if velocity[rest[0]] == 0:
+            peak = friction[rest[-1]] if record.strength_at_rest else friction[slip].max()
+            before = friction[slid[slid.size // 2 :]].mean()
+            rows.append((time[rest[-1]] - time[slid[-1]], peak, before, velocity[slid[-1]]))
+    return HoldPeaks(*np.array(rows, dtype=np.float64).reshape(-1, 4).T)

@@ -6,8 +6,8 @@ a table of what other programs call them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -16,15 +16,15 @@ from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
+from asperity.fits import Estimate
 from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.friction.parameters import MachineFit, RateAndStateFit
-from asperity.results.store import whole_file
 
 _UNITS = {"D_c": "m", "V_0": "m/s", "stiffness": "1/m", "drift": "1/m"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
 _OWN_UNITS |= dict.fromkeys(("stiffness", "drift"), "1 / length of the record")
-_SUFFIXES = {"D_c": "_m", "V_0": "_m_per_s", "stiffness": "_per_m", "drift": "_per_m"}
+_SUFFIXES = {"D_c": "_m", "stiffness": "_per_m", "drift": "_per_m"}
 
 
 def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None = None) -> None:
@@ -47,6 +47,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
     OutputError
         The disk refused.
     """
+    from asperity.results.store import whole_file  # late, as it brings the solvers
+
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(record)")
     target, preferred = expanded(path), found.preferred if law is None else state_law(law)
     writers = {".toml": _toml, ".csv": _csv}
@@ -57,8 +59,13 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
         part.write_text(text, encoding="utf-8")
 
 
-def _values(found: StateLaws, law: StateLaw) -> dict[str, float]:
-    return {name: float(found.estimates[law][name].value) for name in found.names}
+def columns_of(estimates: Mapping[str, Estimate], *, si: bool) -> dict[str, float]:
+    """Value, low and high of each number, by the names of columns with their units."""
+    return {
+        f"{name}{end}{_SUFFIXES.get(name, '') if si else ''}": float(number)
+        for name, one in estimates.items()
+        for end, number in (("", one.value), ("_low", one.low), ("_high", one.high))
+    }
 
 
 def _origin(found: StateLaws) -> dict[str, object]:
@@ -73,18 +80,22 @@ def _origin(found: StateLaws) -> dict[str, object]:
 
 def _toml(found: StateLaws, law: StateLaw) -> str:
     units = (_UNITS if found.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
-    parameters = {**_values(found, law), "V_0": float(found.fits[law].V_0)}
+    values: dict[str, dict[str, float]] = {
+        each: {name: float(one.value) for name, one in found.estimates[each].items()} for each in STATE_LAWS
+    }
+    parameters = {**values[law], "V_0": float(found.fits[law].V_0)}
     if found.record.normal_stress is not None:
         parameters["normal_stress"] = float(found.record.normal_stress)
-    intervals = {name: found.estimates[law][name] for name in found.names}
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
-        "intervals_95": {name: [float(one.low), float(one.high)] for name, one in intervals.items()},
+        "intervals_95": {
+            name: [float(one.low), float(one.high)] for name, one in found.estimates[law].items()
+        },
         "units": {name: units.get(name, "1") for name in parameters},
         "laws": {
             "verdict": found.verdict,
             "ln_ratio_of_squares": float(found.log_ratio.value),
-            **{each: _values(found, each) for each in STATE_LAWS},
+            **values,
         },
         "origin": _origin(found),
     }
@@ -95,26 +106,16 @@ def _toml(found: StateLaws, law: StateLaw) -> str:
 def _csv(found: StateLaws, law: StateLaw) -> str:
     rows: list[dict[str, object]] = []
     for each in sorted(STATE_LAWS, key=lambda one: one != law):
-        estimates = found.estimates[each]
-        numbers = {name: (one.value, one.low, one.high) for name, one in estimates.items()}
-        several: list[tuple[RateAndStateFit, dict[str, tuple[Any, ...]]]] = [(found.fits[each], numbers)]
+        rows.append(_row(found, found.fits[each], found.estimates[each]))
         if each in found.free:
-            fit = found.free[each]
-            several.append((fit, {name: (getattr(fit, name), *fit.interval(name)) for name in estimates}))
-        rows += [_row(found, each, fit, numbers) for fit, numbers in several]
+            rows.append(_row(found, found.free[each], found.free[each].estimates))
     return pd.DataFrame(rows).to_csv(index=False, na_rep="nan", lineterminator="\n")
 
 
-def _row(
-    found: StateLaws, law: StateLaw, fit: RateAndStateFit, numbers: dict[str, tuple[Any, ...]]
-) -> dict[str, object]:
-    """A line of the table: value, low and high of each number."""
-    suffixes = _SUFFIXES if found.record.si else {}
-    row: dict[str, object] = {"law": law}
-    for name, values in numbers.items():
-        for end, number in zip(("", "_low", "_high"), values, strict=True):
-            row[f"{name}{end}{suffixes.get(name, '')}"] = float(number)
-    row[f"V_0{suffixes.get('V_0', '')}"] = float(fit.V_0)
+def _row(found: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
+    """A line of the table."""
+    row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=found.record.si)}
+    row["V_0_m_per_s" if found.record.si else "V_0"] = float(fit.V_0)
     row["normal_stress_Pa"] = "" if found.record.normal_stress is None else found.record.normal_stress
     if isinstance(fit, MachineFit):
         row["stiffness_from"] = "fitted" if fit.stiffness_stderr > 0 else "given"

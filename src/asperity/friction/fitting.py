@@ -15,6 +15,7 @@ which assumes nothing about the residuals.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -28,8 +29,8 @@ from asperity.base.checks import Floats
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.fits.comparison import ROUNDING, neighbors
-from asperity.fits.result import quality, rms
 from asperity.fits.search import inverse_square
+from asperity.friction.events import Event, Events, events_of, rows_of
 from asperity.friction.laws import (
     StateLaw,
     first_velocity,
@@ -39,16 +40,9 @@ from asperity.friction.laws import (
     state_law,
 )
 from asperity.friction.loading import STEP
-from asperity.friction.parameters import RateAndStateFit
+from asperity.friction.parameters import MachineFit, RateAndStateFit, described
 from asperity.friction.pulling import pulled_fit, stiffness_of
-from asperity.friction.records import HOLD, RUN_IN, STEPPED, Record, refuse_noise
-
-Events = Literal["all", "holds", "steps"]
-_EVENTS: dict[str, tuple[str, tuple[int, ...]]] = {
-    "all": ("a rest, or a step of the velocity", (HOLD, STEPPED)),
-    "holds": ("a rest", (HOLD,)),
-    "steps": ("a step", (STEPPED,)),
-}
+from asperity.friction.records import Record
 
 _REACH = 10.0
 """D_c is searched from the smallest slip between two values over this factor, to the whole slip times it."""
@@ -116,15 +110,38 @@ def rate_and_state(
     k = stiffness_of(record, stiffness)
     if k != math.inf:
         reference = None if V_0 is None else _velocity(V_0, si=record.si)
-        return pulled_fit(record, state_law(law), a, reference, _kinds_of(events), k)
+        return pulled_fit(record, state_law(law), a, reference, events, k)
     return _Problem.of(record, state_law(law), a, V_0, events).solution()
 
 
-def _kinds_of(events: object) -> tuple[int, ...]:
-    """Kinds of events to fit."""
-    if events not in _EVENTS:
-        raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
-    return _EVENTS[str(events)][1]
+def fit_events(
+    record: Record, *, law: StateLaw = "aging", stiffness: float | str | None = None
+) -> Mapping[Event, MachineFit | None]:
+    """Fit the events of a record of a machine, each by itself.
+
+    Parameters
+    ----------
+    record
+        Of a machine.
+    law, stiffness
+        As in `rate_and_state`.
+
+    Returns
+    -------
+    dict
+        By event, its fit; None where it has too few rows, or none that a law fits.
+    """
+    found: dict[Event, MachineFit | None] = {}
+    for event in events_of(record):
+        try:
+            fit = rate_and_state(record.between(event.start, event.stop), law=law, stiffness=stiffness)
+        except InputError as error:
+            if error.name == "stiffness":
+                raise
+            found[event] = None
+        else:
+            found[event] = fit if isinstance(fit, MachineFit) else None
+    return found
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
@@ -147,18 +164,11 @@ class _Problem:
 
     @classmethod
     def of(cls, record: Record, law: StateLaw, a: object, V_0: float | str | None, events: str) -> _Problem:
-        wanted, needed = _kinds_of(events), _EVENTS[events][0]
-        refuse_noise(record)
+        used = rows_of(record, events)
         reference = first_velocity(record.velocity)
         if V_0 is not None:
             reference = _velocity(V_0, si=record.si)
-        kinds = record.events
-        rests = bool((record.velocity[1:] == 0).any())
-        if not ((rests and HOLD in wanted) or (STEPPED in wanted and (kinds == STEPPED).any())):
-            got = "rests only" if rests else f"slip at {record.speed(reference)}, without rest or step"
-            raise InputError("record", expected=f"{needed}, to learn b and D_c from", got=got)
         # Where V changes by more, the mean of an interval does not say its velocity at the end.
-        used = np.isin(kinds, (RUN_IN, *wanted))
         used &= np.abs(half_changes(record.time, record.velocity)) < math.log(STEP)
         if not record.strength_at_rest:
             used &= record.velocity > 0
@@ -252,31 +262,16 @@ class _Problem:
         rho, worth = neighbors(residual)
         effective = n * worth if rho > 2 / math.sqrt(n) else float(n)
         covariance = squares / (n - self.count) * n / effective * inverse_square(jacobian)
-        of_mu_0, of_b, *of_a = np.sqrt(np.diag(covariance))[: 2 + len(rest)]
-        of_D_c = math.sqrt(covariance[-2, -2])
-        contrast = np.zeros(self.count)
-        contrast[1], contrast[2] = -1.0, 1.0 if rest else 0.0
         D_c = math.exp(shape[0])
+        values = {"mu_0": float(mu_0), "b": float(b)} | ({"a": float(a)} if rest else {}) | {"D_c": D_c}
+        scale = np.append(np.ones(len(values) - 1), D_c)
+        errors = covariance[:-1, :-1] * np.outer(scale, scale)
         return RateAndStateFit(
-            **quality(residual, friction, None, self.count)
-            | {"degrees_of_freedom": max(1.0, effective - self.count)},
-            rms_residual=rms(residual / friction),
+            **described(residual, friction, effective, self.count, values | {"a": float(a)}, errors),
             law=self.law,
             V_0=self.V_0,
-            mu_0=float(mu_0),
-            mu_0_stderr=float(of_mu_0),
-            a=float(a),
-            a_stderr=float(of_a[0]) if of_a else 0.0,
-            b=float(b),
-            b_stderr=float(of_b),
-            D_c=D_c,
-            D_c_stderr=D_c * of_D_c,
-            a_minus_b=float(a - b),
-            a_minus_b_stderr=math.sqrt(float(contrast @ covariance @ contrast)),
             first_state=math.exp(self.log_start(shape)),
             autocorrelation=rho,
-            effective_points=effective,
-            residual=residual,
             used=self.used,
             at_edge=min(abs(shape[0] - end) for end in self.reach) < _EDGE,
         )

@@ -67,11 +67,19 @@ class Drive:
         places = np.concatenate([[0.0], np.cumsum(self.velocity * np.diff(edges))])
         return np.asarray(np.interp(time, edges, places))
 
+    def between(self, start: float, stop: float) -> Drive:
+        """Return the part with the kinks between two times."""
+        inside = slice(np.searchsorted(self.kinks, start, "right"), np.searchsorted(self.kinks, stop))
+        velocity = self.velocity[inside.start : inside.stop + 1]
+        return Drive(self.kinks[inside], velocity, self.spread[inside])
+
     def per_row(self, time: Floats) -> Floats:
-        """Velocity in the interval that ends at each time, with the kinks at the nearest rows, shape (n,)."""
+        """Velocity forward in the interval that ends at each time, kinks at the nearest rows, shape (n,)."""
         middles = (time[1:] + time[:-1]) / 2
         rows = np.searchsorted(middles, self.kinks)
-        return np.asarray(self.velocity[np.searchsorted(rows, np.arange(time.size), side="left")])
+        return np.asarray(
+            np.maximum(self.velocity, 0.0)[np.searchsorted(rows, np.arange(time.size), side="left")]
+        )
 
 
 def drive_of(time: Floats, place: Floats) -> Drive:
@@ -212,21 +220,19 @@ class _Pieces:
         speeds = np.array([line[1] for line in lines])
         beside = np.maximum(np.append(0.0, np.abs(speeds[:-1])), np.append(np.abs(speeds[1:]), 0.0))
         speeds[(speeds < SLOW * beside) & (speeds > -5 * SLOW * beside)] = 0.0
-        centers = [float(self.time[slice(*pair)].mean()) for pair in pairs]
-        kinks, spread = [], []
-        for n, change in enumerate(np.diff(speeds).tolist()):
-            before, after = float(self.time[pairs[n][1] - 1]), float(self.time[pairs[n + 1][0]])
-            starts = [line[0] - speed * at for line, speed, at in zip(lines, speeds, centers, strict=True)]
-            room = 2 * (after - before)
-            crossing = (starts[n] - starts[n + 1]) / change if change else before
-            kinks.append(min(max(crossing, before - room), after + room))
-            # The error of a line at its end is twice that of its mean.
-            rows = [pair[1] - pair[0] for pair in pairs[n : n + 2]]
-            errors = [4 * line[2] / max(1, k - 2) / k for line, k in zip(lines[n : n + 2], rows, strict=True)]
-            spread.append(max(after - before, math.sqrt(sum(errors)) / abs(change) if change else 0.0))
-        turns = np.diff(speeds) != 0  # not between two rests
-        kept = np.concatenate([[True], turns])
-        return Drive(np.array(kinks)[turns], speeds[kept], np.array(spread)[turns])
+        rows = np.diff(self.edges)
+        # The error of a line at its end is twice that of its mean.
+        errors = np.array([4 * line[2] for line in lines]) / np.maximum(1, rows - 2) / rows
+        centers = np.array([self.time[slice(*pair)].mean() for pair in pairs])
+        starts = np.array([line[0] for line in lines]) - speeds * centers
+        turns = np.flatnonzero(np.diff(speeds))  # not between two rests
+        change = np.diff(speeds)[turns]
+        ends = np.array(self.edges[1:-1], dtype=np.intp)[turns]
+        before, after = self.time[ends - 1], self.time[ends]
+        room = 2 * (after - before)
+        kinks = np.clip((starts[turns] - starts[turns + 1]) / change, before - room, after + room)
+        spread = np.maximum(after - before, np.sqrt(errors[turns] + errors[turns + 1]) / np.abs(change))
+        return Drive(kinks, speeds[np.append(0, turns + 1)], spread)
 
 
 def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:

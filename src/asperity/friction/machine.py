@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from asperity.base.checks import Floats
 from asperity.fits.comparison import neighbors
+from asperity.fits.search import inverse_square
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive
 from asperity.friction.slider import Course, RunsAwayError, Shape, follow
@@ -23,17 +24,11 @@ from asperity.friction.slider import Course, RunsAwayError, Shape, follow
 _DIFFERENCE = 1e-4
 """Step of differences, in the logarithms; that of a kink is short of a sample by far."""
 
+_EDGE = 1e-3
+"""Distance from the end of its range at which a number is not determined."""
+
 _BESIDE = 2
 """Rows on each side of a kink at which measured slip is not fitted."""
-
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Something for each row of friction, for each of the load point behind the slip, and for each kink."""
-
-    friction: Floats
-    place: Floats | None
-    kinks: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +79,8 @@ class Machine:
         return np.column_stack([np.ones(place.size), place / place[-1]])[self.used]
 
     @cached_property
-    def _basis(self) -> Floats:
-        return np.linalg.qr(self.columns)[0]
+    def _inverse(self) -> Floats:
+        return np.asarray(np.linalg.pinv(self.columns), dtype=np.float64)
 
     @cached_property
     def pieces(self) -> list[tuple[int, NDArray[np.intp], Floats]]:
@@ -100,57 +95,80 @@ class Machine:
                 found.append((n, rows, np.linalg.qr(line)[0]))
         return found
 
-    def weighted(self, rows: Rows) -> list[Floats]:
-        """Rows over their noises, without what is linear: of friction, of each segment of slip, of kinks."""
-        parts = [(rows.friction[self.used] / self.noise[0], self._basis)]
-        if rows.place is not None:
-            parts += [(rows.place[at] / self.noise[1], basis) for _, at, basis in self.pieces]
-        left = [values - basis @ (basis.T @ values) for values, basis in parts]
-        return [*left, (rows.kinks / self.drive.spread)[self.measured]]
+    def compared(self, point: Floats, course: Course) -> tuple[Floats, list[Floats]]:
+        """mu_0 and the drift; and residuals over their noises, of friction, of segments of slip, of kinks."""
+        shape = self.shape(point)
+        elastic = course.elastic(shape)
+        friction = (self.friction - elastic)[self.used]
+        linear = self._inverse @ friction
+        parts = [(self.columns @ linear - friction) / self.noise[0]]
+        if self.slip is not None:
+            places = [((self.slip + elastic / shape.k)[rows], basis) for _, rows, basis in self.pieces]
+            parts += [(place - basis @ (basis.T @ place)) / self.noise[1] for place, basis in places]
+        kinks = (point[len(self.names) :] - self.drive.kinks) / self.drive.spread
+        return linear, [*parts, kinks[self.measured]]
 
     def residual(self, point: Floats) -> Floats:
-        """Model less what was measured; NaN in stick-slip."""
+        """Model less what was measured, over its noise; NaN in stick-slip."""
         try:
-            return np.concatenate(self.parts(point))
+            return np.concatenate(self.compared(point, self.course(point))[1])
         except RunsAwayError:
-            sizes = [at.size for _, at, _ in self.pieces]
+            sizes = [rows.size for _, rows, _ in self.pieces]
             return np.full(int(self.used.sum()) + sum(sizes) + int(self.measured.sum()), np.nan)
 
-    def parts(self, point: Floats) -> list[Floats]:
-        """The residuals of each kind."""
-        model = self.course(point).elastic(self.shape(point))
-        place = None if self.slip is None else self.slip + model / self.shape(point).k
-        kinks = point[len(self.names) :] - self.drive.kinks
-        return self.weighted(Rows(model - self.friction, place, kinks))
-
-    def jacobian(self, point: Floats, many: int) -> Floats:
-        """Derivatives of the residuals, one column for each of the first numbers searched."""
-        return np.column_stack([np.concatenate(self.weighted(rows)) for rows in self.slopes(point, many)])
-
-    def slopes(self, point: Floats, many: int) -> list[Rows]:
-        """Derivatives of all rows, one for each of the first numbers searched."""
-        shape, base, count = self.shape(point), self.course(point), len(self.names)
-        model, found = base.elastic(shape), []
+    def slopes(self, point: Floats, many: int) -> Floats:
+        """Derivatives of mu_0, drift and residuals, a column for each of the first numbers searched."""
+        base = self.course(point)
+        linear, parts = self.compared(point, base)
+        values, columns = np.concatenate([linear, *parts]), []
         for n in range(many):
-            step = self._step(n, shape)
+            step = self._step(n, self.shape(point))
             try:
-                ahead, course = self._beside(point, n, step, base)
+                ahead = self._beside(point, n, step, base)
             except RunsAwayError:  # on one side of what is stable
-                ahead, course = self._beside(point, n, -step, base)
-            slope = (course.elastic(self.shape(ahead)) - model) / (ahead[n] - point[n])
-            place = None
-            if self.slip is not None:
-                place = (slope - (model if (*self.names, "")[min(n, count)] == "k" else 0.0)) / shape.k
-            found.append(Rows(slope, place, (np.arange(point.size) == n)[count:] * 1.0))
-        return found
+                step = -step
+                ahead = self._beside(point, n, step, base)
+            columns.append((ahead - values) / step)
+        return np.column_stack(columns)
 
-    def _beside(self, point: Floats, n: int, step: float, base: Course) -> tuple[Floats, Course]:
-        """A point that differs in one number, and its course."""
+    def _beside(self, point: Floats, n: int, step: float, base: Course) -> Floats:
+        """What a point that differs in one number gives."""
         ahead, kink = point.copy(), n - len(self.names)
         ahead[n] += step
-        if kink < 0:
-            return ahead, self.course(ahead)
-        return ahead, follow(self.law, self.shape(point), self.moved(ahead), self.time, base, kink)
+        from_kink = () if kink < 0 else (base, kink)
+        course = follow(self.law, self.shape(ahead), self.moved(ahead), self.time, *from_kink)
+        linear, parts = self.compared(ahead, course)
+        return np.concatenate([linear, *parts])
+
+    def covariance(self, point: Floats) -> Floats:
+        """Of mu_0, the drift and the numbers by name; what is linear has its noise, and is dragged along."""
+        slopes = self.slopes(point, point.size)
+        drags, searched = slopes[:2], inverse_square(slopes[2:])
+        cross = drags @ searched
+        linear = self.noise[0] ** 2 * self._inverse @ self._inverse.T + cross @ drags.T
+        count = 2 + len(self.names)
+        return np.block([[linear, cross], [cross.T, searched]])[:count, :count]
+
+    @cached_property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Least and largest of what is searched."""
+        drive, place = self.drive, self.drive.place(self.time)
+        finest, size = float(np.diff(place)[np.diff(place) > 0].min()), float(np.ptp(self.friction))
+        ranges = {
+            "a": (math.log(1e-4 * size), math.log(50 * size)),
+            "b": (-50 * size, 50 * size),
+            "D_c": (math.log(finest / 10), math.log(10 * place[-1])),
+            "k": (math.log(size / place[-1] / 10), math.log(100 * size / finest)),
+        }
+        rooms = np.diff(drive.edges(self.time))
+        ends = np.array([ranges[name] for name in self.names]).reshape(-1, 2)
+        low = np.concatenate([ends[:, 0], drive.kinks - 0.45 * rooms[:-1]])
+        return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
+
+    def at_edge(self, point: Floats) -> frozenset[str]:
+        """What ended at the end of its range, and is not determined."""
+        ends = np.abs(np.array(self.bounds) - point).min(axis=0)
+        return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
 
     def _step(self, n: int, shape: Shape) -> float:
         if n < len(self.names):
@@ -166,7 +184,7 @@ class Machine:
 
         Where neighbors correlate, the noise is that of independent values that say as little.
         """
-        friction, *places, _ = self.parts(point)
+        friction, *places, _ = self.compared(point, self.course(point))[1]
         found, about = list(self.noise), [(0.0, 1.0), (0.0, 1.0)]
         for kind, part in enumerate((friction, np.concatenate([[], *places]))):
             if part.size > point.size + 2:

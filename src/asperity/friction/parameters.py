@@ -2,17 +2,41 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from asperity.base.checks import Floats
 from asperity.errors import InputError
-from asperity.fits import FitResult
+from asperity.fits import Estimate, FitResult
+from asperity.fits.result import parameters_of, quality, rms
 from asperity.friction.laws import RateAndState, StateLaw
 from asperity.friction.records import Record
+
+
+def described(
+    residual: Floats, friction: Floats, effective: float, count: int, values: dict[str, float], errors: Floats
+) -> dict[str, Any]:
+    """Fields of a fit: its quality by `count` parameters, and its numbers by name with their standard errors.
+
+    `errors` is the covariance of the first of `values`; the others were given.
+    """
+    free = dict(zip(values, np.eye(len(values))[:, : len(errors)], strict=True))
+    numbers = values | {"a_minus_b": values["a"] - values["b"]}
+    rows = free | {"a_minus_b": free["a"] - free["b"]}
+    spread = {f"{name}_stderr": math.sqrt(max(0.0, float(row @ errors @ row))) for name, row in rows.items()}
+    return {
+        **quality(residual, friction, None, count),
+        "degrees_of_freedom": max(1.0, effective - count),
+        "rms_residual": rms(residual / friction),
+        "effective_points": effective,
+        "residual": residual,
+        **numbers,
+        **spread,
+    }
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -65,6 +89,17 @@ class RateAndStateFit(FitResult):
     at_edge: bool
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c"})
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """What is estimated, by name, with its standard error and 95 % interval."""
+        found = {}
+        for name in parameters_of(self):
+            value, stderr, low, high = np.array(
+                [getattr(self, name), getattr(self, f"{name}_stderr"), *self.interval(name)]
+            )
+            found[name] = Estimate(value, stderr, low, high, 1)
+        return found
 
     @property
     def determined(self) -> bool:

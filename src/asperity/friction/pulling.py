@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import find_peaks
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
 from asperity.base.words import as_text
 from asperity.errors import InputError
-from asperity.fits.result import quality, rms
+from asperity.friction.events import rows_of
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
-from asperity.friction.parameters import MachineFit
-from asperity.friction.records import RUN_IN, Record
-from asperity.friction.searching import Solved, solve
+from asperity.friction.parameters import MachineFit, described
+from asperity.friction.records import Record
+from asperity.friction.searching import solve
 from asperity.friction.slider import RunsAwayError
 
 _LIKE_NOISE = 6.0
@@ -39,8 +39,10 @@ def stiffness_of(record: Record, given: object) -> float | None:
         return math.inf if record.drive is None else None
     if isinstance(given, str) and given.strip().lower() == "fit":
         return None
-    if not record.si or given == math.inf:
-        return math.inf if given == math.inf else checks.number("stiffness", given, above=0.0)
+    if given == math.inf or (isinstance(given, str) and given.strip().lower() in ("inf", "infinity")):
+        return math.inf
+    if not record.si:
+        return checks.number("stiffness", given, above=0.0)
     text = _WITH_UNIT.fullmatch(str(as_text(given)))
     if text is None:
         advice = f'"{given} / {record.units[1]}"' if isinstance(given, int | float) else '"1.6e-3 / um"'
@@ -58,24 +60,23 @@ def stiffness_of(record: Record, given: object) -> float | None:
 
 
 def pulled_fit(
-    record: Record, law: StateLaw, a: object, V_0: float | None, kinds: tuple[int, ...], k: float | None
+    record: Record, law: StateLaw, a: object, V_0: float | None, events: object, k: float | None
 ) -> MachineFit:
     """Fit a record from its steady sliding on; k is None where it is fitted. `InputError` as there."""
     if record.strength_at_rest:
         expected = "a record of a machine for a stiffness: in simulations the velocity is that of slip"
         raise InputError("record", expected=expected, got="the strength at rest")
-    slip, drive = record.slip, record.drive
+    rows, drive = record.time.size, record.drive
     if drive is None:
-        slip = record.displacement
-        drive = drive_of_slip(record.time, slip, record.friction)[0]
-    first, drive = _steady_start(record.time, drive)
-    time, friction = record.time[first:], record.friction[first:]
-    _refuse_steady(record, drive, time)
-    _refuse_oscillation(record, drive, time, friction)
+        drive, _ = drive_of_slip(record.time, record.displacement, record.friction)
+        record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
+    if drive.velocity[0] == 0 and drive.kinks.size:  # steady half-way through the first slide
+        record = record.between(float(drive.edges(record.time)[1:3].mean()))
+        drive = drive.between(record.time[0], math.inf)
+    used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
+    _refuse_oscillation(record, drive)
     if a is None:
         a = record.a
-    used = np.isin(record.events[first:], (RUN_IN, *kinds))
-    slip = None if slip is None else slip[first:]
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
@@ -84,27 +85,12 @@ def pulled_fit(
         found = solve(machine)
     except RunsAwayError:
         raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
-    return _result(record, found, first, V_0)
+    return _result(record, *found, rows - time.size, V_0)
 
 
-def _steady_start(time: Floats, drive: Drive) -> tuple[int, Drive]:
-    """First row to fit, half-way through the first slide if the record begins at rest; and the drive then."""
-    if drive.velocity[0] > 0 or drive.kinks.size == 0:
-        return 0, drive
-    start = float(drive.edges(time)[1:3].mean())
-    return int(np.searchsorted(time, start)), Drive(drive.kinks[1:], drive.velocity[1:], drive.spread[1:])
-
-
-def _refuse_steady(record: Record, drive: Drive, time: Floats) -> None:
-    if drive.kinks.size:
-        return
-    first, last = time[0] / record.scales[0], time[-1] / record.scales[0]
-    got = f"one velocity, {record.speed(drive.velocity[0])}, from {first:.6g} to {last:.6g} {record.units[0]}"
-    raise InputError("record", expected="a hold, or a step of the velocity, to learn b and D_c from", got=got)
-
-
-def _refuse_oscillation(record: Record, drive: Drive, time: Floats, friction: Floats) -> None:
+def _refuse_oscillation(record: Record, drive: Drive) -> None:
     """Refuse oscillations that do not die out while the load point goes on steadily."""
+    time, friction = record.time, record.friction
     noise = math.sqrt(variance(time, friction))
     edges = drive.edges(time)
     for n, speed in enumerate(drive.velocity):
@@ -128,64 +114,56 @@ def _stick_slip(text: str) -> InputError:
     )
 
 
-def _result(record: Record, found: Solved, first: int, V_0: float | None) -> MachineFit:
+def _result(
+    record: Record, machine: Machine, point: Floats, released: tuple[int, ...], first: int, V_0: float | None
+) -> MachineFit:
     """The numbers in the units of the record, with mu_0 at the reference velocity."""
-    machine, shape = found.machine, found.machine.shape(found.point)
-    start = float(machine.drive.velocity[0])
-    reference = start if V_0 is None else V_0
+    shape, start = machine.shape(point), float(machine.drive.velocity[0])
     a, b, D_c, k = shape
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length
         raise _stick_slip(f"k = {k * length:.3g} / {unit} below (b - a)/D_c = {lost:.3g} / {unit}")
-    # From logarithms to numbers.
-    scale = np.array([getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in found.names])
-    covariance = found.covariance * np.outer(scale, scale)
-
-    def spread(**weights: float) -> float:
-        row = np.array([weights.get(name, 0.0) for name in found.names])
-        return math.sqrt(max(0.0, float(row @ covariance @ row)))
-
+    machine, rho, worth = machine.judged(point)
+    course = machine.course(point)
+    elastic, place = course.elastic(shape), machine.moved(point).place(machine.time)
+    (mu_0, drift), (friction, *_) = machine.compared(point, course)
+    drift /= (whole := machine.drive.place(machine.time)[-1])
+    reference = start if V_0 is None else V_0
     logs = math.log(reference / start)
-    parameters, effective = found.names, found.residual.size * found.worth
-    elastic, place = found.course.elastic(shape), machine.moved(found.point).place(machine.time)
-    mu_0, drift = found.linear.tolist()
-    used: NDArray[np.bool_] = np.concatenate([np.zeros(first, bool), machine.used])
-    count = len(parameters) + machine.drive.kinks.size
+    # From logarithms to numbers, from start to reference, and what was given last.
+    names = ("mu_0", "drift", *machine.names)
+    scale = [getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in machine.names]
+    turned = np.diag([1.0, 1 / whole, *scale])
+    turned[0] += logs * ((np.array(names) == "a") * a - (np.array(names) == "b") * 1.0)
+    linear = {"mu_0": float(mu_0 + (a - b) * logs), "drift": float(drift)}
+    values = linear | dict.fromkeys(machine.names, 0.0) | shape._asdict()
+    values = {"stiffness" if name == "k" else name: value for name, value in values.items()}
+    residual = -machine.noise[0] * friction
+    at_edge = machine.at_edge(point)
 
-    def course(values: Floats) -> Floats:
+    def whole_course(values: Floats) -> Floats:
         return np.concatenate([np.full(first, np.nan), values])
 
     return MachineFit(
-        **quality(found.residual, record.friction[used], None, count)
-        | {"degrees_of_freedom": max(1.0, effective - count)},
-        rms_residual=rms(found.residual / record.friction[used]),
+        **described(
+            residual,
+            record.friction[machine.used],
+            residual.size * worth,
+            len(names) + machine.drive.kinks.size,
+            values,
+            turned @ machine.covariance(point) @ turned.T,
+        ),
         law=machine.law,
         V_0=reference,
-        mu_0=mu_0 + (a - b) * logs,
-        mu_0_stderr=spread(mu_0=1.0, a=logs, b=-logs),
-        a=a,
-        a_stderr=spread(a=1.0),
-        b=b,
-        b_stderr=spread(b=1.0),
-        D_c=D_c,
-        D_c_stderr=spread(D_c=1.0),
-        a_minus_b=a - b,
-        a_minus_b_stderr=spread(a=1.0, b=-1.0),
         first_state=D_c / start,
-        autocorrelation=found.autocorrelation,
-        effective_points=effective,
-        residual=found.residual,
-        used=used,
-        at_edge="D_c" in found.at_edge,
-        stiffness=k,
-        stiffness_stderr=spread(k=1.0),
-        stiffness_at_edge="k" in found.at_edge,
-        drift=drift,
-        drift_stderr=spread(drift=1.0),
-        kinks=found.point[len(machine.names) :],
-        released=found.released,
-        friction=course(mu_0 + drift * place + elastic),
-        slip=course(place - elastic / k),
-        state=course(np.exp(found.course.states[:, 1]) * D_c / start),
+        autocorrelation=rho,
+        used=np.append(np.zeros(first, bool), machine.used),
+        at_edge="D_c" in at_edge,
+        stiffness_at_edge="k" in at_edge,
+        kinks=point[len(machine.names) :],
+        released=released,
+        friction=whole_course(mu_0 + drift * place + elastic),
+        slip=whole_course(place - elastic / k),
+        state=whole_course(np.exp(course.states[:, 1]) * D_c / start),
     )

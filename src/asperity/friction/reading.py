@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,8 @@ from asperity.base import checks
 from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
-from asperity.base.words import as_text
+from asperity.base.tables import Table
+from asperity.base.words import number
 from asperity.errors import InputError
 from asperity.friction.loading import variance
 from asperity.friction.records import Record
@@ -48,6 +48,7 @@ ROLES = (
 _EXAMPLES = (
     "time_s, load_point_um and friction, or time_s, displacement_um, shear_stress_MPa and normal_stress_MPa"
 )
+_ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
 
 _CONSTANT, _NOISE = 0.02, 6.0
@@ -95,7 +96,12 @@ def read_record(
         There is no such table, its columns are not understood, some have units and some have none, a cell
         is no number, the normal stress changes, the load point goes back, or the numbers are no record.
     """
-    table = read_xlook(Path(path), calibration) if is_xlook(Path(path)) else path
+    if is_xlook(Path(path)):
+        table: Table | Path | str = read_xlook(Path(path), calibration)
+    elif calibration is not None:
+        raise InputError("calibration", expected="none, as a table states its units", got=str(calibration))
+    else:
+        table = path
     found = Columns(table, ROLES, columns, units)
     by_role, name = found.by_role, found.table.name
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
@@ -135,13 +141,16 @@ def read_record(
     try:
         return _made(time[kept], moved, friction, how)
     except InputError as error:
-        raise error if error.name == "units" else error.about(f"{name}, {error.name}") from error
+        raise error if error.name in _ARGUMENTS else error.about(f"{name}, {error.name}") from error
 
 
 def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[str, Any]) -> Record:
     if "velocity" in moved:
         return Record(time, moved["velocity"], friction, **how)
     if how["strength_at_rest"]:
+        if "displacement" not in moved:
+            got = "the load point of a machine, which slips at rest"
+            raise InputError("strength_at_rest", expected="a velocity or displacement of slip", got=got)
         return Record.of_displacement(time, moved["displacement"], friction, **how)
     del how["strength_at_rest"]
     how |= {"load_point": moved.get("load point"), "slip": moved.get("displacement")}
@@ -153,18 +162,20 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     factor = (si.factor(unit, "s") if unit else None) or 1.0
     ends = []
     for name, given, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
-        text = as_text(given)
-        if text is None:
-            ends.append(default)
-        elif isinstance(text, str) and re.search("[a-zA-Z]$", text.strip()):
-            ends.append(si.quantity(text, "s", name))
+        value = number(given) if isinstance(given, str) else given
+        if isinstance(value, str) and not unit:
+            expected = "a plain number, as the record has no units"
+            raise InputError(name, expected=expected, got=repr(value))
+        if isinstance(value, str):
+            ends.append(si.quantity(value, "s", name))
         else:
-            ends.append(factor * checks.number(name, float(text) if isinstance(text, str) else text))
+            ends.append(default if value is None else factor * checks.number(name, value))
     kept = (time >= ends[0]) & (time <= ends[1])
     if kept.sum() < 3 and not np.isinf(ends).all():
-        expected = f"a window of rows between {time.min() / factor:.6g} and {time.max() / factor:.6g} {unit}"
-        got = " to ".join(f"{end / factor:.6g}" for end in ends)
-        raise InputError("start", expected=expected, got=f"{got} {unit}, with {int(kept.sum())} rows")
+        first, last, *window = (f"{end / factor:.6g}" for end in (time.min(), time.max(), *ends))
+        expected = f"a window of rows between {first} and {last} {unit}".strip()
+        got = f"{' to '.join(window)} {unit}".strip()
+        raise InputError("start", expected=expected, got=f"{got}, with {int(kept.sum())} rows")
     return np.asarray(kept)
 
 

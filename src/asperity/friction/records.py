@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TypedDict, Unpack
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks, units, views
@@ -17,19 +14,15 @@ from asperity.base.checks import Floats
 from asperity.errors import InputError
 from asperity.friction.laws import timetable
 from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
-from asperity.friction.tabor import ShearStrength, add_friction
-from asperity.results import History, load
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
-
-_SHORT, _FEW = 2, 10
-"""Rests of so many rows, and how many of them are no noise of the displacement."""
 
 
 class About(TypedDict, total=False):
     """What a record may say of itself; see there."""
 
+    a: float | None
     si: bool
     normal_stress: float | None
     normal_force: float | None
@@ -114,7 +107,6 @@ class Record(views.Brief):
         friction: ArrayLike,
         *,
         strength_at_rest: bool = False,
-        a: float | None = None,
         **about: Unpack[About],
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
@@ -128,8 +120,8 @@ class Record(views.Brief):
         ----------
         time, displacement, friction
             Shape (n,); the displacement never falls.
-        strength_at_rest, a, about
-            As in a record, as `si`, `source` and others.
+        strength_at_rest, about
+            As in a record: `a`, `si`, `source` and others.
 
         Raises
         ------
@@ -141,7 +133,7 @@ class Record(views.Brief):
         if not times.size or places.size != times.size or values.size != times.size:
             got = f"{times.size} times, {places.size} displacements, {values.size} friction coefficients"
             raise InputError("displacement", expected="one for each time and friction", got=got)
-        kept = ~_after_slips(times, places)
+        kept = ~after_slips(times, places)
         times, places, values = times[kept], places[kept], values[kept]
         falls = np.diff(places) < 0
         if falls.any():
@@ -160,14 +152,7 @@ class Record(views.Brief):
         # The first time, and the second of two entries at one time, have the velocity of what follows.
         for at in np.flatnonzero(~np.isfinite(velocity))[::-1]:
             velocity[at] = velocity[at + 1] if at + 1 < velocity.size else 0.0
-        return cls(
-            times,
-            velocity,
-            values,
-            strength_at_rest=strength_at_rest,
-            a=a,
-            **about,
-        )
+        return cls(times, velocity, values, strength_at_rest=strength_at_rest, **about)
 
     @classmethod
     def of_machine(
@@ -177,7 +162,6 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        a: float | None = None,
         **about: Unpack[About],
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
@@ -191,8 +175,8 @@ class Record(views.Brief):
             Shape (n,), as in a record.
         load_point, slip
             Displacements (length), shape (n,); one of them at least. They may fall by their noise.
-        a, about
-            As in a record: `normal_stress`, `normal_force`, `source`, `si`, `units`.
+        about
+            As in a record: `a`, `normal_stress`, `normal_force`, `source`, `si`, `units`.
 
         Raises
         ------
@@ -200,45 +184,42 @@ class Record(views.Brief):
             As for a record; or the load point goes back.
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
-        places = {
-            name: None if place is None else checks.line(name, place)
-            for name, place in (("load_point", load_point), ("slip", slip))
-        }
-        name, along = next(
-            ((name, place) for name, place in places.items() if place is not None), ("", times)
-        )
-        sizes = {name: place.size for name, place in places.items() if place is not None}
-        if not name or any(size != times.size for size in [values.size, *sizes.values()]) or times.size < 3:
-            got = f"{times.size} times, {values.size} friction coefficients, {sizes}"
-            raise InputError(
-                name or "load_point", expected="three displacements or more, one for each", got=got
-            )
+        measured = {"load_point": load_point, "slip": slip}
+        places = {name: checks.line(name, place) for name, place in measured.items() if place is not None}
+        name = next(iter(places), "load_point")
+        sizes = {values.size, *(place.size for place in places.values())}
+        if not places or sizes != {times.size} or times.size < 3:
+            got = f"{times.size} times, {values.size} friction coefficients"
+            got += "".join(f", {place.size} of {kind}" for kind, place in places.items())
+            raise InputError(name, expected="three displacements or more, one for each", got=got)
         timetable(times, np.zeros_like(times))
         if name == "slip":
-            driven, compliance = drive_of_slip(times, along, values)
-            if compliance == 0 and not (np.diff(along) < 0).any():
-                return cls.of_displacement(times, along, values, a=a, **about)
+            driven, compliance = drive_of_slip(times, places[name], values)
+            if compliance == 0 and not (np.diff(places[name]) < 0).any():
+                return cls.of_displacement(times, places[name], values, **about)
         else:
-            driven = drive_of(times, along)
-        forward = np.maximum(driven.per_row(times), 0.0)
+            driven = drive_of(times, places[name])
         record = cls(
             times,
-            forward,
+            driven.per_row(times),
             values,
             drive=driven,
-            a=a,
-            load_point=places["load_point"],
-            slip=places["slip"],
+            load_point=places.get("load_point"),
+            slip=places.get("slip"),
             **about,
         )
         _refuse_reversal(record, name)
         return record
 
-    @property
-    def short_rests(self) -> int:
-        """Number of rests of a row or two."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.velocity == 0, [False]]).astype(int)))
-        return int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
+    def between(self, start: float, stop: float = math.inf) -> Record:
+        """Return the rows of a record of a machine between two times, with the kinks there."""
+        assert self.drive is not None
+        kept = (self.time >= start) & (self.time <= stop)
+        every = {item.name: getattr(self, item.name) for item in fields(self)}
+        rows: dict[str, Any] = {
+            name: values[kept] for name, values in every.items() if isinstance(values, np.ndarray)
+        }
+        return replace(self, drive=self.drive.between(start, stop), **rows)
 
     @property
     def scales(self) -> tuple[float, float]:
@@ -277,39 +258,6 @@ def _scales(names: tuple[str, str]) -> tuple[float, float]:
     return second or 1.0, length or 1.0
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class HoldPeaks(views.Brief):
-    """Static friction after holds.
-
-    Attributes
-    ----------
-    duration
-        Time at rest, shape (holds,).
-    peak
-        Friction at the end of the rest where it is the strength, else the largest of the slip after it.
-    before
-        Mean friction of the second half of the slip before, shape (holds,).
-    velocity
-        Velocity of the slip before, shape (holds,).
-    """
-
-    duration: Floats
-    peak: Floats
-    before: Floats
-    velocity: Floats
-
-
-def refuse_noise(record: Record) -> None:
-    """Refuse velocities that rest for a row here and there, as a displacement with noise has them."""
-    if (many := record.short_rests) > _FEW and not record.strength_at_rest:
-        raise InputError(
-            "record",
-            expected="rests of the machine, longer than two rows",
-            got=f"{many} short ones, as noise or rounding of the displacement makes them",
-            advice="asperity.friction.Record.of_machine(time, friction, slip=...), which allows for noise",
-        )
-
-
 def _refuse_reversal(record: Record, name: str) -> None:
     """Refuse a load point that goes back."""
     assert record.drive is not None
@@ -324,106 +272,6 @@ def _refuse_reversal(record: Record, name: str) -> None:
         )
 
 
-def hold_peaks(record: Record) -> HoldPeaks:
-    """Find static friction against hold time.
-
-    If the state before each hold is that of steady sliding at V, the aging law says
-    peak - before = b ln(1 + V duration/D_c) without a direct effect: `asperity.fits.logarithm` fits it.
-
-    Parameters
-    ----------
-    record
-        Holds count if there is slip before and after them.
-
-    Returns
-    -------
-    HoldPeaks
-        Possibly of no holds.
-    """
-    checks.instance("record", record, Record, "asperity.friction.record_of(history)")
-    refuse_noise(record)
-    time, velocity, friction = record.time, record.velocity, record.friction
-    runs = np.split(np.arange(time.size), np.flatnonzero(np.diff(velocity == 0)) + 1)  # slips and rests
-    rows = []
-    for slid, rest, slip in zip(runs, runs[1:], runs[2:], strict=False):
-        if velocity[rest[0]] == 0:
-            peak = friction[rest[-1]] if record.strength_at_rest else friction[slip].max()
-            before = friction[slid[slid.size // 2 :]].mean()
-            rows.append((time[rest[-1]] - time[slid[-1]], peak, before, velocity[slid[-1]]))
-    return HoldPeaks(*np.array(rows, dtype=np.float64).reshape(-1, 4).T)
-
-
-def record_of(
-    history: History | xr.Dataset | Path | str,
-    *,
-    shear_strength: ShearStrength | float | str | None = None,
-) -> Record:
-    """Take the record of a history in which the contact slid.
-
-    Parameters
-    ----------
-    history
-        A `History`, its dataset, or the folder where one is saved.
-    shear_strength
-        As in `add_friction`; needed where the dataset has no series ``friction`` yet.
-
-    Returns
-    -------
-    Record
-        Friction at rest is the strength.
-
-    Raises
-    ------
-    InputError
-        The contact never slid, or friction was not asked for.
-    """
-    dataset, source = _dataset(history)
-    if "displacement" not in dataset or not (dataset["displacement"] > 0).any():
-        advice = (
-            "a protocol with Slide legs, at the prompt --leg 'slide distance=8 velocity=5' --leg 'hold 10'"
-        )
-        raise InputError("history", expected="one in which the contact slides", got="none", advice=advice)
-    if np.isinf(dataset["velocity"]).any():
-        expected = "slides at finite velocities, as the age of contacts has no time to change otherwise"
-        raise InputError("history", expected=expected, got="a slide at once")
-    if shear_strength is not None:
-        dataset = add_friction(dataset, shear_strength)
-    if "friction" not in dataset:
-        expected = "the shear strength of the contacts, as the history has no series 'friction'"
-        raise InputError("shear_strength", expected=expected, got="none", advice="shear_strength=1.0")
-    si = dataset["load"].attrs.get("units") in ("N", "N/m")
-    slides = dataset.isel(time=np.isfinite(dataset["time"].values))  # not the relaxed state
-    slides = slides.isel(time=~_after_slips(slides["time"].values, slides["displacement"].values))
-    time = slides["time"].values
-    return Record.of_displacement(
-        time,
-        # The slide goes on between shifts, in which states may have been asked for.
-        np.cumsum(slides["velocity"].values * np.diff(time, prepend=time[0])),
-        slides["friction"].values,
-        strength_at_rest=True,
-        a=None if dataset.attrs.get("rate_coefficient") else 0.0,
-        si=si,
-        normal_stress=float(dataset["load"].mean()) / _nominal_area(dataset) if si else None,
-        source=source,
-    )
-
-
-def _after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
+def after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
     """Which entries are those after a slip at once, shape (n,)."""
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))
-
-
-def _nominal_area(dataset: xr.Dataset) -> float:
-    """In m^2; of a run of a campaign, which keeps no heights, from the contact."""
-    if "heights" in dataset:
-        return float(dataset["heights"].size * math.prod(json.loads(dataset.attrs["spacing"])))
-    return float((dataset["contact_area"] / dataset["contact_fraction"]).max())
-
-
-def _dataset(history: object) -> tuple[xr.Dataset, str]:
-    """The dataset of a history, and where it comes from."""
-    if isinstance(history, Path | str):
-        return load(history), str(Path(history))
-    if isinstance(history, History):
-        return history.dataset, ""
-    return checks.instance("history", history, xr.Dataset, "asperity.age(contact, times, protocol=...)"), ""

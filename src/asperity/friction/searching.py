@@ -1,18 +1,17 @@
-"""The search for the least squares of a machine, and how sure the numbers are."""
+"""The search for the least squares of a machine."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from asperity.base.checks import Floats
-from asperity.fits.search import inverse_square
 from asperity.friction.machine import Machine
-from asperity.friction.slider import Course, RunsAwayError
+from asperity.friction.slider import RunsAwayError
 
 _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
 """Starts: a over the range of friction, b/a, D_c over the shortest slide, k over that seen."""
@@ -32,29 +31,12 @@ _SETTLED = 0.01
 _RELEASED = 4.0
 """Errors of a measured kink beyond which friction alone says where it is."""
 
-_EDGE = 1e-3
-"""Distance from the end of its range at which a number is not determined."""
 
+def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
+    """Search from several starts; `RunsAwayError` where nothing slides stably.
 
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """Least squares: mu_0, the drift and what was searched, by name, with their covariance."""
-
-    machine: Machine
-    names: tuple[str, ...]
-    point: Floats
-    linear: Floats
-    covariance: Floats
-    released: tuple[int, ...]
-    course: Course
-    residual: Floats
-    autocorrelation: float
-    worth: float
-    at_edge: frozenset[str]
-
-
-def solve(machine: Machine) -> Solved:
-    """Search from several starts; `RunsAwayError` where nothing slides stably."""
+    Returns the machine with its noise, the point of the least squares, and the kinks seen at wrong times.
+    """
     count, starts = len(machine.names), _starts(machine)[:_POLISHED]
     # First with the kinks where they were seen, as friction of a stiff machine jumps there from row to row;
     # and with free kinks, which may have been seen at wrong times.
@@ -77,23 +59,7 @@ def solve(machine: Machine) -> Solved:
         point = point if found is None else found[1]
         if np.allclose(last.noise, machine.noise, rtol=_SETTLED) and not off.any():
             break
-    return _sure(machine, point, tuple(sorted(released)))
-
-
-def _bounds(machine: Machine) -> tuple[Floats, Floats]:
-    """Least and largest of what is searched."""
-    drive, place = machine.drive, machine.drive.place(machine.time)
-    finest, size = float(np.diff(place)[np.diff(place) > 0].min()), float(np.ptp(machine.friction))
-    ranges = {
-        "a": (math.log(1e-4 * size), math.log(50 * size)),
-        "b": (-50 * size, 50 * size),
-        "D_c": (math.log(finest / 10), math.log(10 * place[-1])),
-        "k": (math.log(size / place[-1] / 10), math.log(100 * size / finest)),
-    }
-    rooms = np.diff(drive.edges(machine.time))
-    ends = np.array([ranges[name] for name in machine.names]).reshape(-1, 2)
-    low = np.concatenate([ends[:, 0], drive.kinks - 0.45 * rooms[:-1]])
-    return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
+    return machine, point, tuple(sorted(released))
 
 
 def _starts(machine: Machine) -> list[Floats]:
@@ -101,7 +67,7 @@ def _starts(machine: Machine) -> list[Floats]:
     size, rooms = float(np.ptp(machine.friction)), np.diff(machine.drive.edges(machine.time))
     slides = rooms * machine.drive.velocity
     scales = {"a": size, "D_c": float(slides[slides > 0].min()), "k": _stiffness_seen(machine)}
-    low, high = _bounds(machine)
+    low, high = machine.bounds
     found: list[tuple[float, int, Floats]] = []
     for parts in product(*(_STARTS[name] for name in machine.names)):
         chosen = dict(zip(machine.names, parts, strict=True))
@@ -135,7 +101,7 @@ def _stiffness_seen(machine: Machine) -> float:
 
 def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> tuple[float, Floats] | None:
     """Cost and place of the minimum that a start leads to in its first numbers; None in stick-slip."""
-    low, high = _bounds(machine)
+    low, high = machine.bounds
     margin = 1e-9 * (high - low)
     start = np.clip(start, low + margin, high - margin)
 
@@ -143,7 +109,7 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
         return machine.residual(np.concatenate([part, start[many:]]))
 
     def jacobian(part: Floats) -> Floats:
-        return machine.jacobian(np.concatenate([part, start[many:]]), many)
+        return machine.slopes(np.concatenate([part, start[many:]]), many)[2:]
 
     if not np.isfinite(residual(start[:many])).all():
         return None
@@ -162,35 +128,3 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
     except RunsAwayError:
         return None
     return float(found.cost), np.concatenate([found.x, start[many:]])
-
-
-def _sure(machine: Machine, point: Floats, released: tuple[int, ...]) -> Solved:
-    """Values and covariance of mu_0 and the drift, then of what was searched."""
-    machine, rho, worth = machine.judged(point)
-    course, count = machine.course(point), len(machine.names)
-    off = machine.friction[machine.used] - course.elastic(machine.shape(point))[machine.used]
-    inverse = np.linalg.pinv(machine.columns)
-    linear = inverse @ off
-    # Of linear numbers: their own noise, and what the others drag along.
-    slopes = machine.slopes(point, point.size)
-    searched = inverse_square(np.column_stack([np.concatenate(machine.weighted(rows)) for rows in slopes]))
-    drags = -inverse @ np.column_stack([rows.friction[machine.used] for rows in slopes])
-    cross = drags @ searched
-    own = machine.noise[0] ** 2 * inverse @ inverse.T + cross @ drags.T
-    covariance = np.block([[own, cross], [cross.T, searched]])[: count + 2, : count + 2]
-    scale = np.ones(count + 2)
-    scale[1] = 1 / machine.drive.place(machine.time)[-1]
-    ends = np.abs(np.array(_bounds(machine)) - point)[:, :count].min(axis=0)
-    return Solved(
-        machine=machine,
-        names=("mu_0", "drift", *machine.names),
-        point=point,
-        linear=linear * scale[:2],
-        covariance=covariance * np.outer(scale, scale),
-        released=released,
-        course=course,
-        residual=off - machine.columns @ linear,
-        autocorrelation=rho,
-        worth=worth,
-        at_edge=frozenset(name for name, end in zip(machine.names, ends, strict=True) if end < _EDGE),
-    )

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from asperity.base import checks, units
 from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
-from asperity.results.quantities import select
 from asperity.theory import static_friction
 
 
@@ -116,6 +115,8 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950; the coefficient is
     `asperity.theory.static_friction`.
     """
+    from asperity.results.quantities import select  # late, as it brings the solvers
+
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
     units.check_units(vars(law), si=bool(dataset.attrs.get("si", 0)))

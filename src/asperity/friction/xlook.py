@@ -70,7 +70,8 @@ def _lines(path: Path, names: list[str]) -> list[tuple[float, str, float, str]]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(str(path), expected=_CALIBRATION, got=str(error)) from None
+        got = error.strerror.lower() if isinstance(error, OSError) and error.strerror else "no text"
+        raise InputError(str(path), expected=_CALIBRATION, got=got) from None
     lines = [line.partition("#")[0].strip() for line in text.splitlines()]
     found = []
     for line in filter(None, lines):

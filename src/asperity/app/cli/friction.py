@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 from cyclopts import Parameter
 
@@ -13,9 +13,16 @@ from asperity.app.cli.options import Reading, Results
 from asperity.base.words import number
 from asperity.errors import InputError
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from asperity.friction import Record
+
 _RESULTS, _READING = Results(), Reading()
 _FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
-_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")}
+_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")} | {
+    "strength_at_rest": "--strength-at-rest"
+}
 _FLAGS |= {"start": "--from", "stop": "--to"}
 
 
@@ -57,10 +64,13 @@ def friction(
         The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
     stiffness
         Of the machine: of the friction coefficient, "1.6e-3 / um"; of the shear stress or force where the
-        normal one is in the table, "0.16 MPa/um"; or fit. Where it is given, a fit stands beside it.
+        normal one is in the table, "0.16 MPa/um"; fit; or inf, where the load point is the slip. Where it is
+        given, a fit stands beside it.
         [default: fit, unless the slip itself is straight between holds and steps]
-    start, stop
-        Window in time, such as 3845s; a number alone has the unit of the table.
+    start
+        Time from which to read, such as 3845s; a number alone has the unit of the table.
+    stop
+        Time up to which to read.
     reference_velocity
         V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
     events
@@ -74,18 +84,6 @@ def friction(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
-    from asperity.base.tables import read_table
-
-    for path in records:
-        if not path.is_dir() and path.suffix.lower() in (".csv", ".txt", ".dat", ".tsv"):
-            read_table(path)  # what is no table is told before all is imported
-    from asperity.app.cli.computing import folder_of_results, tell_results
-    from asperity.app.cli.output import check_free, write_figure
-    from asperity.app.cli.reports.friction import events_report, friction_report, records_at
-    from asperity.figures import rate_and_state_figure
-    from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
-
-    replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
     how |= {"start": start, "stop": stop, "calibration": calibration}
     strength, reference = (
@@ -93,9 +91,18 @@ def friction(
         for word in (shear_strength, reference_velocity)
     )
     with in_flags(_FLAGS):
-        several = [record for path in records for record in records_at(path, strength, **how)]
+        several = [record for path in records for record in _records_at(path, strength, **how)]
         if several[0].si and isinstance(reference, float | int):
             raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
+    # Late: what is no record is told before all is imported.
+    from asperity.app.cli.computing import folder_of_results, tell_results
+    from asperity.app.cli.output import check_free, write_figure
+    from asperity.app.cli.reports.friction import events_report, friction_report
+    from asperity.figures import rate_and_state_figure
+    from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
+
+    replaceable = check_free(out, overwrite=results.overwrite)
+    with in_flags(_FLAGS):
         found = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
     rows, by_event, fit = friction_report(found, str(records[0])), None, found.fits[found.preferred]
     if isinstance(fit, MachineFit) and len(events_of(found.record)) > 1:
@@ -109,3 +116,30 @@ def friction(
             by_event.to_csv(folder / "events.csv", index=False)
         write_figure(rate_and_state_figure(found), folder / "friction.png")
     tell_results(rows, out, results)
+
+
+def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
+    """The record of a table, or of a run or those of a campaign, each of one surface."""
+    from asperity.friction import read_record, record_of
+
+    if not path.is_dir():
+        if strength is not None:
+            expected = "none for a table, which has friction itself"
+            raise InputError("shear_strength", expected=expected, got=strength)
+        return [read_record(path, **how)]
+    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
+    return [record_of(history, shear_strength=strength) for history in histories]
+
+
+def _surfaces(path: Path) -> list[xr.Dataset]:
+    """The finished runs of a campaign in which nothing but the surfaces differs."""
+    import asperity.app.campaign as campaign
+
+    dataset = campaign.open(path)
+    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
+    if several := [dim for dim, n in swept.items() if n > 1]:
+        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
+        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
+    runs = dataset.isel(dict.fromkeys(swept, 0))
+    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
+    return [run for run in every if run["load"].notnull().any()]

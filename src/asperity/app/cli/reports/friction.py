@@ -4,45 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
-import asperity.app.campaign as campaign
 from asperity.analysis.scan import written
 from asperity.app.cli.report import Row, aligned
 from asperity.base.words import counted, uncertain
-from asperity.errors import InputError
-from asperity.friction import Event, MachineFit, Record, StateLaws, read_record, record_of
+from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
+from asperity.friction.export import columns_of
 from asperity.friction.laws import STATE_LAWS, StateLaw
 
 _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
 
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
-
-
-def records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
-    """The record of a table, or of a run or those of a campaign, each of one surface."""
-    if not path.is_dir():
-        return [read_record(path, **how)]
-    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
-    return [record_of(history, shear_strength=strength) for history in histories]
-
-
-def _surfaces(path: Path) -> list[xr.Dataset]:
-    """The finished runs of a campaign in which nothing but the surfaces differs."""
-    dataset = campaign.open(path)
-    swept = {str(dim): n for dim, n in dataset["load"].sizes.items() if dim not in ("seed", "time", "entry")}
-    if several := [dim for dim, n in swept.items() if n > 1]:
-        expected, got = "a campaign over seeds alone", f"one over {' and '.join(several)}"
-        raise InputError(str(path), expected=expected, got=got, advice="a campaign for each of their values")
-    runs = dataset.isel(dict.fromkeys(swept, 0))
-    every = [runs.isel(seed=n) for n in range(runs.sizes["seed"])] if "seed" in runs.dims else [runs]
-    return [run for run in every if run["load"].notnull().any()]
 
 
 def friction_report(found: StateLaws, first: str) -> list[Row]:
@@ -83,19 +59,18 @@ def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
         k = f"{one.stiffness * length:.4g}"
         if one.stiffness_at_edge or one.stiffness_stderr > one.stiffness:
             k = "not determined"
-        numbers = [uncertain(getattr(one, name), getattr(one, f"{name}_stderr")) for name in ("a", "b")]
-        D_c = uncertain(one.D_c / length, one.D_c_stderr / length) if one.determined else "not determined"
         mu_0, misfit = uncertain(one.mu_0, one.mu_0_stderr), f"{float(np.std(one.residual)):.2g}"
-        table.append((one.law, "given" if is_given else "fitted", k, *numbers, D_c, mu_0, misfit))
+        table.append((one.law, "given" if is_given else "fitted", k, *_numbers(one, length), mu_0, misfit))
     rows = [("machine" * (n == 0), line) for n, line in enumerate(aligned(table).splitlines())]
     moved: list[str] = []
     kept: list[str] = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
         low, high, moves = found.range_of(name)
         span = f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})"
-        (moved if moves else kept).append(span)
+        if moves is not None:
+            (moved if moves else kept).append(span)
     if kept and len(found.suiting) > 1:
-        rows.append(("", f"the record determines {', '.join(kept)}, whatever law and stiffness"))
+        rows.append(("", f"the same within their errors, whatever law and stiffness: {', '.join(kept)}"))
     if moved:
         rows.append(("", f"with law and stiffness moves {', '.join(moved)}: state them beside it"))
     drift = f"{fit.drift * length:.2g} +- {fit.drift_stderr * length:.1g} 1/{unit} of the load point"
@@ -108,28 +83,28 @@ def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
     return rows
 
 
+def _numbers(fit: RateAndStateFit, length: float) -> list[str]:
+    """a, b and D_c in a unit of length."""
+    D_c = uncertain(fit.D_c / length, fit.D_c_stderr / length) if fit.determined else "not determined"
+    return [uncertain(fit.a, fit.a_stderr), uncertain(fit.b, fit.b_stderr), D_c]
+
+
 def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tuple[list[Row], pd.DataFrame]:
     """Holds and steps fitted one by one: rows of words, and a table."""
     (second, length), (time_unit, unit) = record.scales, record.units
     lines: list[tuple[str, ...]] = [("", "event", f"time ({time_unit})", "a", "b", f"D_c ({unit})")]
     table = []
     for event, fit in fits.items():
-        speeds = (
-            f"{event.before * second / length:.3g} to {event.after * second / length:.3g} {unit}/{time_unit}"
-        )
+        before, after = (speed * second / length for speed in (event.before, event.after))
+        speeds = f"{before:.3g} to {after:.3g} {unit}/{time_unit}"
         lasts = f"hold of {(event.end - event.time) / second:.4g} {time_unit}"
         words = lasts if event.kind == "hold" else speeds
-        said = ["not fitted"]
         row: dict[str, object] = {**vars(event)}
         if fit is not None:
-            said = [uncertain(getattr(fit, name), getattr(fit, f"{name}_stderr")) for name in ("a", "b")]
-            D_c = uncertain(fit.D_c / length, fit.D_c_stderr / length)
-            said.append(D_c if fit.determined else "not determined")
-            for name, suffix in (("a", ""), ("b", ""), ("D_c", "_m"), ("stiffness", "_per_m"), ("mu_0", "")):
-                ends = zip(("", "_low", "_high"), (getattr(fit, name), *fit.interval(name)), strict=True)
-                row |= {f"{name}{end}{suffix}": value for end, value in ends}
+            row |= columns_of(fit.estimates, si=record.si)
         table.append(row)
-        lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *said))
+        numbers = ["not fitted"] if fit is None else _numbers(fit, length)
+        lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *numbers))
     rows = [("events" * (n == 0), line) for n, line in enumerate(aligned(lines).splitlines())]
     return rows, pd.DataFrame(table)
 

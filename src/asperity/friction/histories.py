@@ -1,0 +1,92 @@
+"""Records of simulated contacts that slid."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from asperity.base import checks
+from asperity.errors import InputError
+from asperity.friction.records import Record, after_slips
+from asperity.friction.tabor import ShearStrength, add_friction
+
+if TYPE_CHECKING:
+    from asperity.results import History
+
+
+def record_of(
+    history: History | xr.Dataset | Path | str,
+    *,
+    shear_strength: ShearStrength | float | str | None = None,
+) -> Record:
+    """Take the record of a history in which the contact slid.
+
+    Parameters
+    ----------
+    history
+        A `History`, its dataset, or the folder where one is saved.
+    shear_strength
+        As in `add_friction`; needed where the dataset has no series ``friction`` yet.
+
+    Returns
+    -------
+    Record
+        Friction at rest is the strength.
+
+    Raises
+    ------
+    InputError
+        The contact never slid, or friction was not asked for.
+    """
+    dataset, source = _dataset(history)
+    if "displacement" not in dataset or not (dataset["displacement"] > 0).any():
+        advice = (
+            "a protocol with Slide legs, at the prompt --leg 'slide distance=8 velocity=5' --leg 'hold 10'"
+        )
+        raise InputError("history", expected="one in which the contact slides", got="none", advice=advice)
+    if np.isinf(dataset["velocity"]).any():
+        expected = "slides at finite velocities, as the age of contacts has no time to change otherwise"
+        raise InputError("history", expected=expected, got="a slide at once")
+    if shear_strength is not None:
+        dataset = add_friction(dataset, shear_strength)
+    if "friction" not in dataset:
+        expected = "the shear strength of the contacts, as the history has no series 'friction'"
+        raise InputError("shear_strength", expected=expected, got="none", advice="shear_strength=1.0")
+    si = dataset["load"].attrs.get("units") in ("N", "N/m")
+    slides = dataset.isel(time=np.isfinite(dataset["time"].values))  # not the relaxed state
+    slides = slides.isel(time=~after_slips(slides["time"].values, slides["displacement"].values))
+    time = slides["time"].values
+    return Record.of_displacement(
+        time,
+        # The slide goes on between shifts, in which states may have been asked for.
+        np.cumsum(slides["velocity"].values * np.diff(time, prepend=time[0])),
+        slides["friction"].values,
+        strength_at_rest=True,
+        a=None if dataset.attrs.get("rate_coefficient") else 0.0,
+        si=si,
+        normal_stress=float(dataset["load"].mean()) / _nominal_area(dataset) if si else None,
+        source=source,
+    )
+
+
+def _nominal_area(dataset: xr.Dataset) -> float:
+    """In m^2; of a run of a campaign, which keeps no heights, from the contact."""
+    if "heights" in dataset:
+        return float(dataset["heights"].size * math.prod(json.loads(dataset.attrs["spacing"])))
+    return float((dataset["contact_area"] / dataset["contact_fraction"]).max())
+
+
+def _dataset(history: object) -> tuple[xr.Dataset, str]:
+    """The dataset of a history, and where it comes from."""
+    from asperity.results import History, load  # late, as they bring the solvers
+
+    if isinstance(history, Path | str):
+        return load(history), str(Path(history))
+    if isinstance(history, History):
+        return history.dataset, ""
+    return checks.instance("history", history, xr.Dataset, "asperity.age(contact, times, protocol=...)"), ""
