@@ -15,8 +15,7 @@ import pytest
 
 import asperity as asp
 from asperity.app.config import config_from
-from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started
-from tests.explore.conftest import unpack
+from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started, unpack
 
 ARRAYS: dict[str, Any] = {
     "rows": np.arange(6.0).reshape(3, 2),
