@@ -200,11 +200,11 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
         surfaces,
         origin=json.loads(dataset.attrs.get("surface", "{}")),
         spacing=json.loads(dataset.attrs["spacing"]) if si else None,
-        reference=_loaded(dataset),
+        reference=loaded(dataset),
     )
 
 
-def _loaded(dataset: xr.Dataset) -> int:
+def loaded(dataset: xr.Dataset) -> int:
     """Number of the first map, or where its load is 0 of the first one after which the load does not rise."""
     forces = dataset.get("pressure", dataset.get("force"))
     if forces is None:

@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.maps import on_the_surface
+from asperity.analysis.maps import loaded, on_the_surface
 from asperity.analysis.prediction import Resolved, resolved
 from asperity.analysis.scan import written
 from asperity.base.words import counted
@@ -70,7 +70,9 @@ def _limits(solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
     strain = pressure / float(dataset.attrs["modulus"])
     if maps := resolved(dataset) if "in_contact" in dataset else ():
         stays = load[-1] >= (1 - 1e-9) * load.max()  # else patches are lost
-        yield from _on_patches(maps[0], maps[-1], may_merge=stays and fraction[-1] <= 0.5)
+        at = loaded(dataset)
+        when = "when the load is on" if at else "at first"
+        yield from _on_patches(maps[at], maps[-1], when, may_merge=stays and fraction[-1] <= 0.5)
     if strain > 0.05 and not solid.yields:
         share = f"{100 * strain:.2g} % of E*" if strain < 1 else f"{strain:.3g} times E*"
         when = "at the largest load" if pressed else "at first"
@@ -85,18 +87,18 @@ def _limits(solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
         )
 
 
-def _on_patches(first: Resolved, last: Resolved, *, may_merge: bool) -> Iterator[str]:
-    """What the pixels resolve of the first map, and what becomes of its patches."""
+def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) -> Iterator[str]:
+    """What the pixels resolve of the first map under the load, and what becomes of its patches."""
     if first.in_small > 0.2:
         yield (
-            f"{100 * first.in_small:.0f} % of the area at first lies in patches of fewer than 10 pixels: "
+            f"{100 * first.in_small:.0f} % of the area {when} lies in patches of fewer than 10 pixels: "
             "the scan does not resolve them, and a finer one would change the area"
         )
     if first.rim > 0.2:
-        part = f"{100 * first.rim:.0f} % of the counted area at first"
+        part = f"{100 * first.rim:.0f} % of the counted area {when}"
         yield f"the rim takes {part}: patches are few pixels wide"
     if first.patches < 30:
         many = counted(first.patches, "patch", "patches")
-        yield f"{many} at first: too few for the statistics of a surface"
+        yield f"{many} {when}: too few for the statistics of a surface"
     if may_merge and last.patches < first.patches / 2:
-        yield f"patches merge: {first.patches} at first, {last.patches} at last"
+        yield f"patches merge: {first.patches} {when}, {last.patches} at last"
