@@ -34,10 +34,10 @@ HOLDS = [10.0, 0.0, 10.0, 0.0, 10.0], [10.0, 3.0, 15.0, 100.0, 15.0]
 
 
 def noisy(time, friction, seed=0, **places):
-    """A record with noise of 3 % of D_c and 4e-4, and a drift."""
-    rng = np.random.default_rng(seed)
+    """A record with noise of 3 % of D_c and 4e-4, and a drift with displacement."""
+    rng, along = np.random.default_rng(seed), next(iter(places.values()))
     places = {name: place + 0.3 * UM * rng.standard_normal(time.size) for name, place in places.items()}
-    friction = friction + 4e-4 * rng.standard_normal(time.size) + 2.0 * UM / UM * 1e-6 * time
+    friction = friction + 4e-4 * rng.standard_normal(time.size) + 1e-6 * along / UM
     return F.Record.of_machine(time, friction, units=("s", "um"), **places)
 
 
