@@ -13,6 +13,7 @@ from asperity.analysis.maps import loaded, on_the_surface
 from asperity.analysis.prediction import Resolved, resolved
 from asperity.analysis.scan import written
 from asperity.base.words import counted
+from asperity.lattice import Field
 from asperity.relaxation import PronySeries
 from asperity.relaxation.series import Branches
 from asperity.solids import Solid
@@ -24,15 +25,19 @@ from asperity.theory import persson_area
 # patches are single pixels, and offsets of lines of twice the rms height 3 and more.
 _BEYOND = 3.0
 
+_STILL = 1e-9  # part of the largest load by which one that stays may fall by rounding
 
-def remarks_on_contact(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
-    """What whoever reads a history should know, in numbers."""
+
+def remarks_on_contact(
+    rough: Surface, solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None = None
+) -> tuple[str, ...]:
+    """What whoever reads a history should know, in numbers; `maps` are those of `resolved`, where known."""
     on_filled: tuple[str, ...] = ()
     if rough.filled is not None and "field_time" in dataset.dims:
         forces = on_the_surface(dataset)["pressure" if "pressure" in dataset else "force"]
         on_filled = load_on_filled(rough.filled, np.asarray(forces))
     in_lengths = solid.in_lengths and rough.has_lengths and rough.heights.ndim == 2
-    limits = _limits(solid, dataset) if in_lengths else ()
+    limits = _limits(solid, dataset, maps) if in_lengths else ()
     return (*on_filled, *_beyond_theory(rough, solid, dataset), *limits)
 
 
@@ -44,7 +49,7 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
     if not (elastic and measured and dataset.attrs.get("si")):
         return ()
     heights, spacing = rough.in_meters()
-    at = int(np.argmax(load >= (1 - 1e-9) * load.max()))
+    at = _loaded(load)
     nominal, slope = heights.size * math.prod(spacing), rough.describe().rms_slope
     if not (load[at] > 0 and slope > 0):
         return ()
@@ -62,14 +67,21 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
     )
 
 
-def _limits(solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
+def _loaded(load: Field) -> int:
+    """Number of the first time at which the largest load is on."""
+    return int(np.argmax(load >= (1 - _STILL) * load.max()))
+
+
+def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None) -> Iterator[str]:
     """What limits a contact of a continuum under a surface with units, in numbers."""
     load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
-    pressed = int(np.argmax(load >= (1 - 1e-9) * load.max()))
+    pressed = _loaded(load)
     pressure = float(dataset["mean_contact_pressure"][pressed])
     strain = pressure / float(dataset.attrs["modulus"])
-    if maps := resolved(dataset) if "in_contact" in dataset else ():
-        stays = load[-1] >= (1 - 1e-9) * load.max()  # else patches are lost
+    if maps is None:
+        maps = resolved(dataset) if "in_contact" in dataset else ()
+    if maps:
+        stays = load[-1] >= (1 - _STILL) * load.max()  # else patches are lost
         at = loaded(dataset)
         when = "when the load is on" if at else "at first"
         yield from _on_patches(maps[at], maps[-1], when, may_merge=stays and fraction[-1] <= 0.5)

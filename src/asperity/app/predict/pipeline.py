@@ -392,7 +392,8 @@ def _predicted(
         observed=tuple(observe(one, **instrument) for one in looked_at),
         bands=bands,
     )
-    remarks = *scan.remarks, *remarks_on_edges(scan), *remarks_on_contact(scan, solid, dataset)
+    on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
+    remarks = *scan.remarks, *remarks_on_edges(scan), *on_contact
     return replace(prediction, remarks=(*remarks, *remarks_on(prediction)))
 
 
