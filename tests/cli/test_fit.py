@@ -142,7 +142,8 @@ def test_the_figure_draws_the_numbers():
     assert lower.get_xlabel() == "hold time $t$ [s]"
     curves = {str(artist.get_label()).split()[0]: artist for artist in upper.lines}
     fit = growth.fits["logarithm"]
-    np.testing.assert_allclose(np.asarray(curves["logarithm"].get_ydata()), fit.predict(growth.curve_time))
+    drawn = curves["logarithm"]
+    np.testing.assert_allclose(np.asarray(drawn.get_ydata()), fit.predict(np.asarray(drawn.get_xdata())))
     words = legend_of(figure)
     for piece in ("at time 0:", "mean of 3", "saturation", "straight line", "per decade", "$t_0$"):
         assert piece in words

@@ -12,7 +12,6 @@ from unittest.mock import DEFAULT, Mock
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib import pyplot as plt
 
 import asperity as asp
 from asperity.app.cli import main
@@ -32,11 +31,8 @@ def once(tmp_path_factory):
     area = 2.0 * EXACT * (1 + 0.01 * np.random.default_rng(1).standard_normal(T.size))
     frame = pd.DataFrame({"time [min]": T / 60, "area": area, "stderr": 0.02 * EXACT})
     frame.to_csv(folder / "area.csv", index=False)
-    plt.switch_backend("agg")
-    plt.close("all")
     with redirect_stdout(io.StringIO()) as text, redirect_stderr(io.StringIO()) as error:
         assert main(["infer", str(folder / "area.csv"), *QUICK, "--out", str(folder / "F")]) == 0
-    assert not plt.get_fignums()
     return folder, text.getvalue(), error.getvalue()
 
 

@@ -42,7 +42,7 @@ print(f"growth per decade {slope:.4f}, 95 % interval {low:.4f} to {high:.4f}; tr
 fig, ax = plt.subplots(layout="constrained")
 ax.semilogx(data.time, data.value, "o", color="black", markerfacecolor="white", label="measured")
 for law, shade, width in (("saturation", "0.7", 5), ("logarithm", "black", 1)):
-    ax.semilogx(found.curve_time, found.curves[law], "-", color=shade, linewidth=width, label=law)
+    ax.semilogx(hold, found.fits[law].predict(hold), "-", color=shade, linewidth=width, label=law)
 ax.set(xlabel="hold time [s]", ylabel="coefficient of static friction")
 ax.set_title(f"{slope:.4f} per decade, 95 % interval {low:.4f} to {high:.4f}")
 ax.legend()

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.base import checks
 from asperity.base.words import thousands, uncertain
 from asperity.figures import style
-from asperity.fits import LogarithmFit, MeasuredGrowth, SaturationFit
+from asperity.fits import GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
 
 _LINES: dict[Law, tuple[str, str, str]] = {
@@ -53,16 +53,18 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     upper.set_xscale("log")
     _draw_data(upper, growth)
     unit = style.spelled(style.fitted(unit_time, 150))
-    line = window or not growth.initial_from
+    rate = growth.rate if window or not growth.initial_from else None
+    times = np.geomspace(growth.shown.x[0], growth.shown.x[-1], 200)
     for law, fit in growth.fits.items():
         color, dashes, _ = _LINES[law]
         label = _legend(law, fit, unit)
-        upper.plot(growth.curve_time, growth.curves[law], dashes, color=color, linewidth=1.6, label=label)
-    if line and growth.rate is not None:
-        slope, error = (math.log(10) * one for one in (growth.rate.slope, growth.rate.slope_stderr))
+        upper.plot(times, fit.predict(times), dashes, color=color, linewidth=1.6, label=label)
+    if rate is not None:
+        slope, error = (math.log(10) * one for one in (rate.slope, rate.slope_stderr))
         label = f"straight line, {uncertain(slope, error)} per decade"
-        upper.plot(growth.line_time, growth.line_value, ":", color=style.INK, linewidth=1.6, label=label)
-    _draw_residuals(lower, growth, line=line)
+        ends = np.array([rate.first, rate.last])
+        upper.plot(ends, rate.predict(ends), ":", color=style.INK, linewidth=1.6, label=label)
+    _draw_residuals(lower, growth, rate)
     upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
     lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
     for axes in (upper, lower):
@@ -73,10 +75,10 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
 
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
     label = f"means over bins of {thousands(growth.points)} values" if growth.shown_are_means else "data"
-    time, value, error = growth.shown_time, growth.shown_value, growth.shown_stderr
-    many = time.size > 100
-    look: dict[str, Any] = {"markersize": 4.5 if time.size < 100 else 3, "markerfacecolor": "white", **_BARS}
-    axes.errorbar(time, value, error, fmt="o", label=label, color=style.INK, zorder=1 if many else 4, **look)
+    shown, many = growth.shown, growth.shown.x.size >= 100
+    look: dict[str, Any] = {"markersize": 3 if many else 4.5, "markerfacecolor": "white", **_BARS}
+    look |= {"fmt": "o", "color": style.INK, "zorder": 1 if many else 4}
+    axes.errorbar(shown.x, shown.y, shown.stderr, label=label, **look)
     if growth.initial_points and growth.rate is not None:
         initial = growth.rate.initial_area
         count = f", mean of {growth.initial_points}" if growth.initial_points > 1 else ""
@@ -84,20 +86,21 @@ def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
         axes.axhline(initial, color=style.GRAY, linestyle="-.", linewidth=1.2, label=label, zorder=0)
 
 
-def _draw_residuals(axes: Axes, growth: MeasuredGrowth, *, line: bool) -> None:
+def _draw_residuals(axes: Axes, growth: MeasuredGrowth, rate: GrowthRate | None) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
-    errors = np.zeros_like(growth.shown_value) if growth.shown_stderr is None else growth.shown_stderr
-    errors = 100 * errors / growth.shown_value
-    strips = [(_LINES[law], growth.shown_time, residual) for law, residual in growth.residuals.items()]
-    if line and growth.rate is not None:
-        strips.append(((style.INK, ":", "x"), growth.line_shown_time, growth.line_residual))
+    shown = growth.shown
+    strips = [(_LINES[law], fit.predict, shown) for law, fit in growth.fits.items()]
+    if rate is not None:
+        window = shown.where((shown.x >= rate.first) & (shown.x <= rate.last))
+        strips.append(((style.INK, ":", "x"), rate.predict, window))
     reach = 1e-3  # an exact fit leaves rounding errors, which are no news
-    for (color, _, marker), time, residual in strips:
-        error = errors[np.isin(growth.shown_time, time)]
-        bars = None if growth.shown_stderr is None else error
+    for (color, _, marker), law, part in strips:
+        residual = 100 * (part.y / law(part.x) - 1)
+        error = np.zeros_like(part.y) if part.stderr is None else 100 * part.stderr / part.y
+        bars = None if part.stderr is None else error
         look: dict[str, Any] = {"markerfacecolor": color if marker == "o" else "none", "markersize": 3.5}
-        axes.errorbar(time, 100 * residual, bars, fmt=marker, color=color, **look, **_BARS)
-        reach = max(reach, 1.15 * float(np.max(np.abs(100 * residual) + error, initial=0)))
+        axes.errorbar(part.x, residual, bars, fmt=marker, color=color, **look, **_BARS)
+        reach = max(reach, 1.15 * float(np.max(np.abs(residual) + error, initial=0)))
     axes.set_ylim(-reach, reach)
     axes.set_ylabel("data / fit − 1 [%]")
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -14,7 +13,6 @@ from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pixels, written_page
 from asperity.inference import Inference
-from asperity.inference.sampling import libraries
 from asperity.inference.verdicts import EXCLUDED
 
 _COLUMNS = 3
@@ -81,24 +79,26 @@ def parameters_figure(found: Inference) -> Figure:
 def corner_figure(found: Inference) -> Figure:
     """Draw the posterior of each pair of parameters that the curve contains, ln of what spans a decade."""
     drawn: dict[str, Floats] = {}
-    inner = np.ones(found.draws.z.shape[:2], dtype=bool)
     for name in found.profiles:
-        values, logarithmic = found.values[name], found.model.priors[name].kind.startswith("log")
-        wide = logarithmic and values.max() > 10 * values.min()
+        values = np.clip(found.values[name].ravel(), *np.quantile(found.values[name], (0.002, 0.998)))
+        wide = found.model.priors[name].logarithmic and values.max() > 10 * values.min()
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
-        low, high = np.quantile(values, (0.002, 0.998))
-        inner &= (values >= low) & (values <= high)
-    import matplotlib.pyplot as plt
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        side = 2.0 * max(len(drawn), 2)
-        how = {"kind": "kde", "marginals": True, "figsize": (side, side), "textsize": 9, "show": False}
-        panels = libraries()[1].plot_pair(
-            {name: x[inner] for name, x in drawn.items()}, backend_kwargs={"layout": "constrained"}, **how
-        )
-    figure: Figure = np.ravel(panels)[0].figure
-    plt.close(figure)  # it is drawn, and shown by no window
+    side = max(len(drawn), 2)
+    figure = style.Drawing(figsize=(2.0 * side, 2.0 * side), layout="constrained")
+    panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
+    for row, (name, values) in enumerate(drawn.items()):
+        for column, (other, across) in enumerate(drawn.items()):
+            axes = panels[row, column]
+            axes.set_visible(column <= row)
+            axes.set_yticks([])
+            if column == row:
+                axes.hist(values, _BINS, color=style.BLUE, alpha=0.7)
+            elif column < row:
+                axes.hexbin(across, values, gridsize=_BINS // 2, cmap="Blues", mincnt=1, linewidths=0)
+            if column == 0 < row:
+                axes.set_ylabel(name, fontsize=9)
+            if row == len(drawn) - 1:
+                axes.set_xlabel(other, fontsize=9)
     return figure
 
 

@@ -91,8 +91,6 @@ class LogarithmFit(GrowthFit):
     slope, slope_stderr
         A(0) C, the slope dA/d ln t for t0 << t, in the unit of the areas; times ln 10, per decade. It is
         determined even where A(0) is not.
-    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
-        As in every `FitResult`, which also has `interval`.
     """
 
 
@@ -111,8 +109,6 @@ class SaturationFit(GrowthFit):
         trust C, and neither a nor q. At the least q searched, 1e-8, a_stderr is infinite.
     initial_area, initial_area_stderr, slope, slope_stderr
         As for `LogarithmFit`; A(t) follows that slope for t0 << t << t0 exp(1/q).
-    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
-        As in every `FitResult`, which also has `interval`.
     """
 
     a: float
@@ -205,10 +201,6 @@ def logarithm(
 
     Arguments and errors are those of `saturation`; the parameters are C, t0, and A(0) where it is one.
 
-    Returns
-    -------
-    LogarithmFit
-        Law and parameters.
     """
     curve = Curve.checked(time, area, stderr, parameters=2)
     best = fit_law(_logarithmic, curve, [np.log([1.0, t0]) for t0 in curve.time_scales()], [])

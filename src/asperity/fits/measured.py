@@ -6,9 +6,8 @@ Contact area or static friction, of a laboratory or of a simulation: all that is
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,13 +19,11 @@ from asperity.fits.comparison import Comparison, compared
 from asperity.fits.curve import Curve, Series, refuse_decline
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.rate import GrowthRate, growth_rate
-from asperity.lattice import Field
 
 Law = Literal["saturation", "logarithm"]
-_FEW_ENOUGH = 1000  # points that are shown one by one; of more, means over bins of equal width in ln t
+_FEW_ENOUGH = 1000  # points that are shown one by one; of more, means over bins
 _WORTH = 0.5  # independent values a value, below which standard errors deserve a remark
 _SHOWN_BINS = 100
-_SMOOTH_CURVE = 200
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,18 +45,10 @@ class MeasuredGrowth(views.Brief):
         do not determine that law's t0, so that `rate.B` means nothing.
     notes
         What went wrong, or must be said.
-    shown_time, shown_value, shown_stderr
-        Data above time 0 to draw, shape ``(m,)``, the last possibly None.
+    shown
+        Values above time 0 to draw, with their standard errors, if these are known.
     shown_are_means
-        Whether these are means over bins.
-    curve_time, curves
-        Times, shape ``(k,)``, and each law at them.
-    residuals
-        Relative residuals value/law - 1 at `shown_time`, by law.
-    line_time, line_value
-        Ends of the straight line of `rate`, shape ``(2,)``; or empty.
-    line_shown_time, line_residual
-        Relative residuals value/line - 1 within its window; or empty.
+        Whether they are means over bins of equal width in ln t.
     """
 
     points: int
@@ -69,17 +58,8 @@ class MeasuredGrowth(views.Brief):
     rate: GrowthRate | None
     initial_from: str
     notes: tuple[str, ...]
-    shown_time: Field
-    shown_value: Field
-    shown_stderr: Field | None
+    shown: Series
     shown_are_means: bool
-    curve_time: Field
-    curves: Mapping[Law, Field]
-    residuals: Mapping[Law, Field]
-    line_time: Field
-    line_value: Field
-    line_shown_time: Field
-    line_residual: Field
 
 
 def measured_growth(
@@ -128,10 +108,8 @@ def measured_growth(
         )
     means = later.x.size > _FEW_ENOUGH
     shown = later.binned(_SHOWN_BINS) if means else later
-    curve_time = np.geomspace(later.x[0], later.x[-1], _SMOOTH_CURVE)
-    ends = np.empty(0) if rate is None else np.array([rate.first, rate.last])
-    first, last = (rate.first, rate.last) if rate else (math.inf, math.inf)
-    window = shown.where((shown.x >= first) & (shown.x <= last))
+    if stderr is None:
+        shown = replace(shown, stderr=None)
     return MeasuredGrowth(
         points=series.x.size,
         initial_points=zeros,
@@ -140,17 +118,8 @@ def measured_growth(
         rate=rate,
         initial_from=initial_from,
         notes=tuple(notes),
-        shown_time=shown.x,
-        shown_value=shown.y,
-        shown_stderr=None if stderr is None else shown.stderr,
+        shown=shown,
         shown_are_means=means,
-        curve_time=curve_time,
-        curves={law: fit.predict(curve_time) for law, fit in fits.items()},
-        residuals={law: shown.y / fit.predict(shown.x) - 1 for law, fit in fits.items()},
-        line_time=ends,
-        line_value=ends if rate is None else rate.predict(ends),
-        line_shown_time=window.x,
-        line_residual=window.y if rate is None else window.y / rate.predict(window.x) - 1,
     )
 
 

@@ -31,8 +31,8 @@ class PowerLawFit(FitResult):
         y at x = 1, in the unit of y.
     r_squared
         Of the logarithms.
-    points, degrees_of_freedom, rms_residual, reduced_chi_squared
-        As in every `FitResult`, which also has `interval`; the residuals are relative.
+
+    The residuals of `FitResult` are relative.
     """
 
     exponent: float
@@ -59,11 +59,6 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
     stderr
         Standard errors of y, shape (n,), if they are known; small beside y, for ln y has stderr/y then.
         Without them all relative errors of y are taken to be alike.
-
-    Raises
-    ------
-    InputError
-        For values that are not above 0, are too few, or all at one x.
     """
     series = _positive(x, y, stderr)
     sigma = None if series.stderr is None else series.stderr / series.y
@@ -94,11 +89,6 @@ def local_exponent(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     middle, exponent
         Geometric middles of neighboring x, increasing, and the exponents there; shape (m - 1,) for m
         different x.
-
-    Raises
-    ------
-    InputError
-        For values that are not above 0, or fewer than two different x.
     """
     series = _positive(x, y, None)
     different, which, counts = np.unique(series.x, return_inverse=True, return_counts=True)

@@ -52,8 +52,8 @@ class GrowthRate(FitResult):
         The window: earliest and latest time in it.
     middle
         Area on the line in the (geometric) middle of the window.
-    points, degrees_of_freedom, rms_residual, r_squared, reduced_chi_squared
-        As in every `FitResult`, which also has `interval`; of the straight line A against ln t.
+
+    The fields of `FitResult` are those of the straight line A against ln t.
     """
 
     B: float
@@ -77,7 +77,7 @@ class GrowthRate(FitResult):
         return np.asarray(self.middle + self.slope * from_middle)[()]
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a parameter; see `FitResult.interval`."""
+        """95 % interval of a parameter; see `FitResult`."""
         if name == "curvature":  # of another curve than the rest, with fewer degrees of freedom
             return self.curvature - self.curvature_reach, self.curvature + self.curvature_reach
         return super().interval(name)

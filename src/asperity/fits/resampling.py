@@ -71,11 +71,6 @@ def jackknife(
         argument for each array of `samples`.
     samples
         One array of shape (runs, ...), or a tuple of such arrays for the same runs.
-
-    Raises
-    ------
-    InputError
-        No runs, or arrays of different numbers of runs.
     """
     arrays = tuple(np.asarray(array) for array in (samples if isinstance(samples, tuple) else (samples,)))
     counts = [array.shape[0] if array.ndim else 0 for array in arrays]
@@ -134,17 +129,7 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
     areas
         Areas, shape (runs, times). The fit sees their mean over runs.
 
-    Returns
-    -------
-    EnsembleFit
-        With one run the errors are NaN.
-
-    Raises
-    ------
-    InputError
-        The shapes do not match, `fit` has no parameters, or it refuses the mean or one of all runs but one.
-    ConvergenceError
-        If `fit` does not find a minimum.
+    With one run the errors are NaN. Errors are those of `fit`.
     """
     times, runs = line("time", time), floats("areas", areas)
     if runs.ndim != 2 or runs.shape[0] == 0 or runs.shape[1] != times.size:

@@ -63,23 +63,10 @@ class FitResult(views.InNotebooks):
         return f"<{type(self).__name__}: {', '.join(said)}>"
 
     def interval(self, name: str) -> tuple[float, float]:
-        """95 % interval of a parameter, by Student's t, if the errors of the values are independent.
+        """Ends of the 95 % interval of a parameter, by Student's t, if the errors of values are independent.
 
-        Parameters
-        ----------
-        name
-            A field with a standard error beside it, such as ``"C"``. The interval is symmetric, for
-            scales (t0, prefactor) in the logarithm.
-
-        Returns
-        -------
-        tuple of float
-            Lower and upper end.
-
-        Raises
-        ------
-        InputError
-            There is no such parameter.
+        A parameter is a field with a standard error beside it, such as ``"C"``. The interval is symmetric,
+        for scales (t0, prefactor) in the logarithm.
         """
         names = parameters_of(self)
         if name not in names:

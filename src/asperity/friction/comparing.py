@@ -211,7 +211,6 @@ def _check_same(first: Record, other: Record) -> None:
 
 
 def _lack(fit: RateAndStateFit) -> float:
-    """Ln of the mean square of the residuals, above what rounding leaves."""
     return lack_of(fit.residual, given=False, rounding=ROUNDING * fit.mu_0)
 
 

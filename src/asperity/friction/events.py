@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,22 +25,11 @@ _SHORT, _FEW = 2, 10
 """Rests of so many rows, and how many of them are no noise of the displacement."""
 
 
-@dataclass(frozen=True)
-class Event:
-    """A hold, or a step of the velocity of the load point.
+class Event(NamedTuple):
+    """A hold from `time` to `end`, or a step of the velocity of the load point, numbered from 1.
 
-    Attributes
-    ----------
-    number
-        From 1.
-    kind
-        ``"hold"`` or ``"step"``.
-    time, end
-        When the load point stops, or its velocity steps; and when it goes on, or the same.
-    before, after
-        Its velocities, in the slide before and after.
-    start, stop
-        The window of a fit: from half of the slide before, to the end of the slide after.
+    `before` and `after` are its velocities, `start` and `stop` the window of a fit: from half of the slide
+    before, to the end of the slide after.
     """
 
     number: int
@@ -58,18 +47,16 @@ def events_of(record: Record) -> list[Event]:
     checks.instance("record", record, Record, "asperity.friction.read_record(path)")
     if record.drive is None:
         return []
-    speeds, edges = record.drive.velocity, record.drive.edges(record.time)
+    speeds, edges = record.drive.velocity.tolist(), record.drive.edges(record.time).tolist()
     found: list[Event] = []
-    for n in range(1, speeds.size):
-        before, now = float(speeds[n - 1]), float(speeds[n])
-        if before == 0 or (now == 0 and n + 1 == speeds.size):
+    for n in range(1, len(speeds)):
+        rests = speeds[n] == 0
+        if speeds[n - 1] == 0 or (rests and n + 1 == len(speeds)):
             continue
-        last = n + 1 if now == 0 else n
-        start = float(edges[n - 1] + edges[n]) / 2
-        times = (float(edges[n]), float(edges[last]))
-        kind: Literal["hold", "step"] = "hold" if now == 0 else "step"
-        after, stop = float(speeds[last]), float(edges[last + 1])
-        found.append(Event(len(found) + 1, kind, *times, before, after, start, stop))
+        last, start = n + rests, (edges[n - 1] + edges[n]) / 2
+        kind: Literal["hold", "step"] = "hold" if rests else "step"
+        times = edges[n], edges[last], speeds[n - 1], speeds[last], start, edges[last + 1]
+        found.append(Event(len(found) + 1, kind, *times))
     return found
 
 

@@ -48,11 +48,6 @@ def slide_hold_slide(
     -------
     list of Leg
         For `asperity.age`.
-
-    Raises
-    ------
-    InputError
-        There is no hold, or a number is out of range.
     """
     given = units.numbers("holds", holds, "s")
     times = checks.positive("holds", checks.line("holds", given)).tolist()
@@ -78,7 +73,7 @@ def velocity_steps(
     distance
         How far to slide at each (length), above 0: several D_c, so that friction becomes steady.
 
-    The direction, result and errors are those of `slide_hold_slide`.
+    The direction and result are those of `slide_hold_slide`.
     """
     given = units.numbers("velocities", velocities, "m/s")
     speeds = checks.positive("velocities", checks.line("velocities", given)).tolist()
@@ -117,11 +112,6 @@ def synthetic_record(
         Seed of the noise.
     strength_at_rest, si
         As in `Record`.
-
-    Raises
-    ------
-    InputError
-        A leg is neither slide nor hold, or a number is out of range.
     """
     checks.instance("law", law, RateAndState, "RateAndState(a=0.01, b=0.015, D_c=1e-5, mu_0=0.6, V_0=1e-6)")
     per_leg = checks.integer("per_leg", per_leg, least=2)

@@ -42,10 +42,8 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
 
     Raises
     ------
-    InputError
-        The name has another suffix.
-    OutputError
-        The disk refused.
+    InputError, OutputError
+        The name has another suffix; the disk refused.
     """
     from asperity.results.store import whole_file  # late, as it brings the solvers
 
@@ -70,12 +68,8 @@ def columns_of(estimates: Mapping[str, Estimate], *, si: bool) -> dict[str, floa
 
 def _origin(found: StateLaws) -> dict[str, object]:
     method = "residuals of one record" if found.runs == 1 else "jackknife over surfaces"
-    return {
-        "surfaces": found.runs,
-        "intervals_from": method,
-        "record": found.record.source,
-        "asperity_version": __version__,
-    }
+    origin = {"surfaces": found.runs, "intervals_from": method, "record": found.record.source}
+    return origin | {"asperity_version": __version__}
 
 
 def _toml(found: StateLaws, law: StateLaw) -> str:
@@ -107,16 +101,18 @@ def _csv(found: StateLaws, law: StateLaw) -> str:
     rows: list[dict[str, object]] = []
     for each in sorted(STATE_LAWS, key=lambda one: one != law):
         rows.append(_row(found, found.fits[each], found.estimates[each]))
-        if each in found.free:
-            rows.append(_row(found, found.free[each], found.free[each].estimates))
+        rows += [_row(found, fit, fit.estimates) for fit in [found.free.get(each)] if fit]
     return pd.DataFrame(rows).to_csv(index=False, na_rep="nan", lineterminator="\n")
 
 
 def _row(found: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
     """A line of the table."""
-    row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=found.record.si)}
-    row["V_0_m_per_s" if found.record.si else "V_0"] = float(fit.V_0)
-    row["normal_stress_Pa"] = "" if found.record.normal_stress is None else found.record.normal_stress
+    si, stress = found.record.si, found.record.normal_stress
+    row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=si)}
+    row |= {
+        "V_0_m_per_s" if si else "V_0": float(fit.V_0),
+        "normal_stress_Pa": "" if stress is None else stress,
+    }
     if isinstance(fit, MachineFit):
         row["stiffness_from"] = "fitted" if fit.stiffness_stderr > 0 else "given"
     return row | {"misfit": fit.rms_residual, "verdict": found.verdict} | _origin(found)

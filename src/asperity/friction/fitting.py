@@ -117,30 +117,19 @@ def rate_and_state(
 def fit_events(
     record: Record, *, law: StateLaw = "aging", stiffness: float | str | None = None
 ) -> Mapping[Event, MachineFit | None]:
-    """Fit the events of a record of a machine, each by itself.
+    """Fit the events of a record of a machine, each by itself; arguments are those of `rate_and_state`.
 
-    Parameters
-    ----------
-    record
-        Of a machine.
-    law, stiffness
-        As in `rate_and_state`.
-
-    Returns
-    -------
-    dict
-        By event, its fit; None where it has too few rows, or none that a law fits.
+    A fit is None where there are too few rows, or none that a law fits.
     """
     found: dict[Event, MachineFit | None] = {}
     for event in events_of(record):
         try:
             fit = rate_and_state(record.between(event.start, event.stop), law=law, stiffness=stiffness)
+            found[event] = fit if isinstance(fit, MachineFit) else None
         except InputError as error:
             if error.name == "stiffness":
                 raise
             found[event] = None
-        else:
-            found[event] = fit if isinstance(fit, MachineFit) else None
     return found
 
 

@@ -33,15 +33,7 @@ def record_of(
     shear_strength
         As in `add_friction`; needed where the dataset has no series ``friction`` yet.
 
-    Returns
-    -------
-    Record
-        Friction at rest is the strength.
-
-    Raises
-    ------
-    InputError
-        The contact never slid, or friction was not asked for.
+    Friction at rest is the strength. `InputError` if the contact never slid, or the strength is missing.
     """
     dataset, source = _dataset(history)
     if "displacement" not in dataset or not (dataset["displacement"] > 0).any():

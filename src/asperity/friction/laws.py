@@ -67,11 +67,6 @@ class RateAndState:
         Friction coefficient of steady sliding at V_0.
     V_0
         Reference velocity (length/time), above 0.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and another law.
     """
 
     law: StateLaw = "aging"
@@ -106,12 +101,7 @@ class RateAndState:
         Returns
         -------
         ndarray
-            theta (time), shape (n,).
-
-        Raises
-        ------
-        InputError
-            The shapes differ, a number is out of range, or nothing slides and no start is given.
+            theta (time), shape (n,). `InputError` if nothing slides and no start is given.
         """
         times, velocities = timetable(time, velocity)
         if start is None:
@@ -123,10 +113,9 @@ class RateAndState:
             return np.exp(log_state(self.law, times, velocities, self.D_c, float(np.log(start))))
 
     def friction(self, time: ArrayLike, velocity: ArrayLike, start: float | None = None) -> Floats:
-        """Return the friction coefficient of a record, shape (n,).
+        """Return the friction coefficient of a record, shape (n,), with the parameters of `state`.
 
-        At rest it is the strength against slip at the next velocity. Parameters and errors are those
-        of `state`.
+        At rest it is the strength against slip at the next velocity.
         """
         state = self.state(time, velocity, start)
         direct = self.a * log_velocity(*timetable(time, velocity), self.V_0)
@@ -134,10 +123,7 @@ class RateAndState:
             return np.asarray(self.mu_0 + direct + self.b * np.log(self.V_0 * state / self.D_c))
 
     def steady_friction(self, velocity: ArrayLike) -> Floats:
-        """Return the friction coefficient of steady sliding, mu_0 + (a - b) ln(V/V_0), of velocities above 0.
-
-        They have any shape, also that of the result. `InputError` for one that is not above 0.
-        """
+        """Return the friction of steady sliding, mu_0 + (a - b) ln(V/V_0), at velocities of any shape."""
         velocities = checks.positive("velocity", velocity)
         return np.asarray(self.mu_0 + (self.a - self.b) * np.log(velocities / self.V_0))[()]
 

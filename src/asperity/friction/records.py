@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,18 +17,6 @@ from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
-
-
-class About(TypedDict, total=False):
-    """What a record may say of itself; see there."""
-
-    a: float | None
-    si: bool
-    normal_stress: float | None
-    normal_force: float | None
-    source: str
-    read: str
-    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,9 +93,7 @@ class Record(views.Brief):
         time: ArrayLike,
         displacement: ArrayLike,
         friction: ArrayLike,
-        *,
-        strength_at_rest: bool = False,
-        **about: Unpack[About],
+        **about: Any,
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -120,13 +106,10 @@ class Record(views.Brief):
         ----------
         time, displacement, friction
             Shape (n,); the displacement never falls.
-        strength_at_rest, about
-            As in a record: `a`, `si`, `source` and others.
+        about
+            As in a record: `strength_at_rest`, `a`, `si`, `source` and others.
 
-        Raises
-        ------
-        InputError
-            As for a record; or the displacement falls.
+        Errors are those of a record.
         """
         times, places = checks.line("time", time), checks.line("displacement", displacement)
         values = checks.line("friction", friction)
@@ -152,7 +135,7 @@ class Record(views.Brief):
         # The first time, and the second of two entries at one time, have the velocity of what follows.
         for at in np.flatnonzero(~np.isfinite(velocity))[::-1]:
             velocity[at] = velocity[at + 1] if at + 1 < velocity.size else 0.0
-        return cls(times, velocity, values, strength_at_rest=strength_at_rest, **about)
+        return cls(times, velocity, values, **about)
 
     @classmethod
     def of_machine(
@@ -162,7 +145,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Unpack[About],
+        **about: Any,
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
 
@@ -178,10 +161,7 @@ class Record(views.Brief):
         about
             As in a record: `a`, `normal_stress`, `normal_force`, `source`, `si`, `units`.
 
-        Raises
-        ------
-        InputError
-            As for a record; or the load point goes back.
+        Errors are those of a record; or the load point goes back.
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}
@@ -208,7 +188,15 @@ class Record(views.Brief):
             slip=places.get("slip"),
             **about,
         )
-        _refuse_reversal(record, name)
+        if (driven.velocity < 0).any():
+            n, unit = int(np.argmax(driven.velocity < 0)), record.units[0]
+            start, end = driven.edges(times)[n : n + 2] / record.scales[0]
+            raise InputError(
+                name.replace("_", " "),
+                expected="a displacement that goes on in one direction",
+                got=f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
+                advice="a part of the record, --from and --to",
+            )
         return record
 
     def between(self, start: float, stop: float = math.inf) -> Record:
@@ -256,20 +244,6 @@ class Record(views.Brief):
 def _scales(names: tuple[str, str]) -> tuple[float, float]:
     second, length = (units.factor(name, base) for name, base in zip(names, ("s", "m"), strict=True))
     return second or 1.0, length or 1.0
-
-
-def _refuse_reversal(record: Record, name: str) -> None:
-    """Refuse a load point that goes back."""
-    assert record.drive is not None
-    if (record.drive.velocity < 0).any():
-        n, unit = int(np.argmax(record.drive.velocity < 0)), record.units[0]
-        start, end = record.drive.edges(record.time)[n : n + 2] / record.scales[0]
-        raise InputError(
-            name.replace("_", " "),
-            expected="a displacement that goes on in one direction",
-            got=f"{record.speed(record.drive.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
-            advice="a part of the record, --from and --to",
-        )
 
 
 def after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:

@@ -104,16 +104,8 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
         next slide leg, or of the last one. The area is ``contact_area_corrected``; on a solid that is
         defined on sites, their number.
 
-    Raises
-    ------
-    InputError
-        The strength cannot be used, has units where the dataset has none, or depends on a velocity that
-        the history does not have.
-
-    Notes
-    -----
-    F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950; the coefficient is
-    `asperity.theory.static_friction`.
+    `InputError` for a strength that has units where the dataset has none, or depends on a velocity that the
+    history does not have. The coefficient is `asperity.theory.static_friction`.
     """
     from asperity.results.quantities import select  # late, as it brings the solvers
 

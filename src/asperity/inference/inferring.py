@@ -9,10 +9,10 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
@@ -30,9 +30,6 @@ from asperity.inference.priors import Given
 from asperity.inference.sampling import Draws, Problem, libraries, sample
 from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
 from asperity.progress import Progress, listener
-
-if TYPE_CHECKING:
-    import arviz as az
 
 _STARTS, _TRIED = 3, 2000
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
@@ -171,17 +168,19 @@ class Inference(views.Brief):
         )
         return made | {"draws": [one["branches"] for one in others]} if "branches" in made else made
 
-    def to_inference_data(self) -> az.InferenceData:
-        """Posterior, prior and data as InferenceData of ArviZ."""
-        problem, shape = self.problem, self.draws.z.shape
-        prior = problem.values(problem.of_prior(np.random.default_rng(0), shape[0] * shape[1]))
-        made: az.InferenceData = libraries()[1].from_dict(
-            posterior=self.values,
-            prior={name: column.reshape(shape[:-1]) for name, column in prior.items()},
-            observed_data={"value": self.value, "error": self.error},
-            constant_data={"time": self.time},
-        )
-        return made
+    def to_datatree(self) -> xr.DataTree:
+        """Posterior, prior and data in the groups that ArviZ reads."""
+        problem, shape = self.problem, self.draws.z.shape[:-1]
+        prior = problem.values(problem.of_prior(np.random.default_rng(0), math.prod(shape)))
+        draws = {"posterior": self.values, "prior": {name: x.reshape(shape) for name, x in prior.items()}}
+        observed = {"value": self.value, "error": self.error}
+        data = {"observed_data": observed, "constant_data": {"time": self.time}}
+        groups = {
+            name: xr.Dataset({one: (dims, x) for one, x in of.items()})
+            for dims, part in ((("chain", "draw"), draws), (("point",), data))
+            for name, of in part.items()
+        }
+        return xr.DataTree.from_dict(groups)
 
 
 def infer(

@@ -358,9 +358,9 @@ def _agreement(chains: Floats, walkers: int) -> tuple[float, float]:
     """
     _, az = libraries()
     in_rows = chains.reshape(len(chains), -1, walkers, chains.shape[-1]).swapaxes(1, 2).reshape(chains.shape)
-    dataset = az.convert_to_dataset({"z": in_rows})
-    worth = (float(az.ess(dataset, method=method)["z"].min()) for method in ("bulk", "tail"))
-    return float(az.rhat(az.convert_to_dataset({"z": chains}))["z"].max()), min(worth)
+    r_hat = max(float(az.rhat(one)) for one in np.moveaxis(chains, -1, 0))
+    counted = ({"method": "bulk"}, {"method": "tail", "prob": (0.05, 0.95)})
+    return r_hat, min(float(az.ess(one, **how)) for one in np.moveaxis(in_rows, -1, 0) for how in counted)
 
 
 def _thinned(problem: Problem, chains: Floats, draws: int, seed: int) -> Floats:

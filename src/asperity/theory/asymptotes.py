@@ -47,29 +47,6 @@ def compliance_asymptote(
     They hold once x2 >> 1, x2 >> 1/x1^2, and for r > 0 also x2 >> 1/r^2 and x2 >> 1/r. Between x2 = 1 and
     x2 = 1/r^2 a small r does not show yet: take r = 0 there.
 
-    Parameters
-    ----------
-    x2
-        k0 R t, above 0.
-    viscous
-        R_tilde/R, not below 0.
-    dimension
-        2 (square lattice) or 1 (line).
-    x1
-        k1/k0, above 0; None for the leading term alone.
-
-    Returns
-    -------
-    ndarray
-        Shape of the broadcast arguments; a NumPy float if all are scalars.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
-
-    Notes
-    -----
     Expand the integrand at small lam at fixed x2 lam^2 (r = 0) or r x2 lam (r > 0). The terms of the paper
     are the first and third line of the first list (Fig. of G; Summary, "t^(1/4)").
     """
@@ -95,8 +72,7 @@ def compliance_asymptote(
 def compliance_asymptote_paper(x2: ArrayLike) -> Floats:
     """Return 0.04 ln x2 + 0.3: the dotted line in the paper's figure of G, a0 and a1 rounded as printed.
 
-    Only for comparison with the paper; `compliance_asymptote` has 1/(8 pi) = 0.03979 and 0.29876. Argument,
-    result and errors are those of `compliance_asymptote`.
+    Only for comparison with the paper; `compliance_asymptote` has 1/(8 pi) = 0.03979 and 0.29876.
     """
     return np.asarray(_PAPER_SLOPE * np.log(positive("x2", x2)) + _PAPER_INTERCEPT)[()]
 
@@ -105,9 +81,7 @@ def late_slope(x1: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> F
     """Late slope of the number of contacts, dN/N(0)/d ln t, in the dilute theory of exponential heights.
 
     k_eff/(8 pi k0), and k_eff/(4 pi k0) with R_tilde, however small: then wait for x2 >> 1/viscous^2. It is
-    the slope of `exponential_growth`; `late_slope_paper` is the paper's Eq. (ndet2).
-
-    Arguments, result and errors are those of `compliance_asymptote`, but for dimension 1: on the line the
+    the slope of `exponential_growth`; `late_slope_paper` is the paper's Eq. (ndet2). In dimension 1 the
     growth is a power of time and has no such slope.
     """
     if line_or_plane(dimension) == 1:
@@ -122,6 +96,6 @@ def late_slope_paper(x1: ArrayLike) -> Floats:
     """Return 0.04 k1/k0, the slope in the paper's Eq. (ndet2), with its a0 as printed.
 
     Only for comparison with the paper. It takes k1 for the stiffness of a contact: too small by the factor
-    x1 / site_stiffness(x1), see `late_slope`, of which argument, result and errors are those.
+    x1 / site_stiffness(x1), see `late_slope`.
     """
     return np.asarray(_PAPER_SLOPE * positive("x1", x1))[()]

@@ -76,11 +76,6 @@ def hertz(load: ArrayLike, *, modulus: ArrayLike, radius: ArrayLike, period: flo
         Of a square array (length): much larger than the contact. The approach is then measured to the mean of
         the surface, as it is on a periodic lattice. By default there is one sphere.
 
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
-
     References
     ----------
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), Eqs. (4.22) to (4.24), (3.36), DOI
@@ -117,16 +112,6 @@ def westergaard_area(
     amplitude, wavelength
         Of the wave (length), above 0.
 
-    Returns
-    -------
-    ndarray
-        From 0 to 1, shape of the broadcast arguments; a NumPy float if all are scalars.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
-
     References
     ----------
     H. M. Westergaard, J. Appl. Mech. 6, 49 (1939), DOI 10.1115/1.4008919; K. L. Johnson, *Contact Mechanics*
@@ -154,7 +139,7 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
     slope
         Rms slope of the surface: root of the mean square gradient, above 0.
 
-    Other arguments, result and errors are those of `westergaard_area`.
+    Other arguments are those of `westergaard_area`.
 
     References
     ----------

@@ -47,16 +47,7 @@ def dilute_area(load_per_site: ArrayLike, compliance: ArrayLike, heights: Height
     heights
         Law of the heights, lengths in the same unit.
 
-    Returns
-    -------
-    ndarray
-        Shape of load and compliance broadcast; a NumPy float if both are scalars. Trust it while the
-        contacts are apart: see `dilute_horizon`.
-
-    Raises
-    ------
-    InputError
-        For numbers that are not above 0 and finite, and for shapes that do not broadcast.
+    Trust it while the contacts are apart: see `dilute_horizon`.
     """
     load, soft = broadcast(**positives(load_per_site=load_per_site, compliance=compliance))
     return heights.exceedance(heights.separation_for(load * soft))
@@ -71,9 +62,7 @@ def winkler_area(load_per_site: ArrayLike, k1: ArrayLike, heights: HeightLaw) ->
     Parameters
     ----------
     k1
-        Stiffness of a spring (force per length), above 0; broadcast against the load.
-
-    Other arguments, result and errors are those of `dilute_area`.
+        Stiffness of a spring (force per length), above 0.
     """
     return dilute_area(load_per_site, 1 / positive("k1", k1), heights)
 
@@ -85,22 +74,7 @@ def dilute_horizon(area_fraction: ArrayLike, dimension: int = 2) -> Floats:
     contacts is (A/N0)^(-1/dimension). They are equal at k0 R t = (A/N0)^(-4/dimension): an order of
     magnitude, no sharp end. It does not know R_tilde, with which dips spread as (k0 R_tilde t)^(1/2).
 
-    Parameters
-    ----------
-    area_fraction
-        A/N0, above 0 and at most 1.
-    dimension
-        2 (square lattice) or 1 (line).
-
-    Returns
-    -------
-    ndarray
-        Shape of `area_fraction`; a NumPy float for a scalar.
-
-    Raises
-    ------
-    InputError
-        For a fraction out of range or another dimension.
+    The fraction A/N0 is above 0 and at most 1.
     """
     fraction = positive("area_fraction", area_fraction)
     if (fraction > 1).any():
@@ -119,24 +93,11 @@ def contacts_at_start(
         F, the load on the whole surface (force), above 0.
     rms
         1/gamma of the paper's P(xi) (length), above 0: see `ExponentialHeights`.
-    x1
-        k1/k0, above 0.
     k0
         Stiffness between neighbors (force per length), above 0.
-    dimension
-        2 (square lattice) or 1 (line).
 
-    Returns
-    -------
-    ndarray
-        Number of contacts (sites), shape of the broadcast arguments; a NumPy float if all are scalars. It
-        holds while it is small against the number of sites, which is not an argument. The mean over surfaces
-        is larger by one contact, because one site touches at no load.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
+    It holds while it is small against the number of sites, which is not an argument. The mean over surfaces
+    is larger by one contact, because one site touches at no load.
     """
     force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
     return np.asarray(force / (length * lateral * site_stiffness(first, dimension)))[()]
@@ -147,8 +108,6 @@ def contacts_at_start_paper(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k
 
     Only for comparison with the paper. It takes k1 for the stiffness of a contact, which makes contacts too
     many by the factor site_stiffness(x1) / x1; `contacts_at_start` does not.
-
-    Arguments, result and errors are those of `contacts_at_start`.
     """
     force, length, first, lateral = broadcast(**positives(load=load, rms=rms, x1=x1, k0=k0))
     return np.asarray(force / (length * lateral * first))[()]
@@ -159,8 +118,6 @@ def exponential_growth(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike = 0.0, d
 
     The paper's Eq. (ndet), made dimensionally consistent and with the stiffness of a lattice site. The late
     d ln A / d ln t is 1/(ln x2 + 10 ln 2 + gamma_E) on the square lattice: no material parameter is left.
-
-    Arguments, result and errors are those of `compliance`.
     """
     return np.asarray(compliance(x1, x2, viscous, dimension) * site_stiffness(x1, dimension))[()]
 
@@ -172,8 +129,6 @@ def exponential_growth_paper(
 
     Only for comparison with the paper. It takes k1 for the stiffness of a contact, which makes the growth too
     small by the factor x1 / site_stiffness(x1); `exponential_growth` does not.
-
-    Arguments, result and errors are those of `compliance`.
     """
     grown = compliance(x1, x2, viscous, dimension) - 1 / site_stiffness(x1, dimension)
     return np.asarray(1 + positive("x1", x1) * grown)[()]

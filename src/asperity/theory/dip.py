@@ -33,22 +33,14 @@ def displacement(
     offset
         Integers: sites from the load, shape (..., dimension), each at most 2000; on the line also one
         integer.
-    x1, x2, viscous, dimension
-        As for `compliance`.
 
     Returns
     -------
     ndarray
-        Shape of `offset` without its last axis, broadcast against the other arguments; a NumPy float if all
-        are scalars. `compliance` at offset 0. Accurate to 1e-13 of the depth under the load. The time it
-        takes grows with the square of the largest offset (in the plane), and with the number of different
-        (x1, x2, viscous): about 10 ms each up to 300 sites.
-
-    Raises
-    ------
-    InputError
-        For offsets that are not integers, of another shape or too far, for a number out of range, and for
-        shapes that do not broadcast.
+        Shape of `offset` without its last axis, broadcast against the other arguments. `compliance` at offset
+        0. Accurate to 1e-13 of the depth under the load. The time it takes grows with the square of the
+        largest offset (in the plane), and with the number of different (x1, x2, viscous): about 10 ms each up
+        to 300 sites.
     """
     dimension = line_or_plane(dimension)
     sites = _sites(offset, dimension)

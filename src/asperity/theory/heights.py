@@ -118,11 +118,6 @@ class EmpiricalHeights:
     ----------
     heights
         Any shape (length), not empty, finite; copied.
-
-    Raises
-    ------
-    InputError
-        For heights that are empty or not finite.
     """
 
     heights: ArrayLike

@@ -26,20 +26,8 @@ def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
     ----------
     heights
         Surface xi (length), shape (n,) or (n, m), periodic.
-    k0
-        Stiffness between neighbors (force per length), not below 0.
-    k1
-        Stiffness of the vertical springs (force per length), above 0.
-
-    Returns
-    -------
-    float
-        Load (force); 0 for a flat surface.
-
-    Raises
-    ------
-    InputError
-        For heights that are not a finite array of one or two dimensions, or a stiffness out of range.
+    k0, k1
+        Stiffness between neighbors, not below 0, and of the vertical springs, above 0 (force per length).
     """
     xi = checks.heights("heights", heights)
     lateral, vertical = checks.number("k0", k0, least=0), checks.number("k1", k1, above=0)
@@ -49,8 +37,7 @@ def full_contact_load(heights: ArrayLike, *, k0: float, k1: float) -> float:
 def full_contact_load_relaxed(heights: ArrayLike, *, k0: float) -> float:
     """Smallest load F with every site in contact after all creep (R_tilde = 0): N k0 max Lap xi.
 
-    Arguments, result (0 also for k0 = 0, where creep makes every load enough) and errors are those of
-    `full_contact_load`.
+    It is 0 for k0 = 0, where creep makes every load enough.
     """
     xi = checks.heights("heights", heights)
     return xi.size * checks.number("k0", k0, least=0) * float(np.max(_laplacian(xi)))
@@ -73,25 +60,14 @@ def flowing_area(time: ArrayLike, *, load: float, area: float, at: float, stress
     ----------
     time
         Times t > 0.
-    load
-        F, force.
-    area
-        The area A(t1).
-    at
-        The time t1.
-    stress
-        s0, pressure.
+    load, area, at, stress
+        F; A(t1); t1; s0, a pressure.
 
     Returns
     -------
     ndarray
         Shape of ``time``; infinite from the time on at which s has come down to 0, long before which the
         law of sinh ends this.
-
-    Raises
-    ------
-    InputError
-        A number is not positive and finite.
 
     Notes
     -----
@@ -117,16 +93,6 @@ def static_friction(area: ArrayLike, load: ArrayLike, shear_strength: ArrayLike)
         Normal load F_N (force), above 0.
     shear_strength
         sigma_S (force per area, in the same unit of area), not below 0.
-
-    Returns
-    -------
-    ndarray
-        Shape of the broadcast arguments; a NumPy float if all are scalars.
-
-    Raises
-    ------
-    InputError
-        For a number out of range, and for shapes that do not broadcast.
     """
     touching, force, strength = broadcast(
         area=not_negative("area", area),

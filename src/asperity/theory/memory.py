@@ -36,23 +36,12 @@ def response(x2: ArrayLike, force: ArrayLike, x1: float, viscous: float = 0.0, d
         entry is the state before it, the second that after it. Before the first time the force is 0.
     force
         At these times, shape (n,); any sign.
-    x1
-        k1/k0, above 0.
-    viscous
-        R_tilde/R (Eq. dosrs), not below 0.
-    dimension
-        2 (square lattice) or 1 (line).
 
     Returns
     -------
     ndarray
         k0 u, a force, at these times: shape (n,). Its instantaneous part, f(t) G(0), is the one that Eq.
         (vt) leaves out.
-
-    Raises
-    ------
-    InputError
-        For times that decrease, shapes other than (n,), and a number out of range.
     """
     return _march(x2, force, x1, viscous, dimension)[0]
 
@@ -76,8 +65,6 @@ def response_rate(
     instantaneous
         Whether to include f'(t) G(0). False is the letter of Eq. (vt), which leaves it out; that loses
         nothing where the forces of all contacts sum to a constant load, as in the paper.
-
-    Other arguments, result and errors are those of `response`.
     """
     _, rate, slope, at_once = _march(x2, force, x1, viscous, dimension)
     return rate + slope * at_once if instantaneous else rate

@@ -54,16 +54,13 @@ def dilute_history(
     Parameters
     ----------
     x2
-        k0 R t, shape (n,), never decreasing. A time that is given twice is a jump of the load: the first
-        entry is the state before it, the second that after it. Before the first time there is no load.
+        As in `response`; a time that is given twice is a jump of the load.
     load_per_site
         F/N0 (force) at these times, not below 0, linear in between: shape (n,).
     k0
         Stiffness between neighbors (force per length), above 0.
     heights
         Law of the heights (length).
-    x1, viscous, dimension
-        As for `response`.
 
     Returns
     -------
@@ -72,11 +69,6 @@ def dilute_history(
         `dilute_area` if it is constant. Afterwards within 1e-3 of A, mostly within 1e-4 (see Notes); for
         `EmpiricalHeights` also within the few heights that share a class. Trust it while the contacts are
         apart: see `dilute_horizon`.
-
-    Raises
-    ------
-    InputError
-        As `response`, and for a load below 0 or a k0 that is not above 0.
 
     Notes
     -----

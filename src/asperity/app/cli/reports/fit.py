@@ -26,7 +26,7 @@ _FORMULAS: dict[Law, tuple[str, tuple[str, ...]]] = {
 def growth_report(growth: MeasuredGrowth, *, source: str, unit: str) -> list[list[tuple[str, ...]]]:
     """Tables of words: the data, each law, the straight line, the comparison."""
     zeros = f", {growth.initial_points} of them at time 0" if growth.initial_points else ""
-    span = f"{growth.curve_time[0]:g} to {growth.curve_time[-1]:g}{unit}"
+    span = f"{growth.shown.x[0]:g} to {growth.shown.x[-1]:g}{unit}"
     data: list[tuple[str, ...]] = [("data", f"{source}, {growth.points} values{zeros}; times {span}")]
     laws = [_law(law, fit, unit) for law, fit in growth.fits.items()]
     line = [] if growth.rate is None else [_line(growth.rate, growth.initial_from, unit)]

@@ -99,7 +99,7 @@ def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tu
         speeds = f"{before:.3g} to {after:.3g} {unit}/{time_unit}"
         lasts = f"hold of {(event.end - event.time) / second:.4g} {time_unit}"
         words = lasts if event.kind == "hold" else speeds
-        row: dict[str, object] = {**vars(event)}
+        row: dict[str, object] = event._asdict()
         if fit is not None:
             row |= columns_of(fit.estimates, si=record.si)
         table.append(row)

@@ -32,7 +32,7 @@ def write_inference(found: Inference, folder: Path, *, source: str, command: str
     found.table.to_csv(folder / "verdicts.csv", index=False, lineterminator="\n")
     priors = tables_to_toml({name: prior.table for name, prior in found.model.priors.items()})
     (folder / "priors.toml").write_text(priors, encoding="utf-8")
-    found.to_inference_data().to_netcdf(str(folder / "posterior.nc"), engine="h5netcdf")
+    found.to_datatree().to_netcdf(folder / "posterior.nc", engine="h5netcdf")
     if found.model.solid is not None:
         unknown = [one.parameter for one in found.verdicts.values() if one.verdict == "not identified"]
         head = f"# The most likely of the draws, inferred from {source} by the model {found.model.name}.\n"
