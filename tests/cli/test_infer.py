@@ -52,7 +52,7 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(once):
     assert "Traceback" not in error
     assert "not identified  load, modulus, rms_slope, area_factor" in text
     assert "area.csv: time from 'time [min]' in min, value from 'area', stderr from 'stderr', 25 rows" in text
-    assert "data at" in error  # how far the sampling is
+    assert "% of the way" in error  # how far the sampling is
     found = verdicts("F")
     assert list(found.columns[:3]) == ["verdict", "low", "high"]
     time = found.loc["time_1"]

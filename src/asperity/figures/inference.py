@@ -20,14 +20,15 @@ _BINS = 41
 
 
 def curve_figure(found: Inference) -> Figure:
-    """Draw the data, and the curve with the 95 % band of the posterior; below, the deviations."""
+    """Draw the data, and the curve to ten times the last; below, the deviations."""
     figure, (upper, lower) = style.stacked((6.8, 5.0), 3, 1)
     t, first = found.time, float(found.time[found.time > 0][0])
     shown = t > 0
-    at = np.geomspace(first, t[-1], 120)
+    at = np.geomspace(first, 10 * t[-1], 120)
     low, middle, high = found.predicted(at)
-    upper.fill_between(at, low, high, color=style.SKY, alpha=0.5, label="95 % band of the posterior")
-    upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"model {found.model.name}, median")
+    upper.fill_between(at, low, high, color=style.SKY, alpha=0.5, label="95 % band of acceptable models")
+    upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"{found.rivals[0].name}, median")
+    upper.axvline(t[-1], color=style.GRAY, linewidth=0.8, linestyle=":")
     look: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
     measured = t[shown], found.value[shown], found.error[shown]
     upper.errorbar(*measured, fmt="o", label="data", elinewidth=0.8, **look)
@@ -35,7 +36,8 @@ def curve_figure(found: Inference) -> Figure:
     lower.axhline(0, color=style.INK, linewidth=0.8)
     lower.plot(t[shown], deviation[shown], "o", **look)
     upper.set_xscale("log")
-    upper.set_ylabel("static friction" if found.model.name == "healing" else "area")
+    unit = f" [{style.spelled(found.unit)}]" if found.unit else ""
+    upper.set_ylabel(style.verbatim(f"{found.quantity}{unit}"))
     lower.set_ylabel("deviation [errors]")
     lower.set_xlabel("hold time [s]")
     upper.legend(frameon=False, fontsize=8)
@@ -45,12 +47,13 @@ def curve_figure(found: Inference) -> Figure:
 
 
 def parameters_figure(found: Inference) -> Figure:
-    """Draw the posterior of each parameter over its prior, and its profile likelihood."""
-    rows = -(-len(found.verdicts) // _COLUMNS)
+    """Draw the posterior of each parameter of the curve over its prior, and its profile likelihood."""
+    shown = {name: found.verdicts[name] for name in found.profiles}
+    rows = -(-len(shown) // _COLUMNS)
     figure = style.Drawing(figsize=(8.4, 2.2 * rows), layout="constrained")
     panels = list(figure.subplots(rows, _COLUMNS, squeeze=False).ravel())
     prior = found.problem.values(found.problem.of_prior(np.random.default_rng(0), 20_000))
-    for axes, (name, verdict) in zip(panels, found.verdicts.items(), strict=False):
+    for axes, (name, verdict) in zip(panels, shown.items(), strict=False):
         one = found.model.priors[name]
         values, before = found.values[name].ravel(), prior[name]
         logarithmic = one.kind.startswith("log")
@@ -62,16 +65,15 @@ def parameters_figure(found: Inference) -> Figure:
             counts = np.histogram(drawn, steps)[0]
             look = {"color": color, "fill": color == style.BLUE, "alpha": 0.7}
             axes.stairs(counts / counts.max(), steps, label=label if axes is panels[0] else None, **look)
-        if name in found.profiles:
-            at, deviance = found.profiles[name]
-            told = "profile likelihood" if axes is panels[0] else None
-            axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
-            axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
+        at, deviance = found.profiles[name]
+        told = "profile likelihood" if axes is panels[0] else None
+        axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
+        axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}", fontsize=9)
         axes.set_yticks([])
         style.finish(axes)
-    for axes in panels[len(found.verdicts) :]:
+    for axes in panels[len(shown) :]:
         axes.set_visible(False)
     return figure
 
@@ -103,21 +105,10 @@ def corner_figure(found: Inference) -> Figure:
 
 
 def inference_pictures(found: Inference) -> dict[str, Picture]:
-    """Draw what a curve determines.
-
-    Parameters
-    ----------
-    found
-        From `asperity.infer`.
-
-    Returns
-    -------
-    dict
-        Pictures by the names of their files, without suffix, in the order of the page.
-    """
+    """Draw what a curve determines: pictures by the names of their files, without suffix, in order."""
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
     drawn = {
-        "curve": (curve_figure(found), "The data, and what the posterior says of the curve."),
+        "curve": (curve_figure(found), "The data, and the curve to ten times the last of them."),
         "parameters": (
             parameters_figure(found),
             "Each parameter: its prior (gray), its posterior (blue), and its profile likelihood, which falls "
@@ -135,22 +126,9 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
 def inference_page(
     found: Inference, pictures: Mapping[str, Picture], *, source: str = "", command: str = ""
 ) -> str:
-    """Write what a curve determines as a page of HTML.
+    """Write what a curve determines as a page of HTML, with the pictures of `inference_pictures`.
 
-    Parameters
-    ----------
-    found
-        From `asperity.infer`.
-    pictures
-        From `inference_pictures`.
-    source
-        Where the data come from; may be empty.
-    command
-        The command line that made it; may be empty.
-
-    Returns
-    -------
-    str
+    The source of the data and the command line that made it may be empty.
     """
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
     return written_page(

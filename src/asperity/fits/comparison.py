@@ -81,10 +81,7 @@ class Comparison(views.Brief):
 
 
 def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | None = None) -> Comparison:
-    """Fit both laws and say which the data prefer.
-
-    Arguments and errors are those of `saturation`, but two values more are needed.
-    """
+    """Fit both laws as `saturation` does, and say which the data prefer; two values more are needed."""
     curve = Curve.checked(time, area, stderr, parameters=3)
     return compared(curve, logarithm(time, area, stderr), saturation(time, area, stderr))
 
@@ -116,7 +113,6 @@ def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Compariso
 
 
 def _residual(curve: Curve, fit: GrowthFit) -> Floats:
-    """In standard errors where they are given, else in the unit of the areas of the curve."""
     points = curve.points
     residual = points.y - fit.predict(points.x * curve.time_unit) / curve.area_unit
     return np.asarray(residual if points.stderr is None else residual / points.stderr)

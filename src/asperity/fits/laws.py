@@ -153,11 +153,9 @@ def saturation(
 
     Raises
     ------
-    InputError
-        For data that are not such a curve, do not grow (by their rank correlation with time), or are too few:
-        the values fitted must outnumber the parameters (C, t0, q, and A(0) where it is one).
-    ConvergenceError
-        If no starting point led to a minimum.
+    InputError, ConvergenceError
+        The data do not grow (by their rank correlation with time), or are too few: the values fitted must
+        outnumber the parameters (C, t0, q, and A(0) where it is one); no start led to a minimum.
     """
     curve = Curve.checked(time, area, stderr, parameters=3 if limit is None else 2)
     exponents = (1e-3, 0.03, 0.1, 0.3, 1.0, 3.0)

@@ -87,10 +87,8 @@ def measured_growth(
 
     Raises
     ------
-    InputError
+    InputError, ConvergenceError
         No law could be fitted, and why.
-    ConvergenceError
-        The fit of the only law found no minimum.
     """
     series = Series.checked(time, value, stderr, ("time", name))
     first, last = (None if t is None else checks.number(n, t) for n, t in (("first", first), ("last", last)))

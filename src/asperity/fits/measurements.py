@@ -30,8 +30,8 @@ class Measurements(views.Brief):
         Names of the columns in the file's header, or "" where it has none.
     remarks
         What was decided about the table.
-    time_unit
-        Unit of the times as the table or the user states it, or "".
+    time_unit, value_unit
+        Units of times and values as the table or the user states them, or "".
     source
         What was read of which file.
     """
@@ -43,6 +43,7 @@ class Measurements(views.Brief):
     value_name: str
     remarks: tuple[str, ...] = ()
     time_unit: str = ""
+    value_unit: str = ""
     source: str = ""
 
 
@@ -77,8 +78,8 @@ def read_measurements(
     Raises
     ------
     InputError
-        There is no such file or column, the file is no table of two columns or more, or a cell is not
-        a finite number, a time below 0, a value or standard error not above 0; with the number of its line.
+        There is no such column, or a cell is not a finite number, a time below 0, a value or standard error
+        not above 0; with the number of its line.
     """
     found = Columns(path, _ROLES, columns, units)
     table, indexed = found.table, _begins_with_index(found.table)
@@ -114,6 +115,7 @@ def read_measurements(
         value_name=value_name,
         remarks=(remark,) if indexed and asked["time"] is None else (),
         time_unit=found.unit("time", places["time"]),
+        value_unit=of_values,
         source=found.read,
     )
 

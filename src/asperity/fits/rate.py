@@ -111,11 +111,7 @@ def growth_rate(
     initial, initial_stderr
         A(0) and its standard error; needed where no area at time 0 is given, and used in place of those.
 
-    Raises
-    ------
-    InputError
-        A(0) is neither given nor among the areas; fewer than three points or two times in the window; or
-        what `asperity.fits.saturation` refuses. Areas may fall with time here.
+    Errors are those of `asperity.fits.saturation`, but areas may fall with time here.
     """
     series = Series.checked(time, area, stderr)
     A0, A0_stderr = _initial(series, initial, initial_stderr)

@@ -57,10 +57,14 @@ class FitResult(views.InNotebooks):
     def __repr__(self) -> str:
         said = []
         for name in parameters_of(self):
-            error = getattr(self, f"{name}_stderr")
-            said.append(f"{name} = {getattr(self, name):.4g}" + (f" ± {error:.2g}" if error != 0 else ""))
+            value, error = self.known(name)
+            said.append(f"{name} = {value:.4g}" + (f" ± {error:.2g}" if error != 0 else ""))
         said += [f"{self.points} points", f"misfit {100 * self.rms_residual:.2g} % rms"]
         return f"<{type(self).__name__}: {', '.join(said)}>"
+
+    def known(self, name: str) -> tuple[float, float]:
+        """Value and standard error of a parameter."""
+        return float(getattr(self, name)), float(getattr(self, f"{name}_stderr"))
 
     def interval(self, name: str) -> tuple[float, float]:
         """Ends of the 95 % interval of a parameter, by Student's t, if the errors of values are independent.
@@ -71,7 +75,7 @@ class FitResult(views.InNotebooks):
         names = parameters_of(self)
         if name not in names:
             raise InputError("name", expected=f"one of {', '.join(names)}", got=repr(name))
-        value, stderr = float(getattr(self, name)), float(getattr(self, f"{name}_stderr"))
+        value, stderr = self.known(name)
         reach = student(self.degrees_of_freedom) * stderr if stderr > 0 else stderr
         if name not in self.scales:
             return value - reach, value + reach

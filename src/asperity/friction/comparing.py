@@ -134,12 +134,8 @@ def compare_state_laws(
         One record; or several of different surfaces, with the same times and velocities. The friction of
         several is averaged, and uncertainties follow from their scatter.
     a, V_0, events, stiffness
-        As in `rate_and_state`; a stiffness is for one record, and where it is given it is fitted as well.
-
-    Raises
-    ------
-    InputError
-        As in `rate_and_state`; or the records differ in times or velocities.
+        As in `rate_and_state`, with its errors; a stiffness is for one record, and where it is given it is
+        fitted as well.
     """
     several = list(records) if isinstance(records, Sequence) else [records]
     if not several:
@@ -153,7 +149,7 @@ def compare_state_laws(
     friction = np.array([record.friction for record in several])
 
     def fitted(mean: Floats, k: float | str | None = stiffness) -> dict[StateLaw, RateAndStateFit]:
-        how: dict[str, Any] = {"a": a, "V_0": V_0, "events": events, "stiffness": k}
+        how: Any = {"a": a, "V_0": V_0, "events": events, "stiffness": k}
         return {law: rate_and_state(replace(first, friction=mean), law=law, **how) for law in STATE_LAWS}
 
     def statistics(sample: Floats) -> Floats:

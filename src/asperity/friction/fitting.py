@@ -92,12 +92,7 @@ def rate_and_state(
         Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of
         the shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
         infinity, where the load point is the slip. By default it is fitted where the velocity is not that
-        of slip, and not needed where it is.
-
-    Returns
-    -------
-    RateAndStateFit
-        A `MachineFit` where there is a stiffness.
+        of slip, and not needed where it is. With one, the result is a `MachineFit`.
 
     Raises
     ------
@@ -134,7 +129,6 @@ def fit_events(
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
-    """A reference velocity in the unit of the record."""
     if has_unit(given) and not si:
         expected, advice = "a plain number, as the record has no units", "a header with units: time_s"
         raise InputError("V_0", expected=expected, got=repr(given), advice=advice)
@@ -180,7 +174,7 @@ class _Problem:
 
     @property
     def count(self) -> int:
-        """Number of parameters: mu_0, b, D_c, the first state, and a where it is fitted."""
+        """How many of mu_0, b, D_c, the first state, and a are fitted."""
         return 4 + (self.given_a is None)
 
     @cached_property
@@ -199,7 +193,6 @@ class _Problem:
         return np.column_stack(columns)
 
     def log_start(self, shape: Floats) -> float:
-        """Ln theta at the first time."""
         return float(shape[0] + shape[1] - math.log(first_velocity(self.record.velocity)))
 
     def linear(self, shape: Floats) -> tuple[Floats, Floats]:
@@ -211,8 +204,8 @@ class _Problem:
     @cached_property
     def reach(self) -> tuple[float, float]:
         """Least and largest ln D_c."""
-        record = self.record
-        return math.log(record.finest_slip / _REACH), math.log(float(record.displacement[-1]) * _REACH)
+        whole = float(self.record.displacement[-1])
+        return math.log(self.record.finest_slip / _REACH), math.log(whole * _REACH)
 
     def searched(self) -> Floats:
         """Ln D_c and ln(V theta/D_c) at the first time, of the least squares."""
@@ -237,7 +230,6 @@ class _Problem:
         return max(float(np.std(self.values)), ROUNDING * float(self.record.friction.max()))
 
     def solution(self) -> RateAndStateFit:
-        """The parameters, with their standard errors."""
         shape = self.searched()
         (mu_0, b, *rest), residual = self.linear(shape)
         a = rest[0] if self.given_a is None else self.given_a

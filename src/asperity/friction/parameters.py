@@ -95,9 +95,7 @@ class RateAndStateFit(FitResult):
         """What is estimated, by name, with its standard error and 95 % interval."""
         found = {}
         for name in parameters_of(self):
-            value, stderr, low, high = np.array(
-                [getattr(self, name), getattr(self, f"{name}_stderr"), *self.interval(name)]
-            )
+            value, stderr, low, high = np.array([*self.known(name), *self.interval(name)])
             found[name] = Estimate(value, stderr, low, high, 1)
         return found
 

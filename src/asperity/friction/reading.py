@@ -93,8 +93,8 @@ def read_record(
     Raises
     ------
     InputError
-        There is no such table, its columns are not understood, some have units and some have none, a cell
-        is no number, the normal stress changes, the load point goes back, or the numbers are no record.
+        The columns are not understood, some have units and some have none, the normal stress changes, or the
+        load point goes back.
     """
     if is_xlook(Path(path)):
         table: Table | Path | str = read_xlook(Path(path), calibration)

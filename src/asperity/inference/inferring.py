@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -19,19 +20,26 @@ from scipy.stats import chi2
 from asperity.base import checks, units, views
 from asperity.base.checks import Floats
 from asperity.base.files import expanded
-from asperity.base.words import counted
 from asperity.errors import LARGEST, InputError
-from asperity.fits.comparison import lack_of, price_of
+from asperity.fits.comparison import neighbors
 from asperity.fits.curve import Series, refuse_decline
 from asperity.fits.result import rms, student
 from asperity.friction import Record, hold_peaks
-from asperity.inference.models import MOST_BRANCHES, Model, of_name
+from asperity.inference.models import MOST_BRANCHES, OF_BALL, Model, of_name
 from asperity.inference.priors import Given
+from asperity.inference.rivals import (
+    ACCEPTED,
+    LEAST_ERROR,
+    Rival,
+    best_fit,
+    parting,
+    side_by_side,
+    with_draws,
+)
 from asperity.inference.sampling import Draws, Problem, libraries, sample
 from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
 from asperity.progress import Progress, listener
 
-_STARTS, _TRIED = 3, 2000
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 """Chance of a misfit below which the model is doubted; gain in chi-squared that shows the priors at fault."""
 
@@ -41,14 +49,17 @@ _MOST_POINTS = 1000
 _FALLS = 2.0
 """Fall of AICc at the most branches tried from which on there may be more."""
 
-_LEAST_ERROR = 1e-9
-"""Relative errors that data have at least: those of rounding."""
+_CORRELATED = 0.7
+"""Correlation of neighboring misfits of the best fit from which on it is no scatter."""
 
 _TELLS = 0.5
 """Expected width over the present one below which an experiment is said to tell of a parameter."""
 
 _NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
 """Parameters that say how many branches there are at least."""
+
+_OF_SOLIDS = ("modulus", "k0", "x1", "rate", "stress")
+"""Parameters of solids that a section leaves out where they are not identified."""
 
 _OF_SOLID = 100
 """Draws of a solid that are written for the band of a prediction."""
@@ -76,8 +87,12 @@ class Inference(views.Brief):
         Draws of the posterior; R-hat and the effective number of draws.
     chi_squared
         Of the best draw.
+    rivals
+        The model and those of creep side by side, see `Rival`; the first is the model.
     remarks
         What was decided, and what the reader should know.
+    quantity, unit
+        What was measured, and its unit, "" where it is not known.
     """
 
     time: Floats
@@ -90,7 +105,10 @@ class Inference(views.Brief):
     profiles: Mapping[str, tuple[Floats, Floats]]
     draws: Draws
     chi_squared: float
+    rivals: tuple[Rival, ...]
     remarks: tuple[str, ...] = ()
+    quantity: str = "area"
+    unit: str = ""
 
     @property
     def problem(self) -> Problem:
@@ -114,6 +132,17 @@ class Inference(views.Brief):
         return pd.DataFrame(rows, columns=names)
 
     @property
+    def models(self) -> pd.DataFrame:
+        """Models side by side: AICc less the least, misfit of held-out points, growth beyond the last one."""
+        last = self.time[-1] * np.array([1.0, 10.0, 1000.0])
+        rows = []
+        for one in self.rivals:
+            at = one.band(last)[1]
+            rows.append((one.name, one.aicc, one.missed, at[1] / at[0], at[2] / at[0]))
+        names = ["model", "AICc", "held-out points (errors)", "at 10 x last time", "at 1000 x last time"]
+        return pd.DataFrame(rows, columns=names)
+
+    @property
     def findings(self) -> list[tuple[str, str]]:
         """What is determined, bounded, or not identified: verdicts with their parameters, in words."""
         said: dict[str, list[str]] = {word: [] for word in WORDS}
@@ -124,8 +153,9 @@ class Inference(views.Brief):
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """The findings, what is known together, and what would tell more."""
-        said = [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
+        """Where the model holds, the findings, what is known together, and what would tell more."""
+        said = parting(self.rivals, self._quantiles)
+        said += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
         for one in self.combinations:
             low, high = told_apart(one.low, one.high)
             said.append(
@@ -145,28 +175,56 @@ class Inference(views.Brief):
         return tuple(said)
 
     def predicted(self, time: ArrayLike) -> Floats:
-        """The curve at any times: 2.5, 50 and 97.5 % quantiles of the posterior, shape (3, n)."""
+        """The curve at any times: a 95 % band over all acceptable models, and the median of the chosen one.
+
+        Rows of shape (3, n) are the least of the 2.5 % quantiles of the posteriors, the median, and the
+        largest of the 97.5 % quantiles.
+        """
         at = checks.not_negative("time", time)
+        low, median, high = self._quantiles(at)
+        others = [one.band(at) for one in self.rivals[1:] if one.z is not None]
+        return np.array(
+            [np.min([low, *(x[0] for x in others)], 0), median, np.max([high, *(x[2] for x in others)], 0)]
+        )
+
+    def _quantiles(self, at: Floats) -> Floats:
         curves = self.model.curve(at, self.problem.values(self.draws.flat))
         return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
 
     def solid(self) -> dict[str, object]:
-        """Section ``[solid]`` of a configuration, of the likeliest draw, and other draws of its branches.
+        """Section ``[solid]`` of a configuration, of the likeliest draw, and draws of its branches.
 
+        Draws are from all acceptable models in equal parts; what the data leave open (`unknown`) is left out.
         `InputError` for a model of which no solid follows.
         """
+
+        def at(problem: Problem, z: Floats, place: int) -> dict[str, float]:
+            return {name: float(x[0]) for name, x in problem.values(z[place : place + 1]).items()}
+
         if self.model.solid is None:
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
         problem, z = self.problem, self.draws.flat
-        values = problem.values(z)
         best = int(np.argmax(problem.posterior(z[:, problem.used])))
-        chosen = np.linspace(0, len(z) - 1, _OF_SOLID).astype(int)
-        medians = {name: one.median for name, one in self.verdicts.items()}
-        made, *others = (
-            self.model.solid(medians | {name: float(values[name][place]) for name in self.profiles})
-            for place in (best, *chosen)
+        made = self.model.solid(
+            {name: x for name, x in at(problem, z, best).items() if name not in self.unknown}
         )
-        return made | {"draws": [one["branches"] for one in others]} if "branches" in made else made
+        if "branches" not in made:
+            return made
+        several = [(problem, z), *((one.problem, one.z) for one in self.rivals[1:] if one.z is not None)]
+        draws = [
+            of.model.solid(at(of, drawn, place))["branches"]
+            for of, drawn in several
+            if of.model.solid is not None
+            for place in np.linspace(0, len(drawn) - 1, -(-_OF_SOLID // len(several))).astype(int)
+        ]
+        return made | {"draws": draws}
+
+    @property
+    def unknown(self) -> list[str]:
+        """What a solid needs, but the data do not identify."""
+        return [
+            name for name in _OF_SOLIDS if name in self.verdicts and self.verdicts[name].verdict == WORDS[-1]
+        ]
 
     def to_datatree(self) -> xr.DataTree:
         """Posterior, prior and data in the groups that ArviZ reads."""
@@ -189,6 +247,7 @@ def infer(
     error: ArrayLike | None = None,
     *,
     model: str | Callable[..., ArrayLike] = "relaxation",
+    quantity: Literal["depth", "radius"] | None = None,
     priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
     absolute: bool = False,
@@ -214,15 +273,18 @@ def infer(
         Standard errors, one or shape (n,). By default they are found from the scatter about the best fit,
         widened by as much as neighbors may correlate, see `Problem.scatter`.
     model
-        ``"relaxation"``, ``"power"``, ``"lattice"``, ``"eyring"`` or ``"healing"``, see
-        `asperity.inference.models`; or a function of the times, and of parameters by name.
+        ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"`` or
+        ``"ball"``, see `asperity.inference.models`; or a function of the times, and of parameters by name.
+    quantity
+        Of a ball: whether its depth or the radius of its contact was measured.
     priors
         Of any parameters: a pair of ends, between which ln is uniform, a table such as ``{"kind": "normal",
         "mean": "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
     branches
         How many relaxation times, 1 to 3; by default as many as Akaike's criterion asks for.
     absolute
-        Areas are in m^2 (of a lattice, over the nominal one): then load, modulus and roughness count.
+        Areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m): then load, modulus and
+        roughness, or the radius of the ball, count.
     ramp
         Time, s, within which the load was put on in proportion to time; times count from its beginning.
     seed
@@ -248,16 +310,8 @@ def infer(
         Something given is wrong; the priors exclude the data; the ensembles do not agree.
     """
     libraries()
-    if isinstance(time, Record):
-        if model != "healing":
-            raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))
-        peaks = hold_peaks(time)
-        order = np.argsort(peaks.duration)
-        time, area = peaks.duration[order], peaks.peak[order]
     loading = float(units.number("ramp", ramp, "s", least=0))
-    t, v, errors = _checked(time, area, error, "friction" if model == "healing" else "area")
-    many, chosen = t.size, _chosen(t)
-    t, v, errors = t[chosen], v[chosen], None if errors is None else errors[chosen]
+    t, v, errors, measured, remarks = _data(time, area, error, model, quantity)
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     checks.seed(seed)
@@ -265,27 +319,32 @@ def infer(
     checks.integer("effective", effective, least=1)
     if branches is not None:
         checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
-        if model != "relaxation":
-            raise InputError("branches", expected="model 'relaxation' beside it", got=checks.shown(model))
+        if model not in ("relaxation", "ball"):
+            expected = "model 'relaxation' or 'ball' beside it"
+            raise InputError("branches", expected=expected, got=checks.shown(model))
     if callable(model) and workers > 1:
-        try:
-            pickle.dumps(model)
-        except (pickle.PicklingError, AttributeError, TypeError):
-            expected = "a function of a module, which other processes can import"
-            got = checks.shown(model)
-            raise InputError("model", expected=expected, got=got, advice="workers=1") from None
+        _check_importable(model)
     own = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
-    made = functools.partial(of_name, model, t, v, absolute=absolute, ramp=loading)
+    made = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=measured)
+    given = functools.partial(made, model, priors=own, absolute=absolute)
     least = max([branches or 1, *(int(key[-1]) for key in own if _NUMBERED.fullmatch(key))])
-    made(branches=least, priors=own)  # mistakes in priors first
-    most = MOST_BRANCHES if branches is None and model == "relaxation" else least
+    most = MOST_BRANCHES if branches is None and model in ("relaxation", "ball") else least
+    given(branches=least)  # mistakes in priors first
+
+    def usual(name: object, branches: int, *, chosen: bool) -> Model:
+        """With default priors, by which all are judged: what the user knows of parameters makes no errors."""
+        kept = own if chosen and callable(model) else None
+        return made(name, branches=branches, priors=kept, absolute=absolute and chosen)
+
     with listener(progress) as listening:
-        listening.stage("looking for the best fit")
-        problem, remarks = _problem(t, v, errors, made, own, range(least, most + 1))
-        if t.size < many:
-            said = f"took {t.size:,} of {many:,} points, at even distances in ln t"
-            remarks.append(f"{said}: means of the others over short times would narrow the intervals")
-        listening.stage(f"sampling {len(problem.used)} parameters, {4 * walkers:,} walkers")
+        listening.stage("fitting models side by side")
+        data = {"time": t, "value": v, "error": v if errors is None else errors}
+        rivals = side_by_side(model, range(least, most + 1), usual, data, informed=errors is not None)
+        known = given(branches=rivals[0].times or least) if own and not callable(model) else None
+        problem, judged = _judged(rivals, known, informed=errors is not None)
+        listening.stage(
+            f"sampling {len(problem.used)} parameters of {rivals[0].name}, {4 * walkers:,} walkers"
+        )
         draws = sample(
             problem,
             seed=seed,
@@ -295,6 +354,8 @@ def infer(
             checkpoint=None if checkpoint is None else expanded(checkpoint),
             told=listening.stage,
         )
+        listening.stage("sampling the other acceptable models")
+        rivals = with_draws(rivals, problem.error, seed)
         listening.stage("judging each parameter")
         prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
         posterior = Posterior(problem, draws.flat, prior)
@@ -311,14 +372,99 @@ def infer(
             posterior.profiles,
             draws,
             -2 * float(posterior.log_likelihood.max()),
-            tuple(remarks),
+            tuple(rivals),
+            (*remarks, *judged),
+            measured,
         )
 
 
+def _data(
+    time: ArrayLike | Record, area: ArrayLike | None, error: ArrayLike | None, model: object, quantity: object
+) -> tuple[Floats, Floats, Floats | None, str, list[str]]:
+    """Times, values and errors that are used, what was measured, and a remark on what was left out."""
+    if isinstance(time, Record):
+        if model != "healing":
+            raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))
+        peaks = hold_peaks(time)
+        order = np.argsort(peaks.duration)
+        time, area = peaks.duration[order], peaks.peak[order]
+    if (quantity in OF_BALL) != (model == "ball") or (quantity is not None and model != "ball"):
+        expected = "depth or radius for the model 'ball', and none for others"
+        raise InputError("quantity", expected=expected, got=checks.shown(quantity))
+    measured = str(quantity or ("friction" if model == "healing" else "area"))
+    t, v, errors = _checked(time, area, error, measured)
+    if not callable(model):
+        refuse_decline(Series(t, v, None), measured)
+    if (many := t.size) <= _MOST_POINTS:
+        return t, v, errors, measured, []
+    chosen = _chosen(t)
+    remark = f"took {chosen.size:,} of {many:,} points, at even distances in ln t: means of the others over "
+    kept = None if errors is None else errors[chosen]
+    return t[chosen], v[chosen], kept, measured, [f"{remark}short times would narrow the intervals"]
+
+
+def _check_importable(model: object) -> None:
+    try:
+        pickle.dumps(model)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        expected = "a function of a module, which other processes can import"
+        raise InputError("model", expected=expected, got=checks.shown(model), advice="workers=1") from None
+
+
+def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tuple[Problem, list[str]]:
+    """The chosen problem with errors, and the priors of the user if there are any; what must be said."""
+    first, remarks = rivals[0], list[str]()
+    problem, misfit, n = first.problem, first.misfit, first.misfit.size
+    free = max(n - problem.rank, 1)
+    fewer = [one for one in rivals if one.times == first.times - 1]
+    if first.times == MOST_BRANCHES and fewer and first.aicc < fewer[0].aicc - _FALLS:
+        remarks.append(
+            f"AICc still falls at {MOST_BRANCHES} relaxation times: there may be more, or a broad spectrum"
+        )
+    best = min(rivals, key=lambda one: one.aicc)
+    if first.aicc - best.aicc > ACCEPTED:
+        advice = "relaxation" if best.times else best.name
+        remarks.append(
+            f"{best.name} fits better, by {first.aicc - best.aicc:.3g} in AICc: try the model {advice}"
+        )
+    if not math.isfinite(first.missed):
+        remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
+    if not informed:
+        scatter, rho = problem.scatter(first.at)
+        # Few points know it badly: by Student's t intervals are as wide as if it were known.
+        scatter *= student(free) / student(math.inf)
+        problem = replace(problem, error=max(scatter, LEAST_ERROR) * problem.value)
+        misfit = misfit * problem.value / problem.error
+        found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
+        found += f", whose neighbors correlate by {rho:.2f}"
+        remarks.append(f"no errors were given: they are taken as {found}")
+    if known is not None:
+        before, problem = misfit, replace(problem, model=known)
+        at, misfit = best_fit(problem)
+        if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
+            got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
+            advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
+            raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
+    chance = float(chi2.sf(misfit @ misfit, free))
+    off = neighbors(best.misfit)[0] > max(_CORRELATED, 2 / math.sqrt(n))
+    if (informed and chance < _MISFIT) or (not informed and off):
+        how = (
+            f"by {rms(misfit):.3g} standard errors, rms (chance {chance:.1g})" if informed else "with a trend"
+        )
+        any_fits = first is not best and not off
+        remarks.append(
+            f"the model misses the data {how}: "
+            + (
+                "the verdicts hold for this model only"
+                if any_fits
+                else "no model that was tried fits, and no verdict counts"
+            )
+        )
+    return problem, remarks
+
+
 def _chosen(t: Floats) -> NDArray[np.intp]:
-    """Places of the points that are used: all, or of very many some at even distances in ln t."""
-    if t.size <= _MOST_POINTS:
-        return np.arange(t.size)
+    """Places of some of very many points, at even distances in ln t."""
     begin = int(np.searchsorted(t, 0.0, side="right"))
     places = np.searchsorted(t, np.geomspace(t[begin], t[-1], _MOST_POINTS))
     return np.unique([*range(min(begin, 1)), *np.minimum(places, t.size - 1)])
@@ -347,83 +493,3 @@ def _checked(
     if given.shape not in ((), t.shape):
         raise InputError("error", expected=f"one, or one for each of {t.size} values", got=f"{given.size}")
     return t, v, np.broadcast_to(given, t.shape).copy()
-
-
-def _problem(
-    t: Floats,
-    v: Floats,
-    error: Floats | None,
-    made: functools.partial[Model],
-    priors: dict[str, Given],
-    counts: range,
-) -> tuple[Problem, list[str]]:
-    """The data with errors, and the model, with so many branches as the data ask for.
-
-    Both are judged by the default priors, so that what the user knows of parameters makes no errors.
-    """
-    remarks: list[str] = []
-    own, scatters = callable(made.args[0]), error is None
-    tried: list[tuple[float, int, Problem, Floats, Floats]] = []
-    for count in counts:
-        usual = made(branches=count, priors=priors if own else None)
-        if not own:
-            refuse_decline(Series(t, v, None), "friction" if usual.name == "healing" else "area")
-        problem = Problem(t, v, v if error is None else error, usual)
-        if not problem.used:
-            raise InputError("model", expected="a curve that depends on its parameters", got=usual.name)
-        needed = problem.rank + scatters  # the scatter is a parameter
-        if t.size < needed and tried:
-            break
-        if t.size < needed:
-            expected = (
-                f"at least {needed} points, for {problem.rank} parameters{' and the scatter' * scatters}"
-            )
-            raise InputError("time", expected=expected, got=t.size, advice="more points, or fewer parameters")
-        at, misfit = _best(problem, informed=not scatters)
-        score = math.inf
-        if t.size > needed + 1:
-            lack = lack_of(misfit, given=not scatters, rounding=_LEAST_ERROR)
-            score = t.size * lack + price_of(t.size, needed)
-        tried.append((score, count, problem, at, misfit))
-    score, count, problem, at, misfit = min(tried, key=lambda one: one[0])
-    if len(tried) > 1:
-        others = ", ".join(f"{one[0] - score:+.3g} with {one[1]}" for one in tried if one[1] != count)
-        remarks.append(f"{counted(count, 'relaxation time')} by Akaike's criterion, AICc ({others})")
-        if count == tried[-1][1] and score < tried[-2][0] - _FALLS:
-            remarks.append(
-                f"{count} relaxation times are the most that were tried, and AICc still falls: there may be "
-                "more, or a broad spectrum (try the model power); the verdicts hold for this model only"
-            )
-    free = max(t.size - problem.rank, 1)
-    if scatters:
-        scatter, rho = problem.scatter(at)
-        # Few points know it badly: by Student's t intervals are as wide as if it were known.
-        scatter *= student(free) / student(math.inf)
-        problem = replace(problem, error=max(scatter, _LEAST_ERROR) * v)
-        misfit = misfit * v / problem.error
-        found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
-        found += f", whose neighbors correlate by {rho:.2f}"
-        remarks.append(f"no errors were given: they are taken as {found}")
-    if priors and not own:
-        before, problem = misfit, replace(problem, model=made(branches=count, priors=priors))
-        at, misfit = _best(problem)
-        if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
-            got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
-            advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
-            raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
-    chance = float(chi2.sf(misfit @ misfit, free))
-    if not scatters and chance < _MISFIT:
-        remarks.append(
-            f"the model misses the data by {rms(misfit):.3g} standard errors, rms (chance {chance:.1g}): "
-            "try another model, or larger errors; the verdicts hold for this model only"
-        )
-    return problem, remarks
-
-
-def _best(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
-    """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
-    z = problem.of_prior(np.random.default_rng(0), _TRIED)
-    best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
-    found = [problem.improved(start, problem.used, informed=informed) for start in best]
-    _, at = min(found, key=lambda one: one[0])
-    return at, problem.misfit(at[np.newaxis])[0]

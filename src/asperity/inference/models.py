@@ -4,6 +4,7 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
 
     relaxation  J(t)/J(0) of a Maxwell solid, by the share and the time of each of its branches
     power       1 + (t/time)^exponent, a spring and a spring-pot in series
+    logarithm   1 + slope ln(1 + t/time)
                 size = area_factor load/(modulus rms_slope), the factor from 1.6 (B. N. J. Persson, J. Chem.
                 Phys. 115, 3840 (2001), doi:10.1063/1.1388626) to 2.2 (S. Hyun et al., Phys. Rev. E 70, 026117
                 (2004), doi:10.1103/PhysRevE.70.026117)
@@ -12,15 +13,18 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
     eyring      s(first)/s(t), s = stress ln(2 length/(rate t)): `asperity.theory.flowing_area`
                 size = load/s(first)
     healing     static friction, 1 + (B/scale) ln(1 + t/time)
+    ball        depth^(3/2) or contact radius^3 of a ball under a held load, J(t)/J(0) as in relaxation
+                size = `asperity.theory.hertz` (E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960),
+                doi:10.1115/1.3644020)
 
-Where the unit of the areas is not known, `scale` stands for the size.
+Where the unit of the values is not known, `scale` stands for the size.
 """
 
 from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,7 +39,7 @@ from asperity.base.words import closest
 from asperity.errors import InputError
 from asperity.inference.priors import Given, Prior
 from asperity.relaxation import Creep, fit
-from asperity.theory import exponential_growth, site_stiffness
+from asperity.theory import exponential_growth, hertz, site_stiffness
 
 Values = Mapping[str, Floats]
 """Parameters by name, each of shape (m,)."""
@@ -48,6 +52,8 @@ _LEAST = 1e-4
 """Size by default at least, over the smallest value."""
 _RAMP = 16
 """Nodes in the time of a ramp."""
+BEYOND = 1e5
+"""Times of the last one up to which a solid that is no sum of branches is given as one."""
 _RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
 """Ranges of k1/k0 and of k0 R t in which the lattice's compliance is tabulated."""
 
@@ -76,6 +82,8 @@ class Model:
         Time within which the load was put on, s: the growth is its mean over the ramp.
     scaled
         Whether the curve is known but for a factor, the parameter ``scale``.
+    power
+        Of the growth: 1 for areas, 2/3 for the depth of a ball, 1/3 for the radius of its contact.
     """
 
     name: str
@@ -87,6 +95,7 @@ class Model:
     solid: Callable[[Mapping[str, float]], dict[str, object]] | None = None
     ramp: float = 0.0
     scaled: bool = False
+    power: float = 1.0
 
     def curve(self, time: Floats, p: Values) -> Floats:
         """What is observed, shape (m, n)."""
@@ -95,6 +104,8 @@ class Model:
             rule = zip(*np.polynomial.legendre.leggauss(_RAMP), strict=True)
             parts = [w / 2 * self.growth(time - self.ramp * (1 + at) / 2, p) for at, w in rule]
             grown = np.sum(parts, axis=0)
+        if self.power != 1:
+            grown = grown**self.power
         if self.scaled:
             return np.asarray(p["scale"][:, None] * grown)
         return grown if self.size is None else np.asarray(self.size(p)[:, None] * grown)
@@ -109,17 +120,23 @@ def of_name(
     branches: int,
     absolute: bool,
     ramp: float = 0.0,
+    quantity: str = "area",
 ) -> Model:
     """Make a model by its name, with default priors as wide as the data suggest; or of a user's function."""
-    if ramp and name not in ("relaxation", "power"):
-        expected = "a load put on at once, or a separable solid: model 'relaxation' or 'power'"
+    if ramp and name not in (*CREEP, "ball"):
+        expected = f"a load put on at once, or a separable solid: model {', '.join(CREEP)} or ball"
         raise InputError("ramp", expected=expected, got=checks.shown(name))
     if callable(name):
         if absolute:
             raise InputError("absolute", expected="a model of Asperity", got="a function of your own")
         return _own(name, priors)
-    checks.choice("model", name, (*MODELS, "a function of time and parameters"))
-    made = MODELS[str(name)](float(time[time > 0][0]), float(time[-1]), branches)
+    checks.choice("model", name, (*MODELS, "ball", "a function of time and parameters"))
+    ends = float(time[time > 0][0]), float(time[-1])
+    made = MODELS["relaxation" if name == "ball" else str(name)](*ends, branches)
+    if quantity in OF_BALL:
+        creep = {one: prior for one, prior in made.priors.items() if one not in _BODY}
+        size = functools.partial(_of_ball, quantity=quantity)
+        made = replace(made, name="ball", priors=_BALL | creep, size=size, power=OF_BALL[quantity])
     known = made.priors
     if not absolute:
         known = {"scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())), **known}
@@ -148,12 +165,38 @@ _BODY = {
 }
 
 
+_BALL = {
+    "load": Prior("log_uniform", 1e-11, 1e6, "N"),
+    "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+    "radius": Prior("log_uniform", 1e-9, 1.0, "m"),
+}
+OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
+"""What is measured of a ball, and the power of J that it follows."""
+
+
+def _of_ball(p: Values, *, quantity: str) -> Floats:
+    found = hertz(p["load"], modulus=p["modulus"], radius=p["radius"])
+    return found.approach if quantity == "depth" else found.contact_radius
+
+
 def _of_body(p: Values) -> Floats:
     return np.asarray(p["area_factor"] * p["load"] / (p["modulus"] * p["rms_slope"]))
 
 
 def _half_space(p: Mapping[str, float], **creep: Any) -> dict[str, object]:
-    return {"kind": "half_space", "modulus": f"{p['modulus']:.6g} Pa", **creep}
+    modulus = {"modulus": f"{p['modulus']:.6g} Pa"} if "modulus" in p else {}
+    return {"kind": "half_space", **modulus, **creep}
+
+
+def _fitted(p: Mapping[str, float], *, growth: Curve, span: tuple[float, float]) -> dict[str, object]:
+    """A creep as branches, one in each decade of the span."""
+    t = np.geomspace(*span, round(8 * np.log10(span[1] / span[0])))
+    values = growth(t, {name: np.array([value]) for name, value in p.items()})[0]
+    return _half_space(p, branches=_rounded(fit(Creep(t, values), per_decade=1).series.branches))
+
+
+def _rounded(branches: Iterable[tuple[float, float]]) -> list[list[float | str]]:
+    return [[float(f"{share:.4g}"), f"{time:.4g} s"] for share, time in branches]
 
 
 def relaxation(first: float, last: float, branches: int) -> Model:
@@ -199,9 +242,7 @@ def _maxwell_held(time: Floats, p: Values) -> Floats:
 
 def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
     shares, times = _branches({name: np.array(value) for name, value in p.items()})
-    return _half_space(
-        p, branches=[[g, f"{t:.6g} s"] for g, t in zip(shares.tolist(), times.tolist(), strict=True)]
-    )
+    return _half_space(p, branches=_rounded(zip(shares.tolist(), times.tolist(), strict=True)))
 
 
 def power(first: float, last: float, _: int) -> Model:
@@ -210,7 +251,7 @@ def power(first: float, last: float, _: int) -> Model:
         "exponent": Prior("uniform", 0.0, 1.0),
         "time": Prior("log_uniform", first / 1e6, last * 1e9, "s"),
     }
-    solid = functools.partial(_power_solid, span=(first / 100, 100 * last))
+    solid = functools.partial(_fitted, growth=_power, span=(first / 100, BEYOND * last))
     return Model("power", _power, priors, _of_body, solid=solid)
 
 
@@ -218,11 +259,18 @@ def _power(time: Floats, p: Values) -> Floats:
     return np.asarray(1 + (time / p["time"][:, None]) ** p["exponent"][:, None])
 
 
-def _power_solid(p: Mapping[str, float], *, span: tuple[float, float]) -> dict[str, object]:
-    """The power law as branches, one in each decade of the span."""
-    t = np.geomspace(*span, 60)
-    series = fit(Creep(t, 1 + (t / p["time"]) ** p["exponent"]), per_decade=1).series
-    return _half_space(p, branches=[[share, f"{time:.6g} s"] for share, time in series.branches])
+def logarithm(first: float, last: float, _: int) -> Model:
+    """A separable half-space whose creep is a logarithm of time."""
+    priors = _BODY | {
+        "slope": Prior("log_uniform", 1e-4, 10.0),
+        "time": Prior("log_uniform", first / 1e4, 100 * last, "s"),
+    }
+    solid = functools.partial(_fitted, growth=_logarithm, span=(first / 100, BEYOND * last))
+    return Model("logarithm", _logarithm, priors, _of_body, solid=solid)
+
+
+def _logarithm(time: Floats, p: Values) -> Floats:
+    return np.asarray(1 + p["slope"][:, None] * np.log1p(time / p["time"][:, None]))
 
 
 def lattice(first: float, last: float, _: int) -> Model:
@@ -260,7 +308,10 @@ def _lattice(time: Floats, p: Values) -> Floats:
 
 
 def _lattice_solid(p: Mapping[str, float]) -> dict[str, object]:
-    return {"kind": "spring_lattice", "k0": p["k0"], "k1": p["x1"] * p["k0"], "R": p["rate"] / p["k0"]}
+    k0 = p.get("k0", 1.0)  # else it is the unit
+    made: dict[str, object] = {"kind": "spring_lattice", "k0": k0}
+    made |= {"k1": p["x1"] * k0} if "x1" in p else {}
+    return made | ({"R": p["rate"] / k0} if "rate" in p else {})
 
 
 def eyring(first: float, last: float, _: int) -> Model:
@@ -301,9 +352,9 @@ def _eyring(time: Floats, p: Values, *, first: float) -> Floats:
 
 
 def _eyring_solid(p: Mapping[str, float]) -> dict[str, object]:
-    return _half_space(
-        p, creep="eyring", creep_rate=f"{p['rate']:.6g} m/s", creep_stress=f"{p['stress']:.6g} Pa"
-    )
+    units = {"rate": "m/s", "stress": "Pa"}
+    found = {f"creep_{name}": f"{p[name]:.6g} {unit}" for name, unit in units.items() if name in p}
+    return _half_space(p, creep="eyring", **found)
 
 
 def healing(first: float, last: float, _: int) -> Model:
@@ -340,7 +391,10 @@ def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -
     return np.array(curves, dtype=np.float64).reshape(-1, time.size)
 
 
+CREEP = ("relaxation", "power", "logarithm")
+"""Models of a separable half-space."""
+
 MODELS: dict[str, Callable[[float, float, int], Model]] = {
-    one.__name__: one for one in (relaxation, power, lattice, eyring, healing)
+    one.__name__: one for one in (relaxation, power, logarithm, lattice, eyring, healing)
 }
 """Models by name, of the first and the last time and a number of branches."""

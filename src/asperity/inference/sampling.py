@@ -252,7 +252,7 @@ def sample(
     data = np.concatenate([problem.time, problem.value, problem.error, some.ravel()]).tobytes()
     mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
     several, first = _resumed(checkpoint, mark)
-    r_hat, worth = math.inf, 0.0
+    r_hat, worth, begun = math.inf, 0.0, 0.0
     spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
     with spawned() if workers > 1 else nullcontext() as pool:
         for turn in range(first, first + _MOST_ROUNDS):
@@ -264,7 +264,10 @@ def sample(
                 several = list(advanced)
                 _keep(checkpoint, mark, turn, several)
             if any(one.weight < 1 for one in several):
-                told(f"data at {100 * min(one.weight for one in several):.2g} % of their weight")
+                weight = min(one.weight for one in several)
+                begun = begun or weight
+                way = 1 - math.log(weight) / math.log(begun) if begun < 1 else 1.0
+                told(f"from the priors toward the data, {100 * way:.0f} % of the way")
                 continue
             rounds = min(len(one.kept) for one in several) // walkers
             if rounds < _LEAST_ROUNDS:
@@ -272,7 +275,7 @@ def sample(
             least = walkers * -(-rounds // 2)  # the later half: what the start has left wears off
             chains = np.stack([one.kept[-least:] for one in several])
             r_hat, worth = _agreement(chains, walkers)
-            told(f"R-hat {r_hat:.3f}, {worth:.0f} effective draws")
+            told(f"ensembles: R-hat {r_hat:.3f} (below {agreement}), {worth:.0f} of {effective} draws")
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -16,15 +16,18 @@ from asperity.base.checks import Floats
 from asperity.inference.models import Curve
 from asperity.inference.sampling import Problem
 
-Word = Literal["determined", "bounded above", "bounded below", "not identified"]
+Word = Literal["determined", "bounded", "bounded above", "bounded below", "not identified"]
 WORD: dict[tuple[bool, bool], Word] = {
-    (True, True): "determined",
+    (True, True): "bounded",
     (False, True): "bounded above",
     (True, False): "bounded below",
     (False, False): "not identified",
 }
 """Verdicts by whether the low and the high end of the prior are excluded."""
-WORDS = tuple(WORD.values())
+WORDS: tuple[Word, ...] = ("determined", *WORD.values())
+
+FACTOR = 3.0
+"""High over low end below which a parameter between excluded ends is determined."""
 
 LEVEL = 0.95
 _LIMIT = float(chi2.ppf(LEVEL, 1))
@@ -38,7 +41,7 @@ _PROFILE, _OUTER, _HALVED = 9, 3, 8
 """Points of a profile about the posterior, on either side of it, and halvings to where it is at its level."""
 _STEPS = 7
 """Points on the way to what is beyond an end."""
-_LATER = 100.0
+_EARLIER = 100.0
 
 
 @dataclass(frozen=True)
@@ -50,11 +53,12 @@ class Verdict:
     parameter, unit
         Its name and unit.
     verdict
-        ``"determined"`` if the data exclude both ends of its prior; ``"bounded above"`` or
-        ``"bounded below"`` if they exclude the high, or the low end only; else ``"not identified"``. An end
-        is excluded if the posterior there, over the prior, is below 0.15 of its peak, as a likelihood is
-        beyond a 95 % interval. A parameter that the data know only together with one that they do not
-        identify is not identified either, see `Combination`.
+        ``"determined"`` if the data exclude both ends of its prior, and the 95 % interval is less than a
+        factor of three wide, else ``"bounded"``; ``"bounded above"`` or ``"bounded below"`` if they exclude
+        the high, or the low end only; else ``"not identified"``. An end is excluded if the posterior there,
+        over the prior, is below 0.15 of its peak, as a likelihood is beyond a 95 % interval. A parameter
+        that the data know only together with one that they do not identify is not identified either, see
+        `Combination`.
     low, high
         95 % interval: the middle of the posterior; of a bounded parameter from, or to, the end of the prior.
     median
@@ -78,11 +82,18 @@ class Verdict:
     def words(self) -> str:
         """The parameter with its interval, or the bound."""
         unit = f" {self.unit}" if self.unit else ""
-        if self.verdict.startswith("bounded"):
+        if self.verdict.startswith("bounded "):
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
         low, median, high = told_apart(self.low, self.median, self.high)
-        return f"{self.parameter} = {median} [{low}, {high}]{unit}"
+        within = f" within a factor of {self.factor:.2g}" if self.verdict == "bounded" else ""
+        return f"{self.parameter} = {median} [{low}, {high}]{unit}{within}"
+
+    @property
+    def factor(self) -> float:
+        """Ratio of the ends of the interval, 1 or more; infinite where it contains 0."""
+        ends = sorted((abs(self.low), abs(self.high)))
+        return ends[1] / ends[0] if self.low * self.high > 0 else math.inf
 
 
 @dataclass(frozen=True)
@@ -161,7 +172,10 @@ class Posterior:
                 profile = interval_of(*self.profiles[name])
             low, high = interval_within(excluded, *draws)
             median = float(np.median(self.values[name]))
-            made[name] = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
+            verdict = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
+            if verdict.verdict == "bounded" and verdict.factor < FACTOR:
+                verdict = replace(verdict, verdict="determined")
+            made[name] = verdict
         return made
 
     def combinations(self) -> tuple[Combination, ...]:
@@ -269,28 +283,28 @@ class Posterior:
         model, values = self.problem.model, self.values
         time = self.problem.time[self.problem.time > 0]
         unit = "over the nominal one" if model.name == "lattice" else "in m²"
-        loads = f"two known loads, with areas {unit}"
+        loads = f"two known loads, with {'lengths in m' if model.power != 1 else f'areas {unit}'}"
         relative = float(np.median(self.problem.error / self.problem.value))
-        longer = model.curve, np.geomspace(time[-1], _LATER * time[-1], time.size)
-        earlier = model.curve, np.geomspace(time[0] / _LATER, time[0], time.size)
-        planned: dict[str, tuple[Curve, Floats]] = {"longer times (to 100 times the last)": longer}
+        planned: dict[str, tuple[Curve, Floats]] = {}
         if model.held is not None:
             planned["the load at a held displacement"] = model.held, time
         else:
-            planned["earlier times (from a hundredth of the first)"] = earlier
+            earlier = np.geomspace(time[0] / _EARLIER, time[0], time.size)
+            planned["earlier times (from a hundredth of the first)"] = model.curve, earlier
         with np.errstate(all="ignore"):
             logs = {name: np.log(curve(at, values)) for name, (curve, at) in planned.items()}
-            if model.size is not None:  # areas are in proportion to the load, which is measured, too
-                areas = np.log(model.size(values)[:, None] * model.growth(time, values))
-                logs[loads] = np.hstack([areas, areas + np.log(2), np.log(values["load"])[:, None]])
-        known = {
+            if model.size is not None:  # a power of the load, which is measured, too
+                known = replace(model, scaled=False)
+                several = [known.curve(time, values | {"load": k * values["load"]}) for k in (1.0, 2.0)]
+                logs[loads] = np.log(np.hstack([*several, values["load"][:, None]]))
+        open_ = {
             one: np.log(values[one]) if model.priors[one].logarithmic else values[one] for one in undetermined
         }
         made = []
         for name, curves in logs.items():
             fine = np.isfinite(curves).all(1)
             if np.count_nonzero(fine) > 2 * curves.shape[1]:
-                left = {one: _left(curves[fine], x[fine], relative) for one, x in known.items()}
+                left = {one: _left(curves[fine], x[fine], relative) for one, x in open_.items()}
                 if name == loads:
                     left.pop("load", None)  # which is measured
                 made.append(Candidate(name, left))

@@ -17,7 +17,10 @@ from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING = Results(), Reading()
-_FLAGS = {name: f"--{name}" for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers")}
+_FLAGS = {
+    name: f"--{name}"
+    for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
+}
 _FLAGS["absolute"] = "--unit-area"
 
 
@@ -26,7 +29,8 @@ def infer(
     file: Path,
     /,
     *,
-    model: Literal["relaxation", "power", "lattice", "eyring", "healing"] = "relaxation",
+    model: Literal["relaxation", "power", "logarithm", "lattice", "eyring", "healing", "ball"] = "relaxation",
+    quantity: Literal["depth", "radius"] | None = None,
     branches: int | None = None,
     priors: Path | None = None,
     error: float | str | None = None,
@@ -46,8 +50,8 @@ def infer(
     """Infer what a curve of contact area, or friction, determines of a model, and what it does not.
 
     The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
-    (determined, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml to change
-    and give again, and solid.toml for asperity run and asperity predict.
+    (determined, bounded, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml
+    to change and give again, and solid.toml for asperity run and asperity predict.
 
     Parameters
     ----------
@@ -55,9 +59,12 @@ def infer(
         A table of hold times and areas, or static friction; or, for healing, the record of a slide-hold-slide
         test: time, load point or slip, and friction.
     model
-        relaxation: a separable half-space of some relaxation times; power: one whose creep is a power of
-        time; lattice: light contacts on the lattice of springs; eyring: contacts that flow; healing: friction
-        that grows by B ln(1 + t/time).
+        relaxation: a separable half-space of some relaxation times; power, logarithm: one whose creep is a
+        power, or a logarithm, of time; lattice: light contacts on the lattice of springs; eyring: contacts
+        that flow; healing: friction that grows by B ln(1 + t/time); ball: depth or contact radius of a ball
+        under a held load, with relaxation times. All models of creep are fitted beside the chosen one.
+    quantity
+        What was measured of a ball. [default: what the name of the column says]
     branches
         How many relaxation times, 1 to 3. [default: as many as Akaike's criterion asks for]
     priors
@@ -77,7 +84,8 @@ def infer(
         Unit of the hold times. [default: that of the column's name, or s]
     unit_area
         Unit of the areas, such as mm^2, where the load and the roughness are to count; 1 for areas over the
-        nominal one (lattice). [default: areas are known up to a factor]
+        nominal one (lattice); of a ball, that of the lengths. [default: areas are known up to a factor;
+        lengths of a ball have the unit of the column, if it has one]
     ramp
         Time within which the load was put on in proportion to time; times count from its beginning.
         [default: at once]
@@ -92,7 +100,9 @@ def infer(
     """
     chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
-        *data, remarks, read = _data(file, chosen, vars(reading), (unit_time, unit_area), error, model)
+        *data, remarks, read, about = _data(
+            file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
+        )
     from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
     from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
@@ -106,14 +116,16 @@ def infer(
     libraries()
     replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
-    how |= {"absolute": unit_area is not None, "seed": seed, "walkers": walkers}
+    how |= {"seed": seed, "walkers": walkers, "quantity": about["quantity"], "absolute": about["absolute"]}
     how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
-        with in_flags(_FLAGS | {name: f"{file}: {name}" for name in ("time", "area", "friction")}):
+        with in_flags(
+            _FLAGS | {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
+        ):
             found = inferred(*data, **how, progress=progress, checkpoint=place)
-        found = replace(found, remarks=(*remarks, *found.remarks))
+        found = replace(found, remarks=(*remarks, *found.remarks), unit=about["unit"])
         rows = [("read", read), *inference_report(found, str(file))]
         progress.stage("writing the results")
         with folder_of_results(out, rows, replaceable) as folder:
@@ -129,8 +141,9 @@ def _data(
     units: tuple[str | None, str | None],
     error: float | str | None,
     model: str,
+    quantity: str | None,
 ) -> tuple[Any, ...]:
-    """Times in s, values and errors, remarks on how they were read, and what was read."""
+    """Times in s, values and errors; remarks on them, what was read, and what it is."""
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
 
@@ -146,7 +159,8 @@ def _data(
         peaks = hold_peaks(record)
         order = peaks.duration.argsort(kind="stable")
         time, value = peaks.duration[order], peaks.peak[order]
-        return time, value, _error(error, value, 1.0), (), record.read
+        about = {"quantity": None, "absolute": False, "unit": ""}
+        return time, value, _error(error, value, 1.0), (), record.read, about
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         chosen["stderr"] = _errors_beside(names)
     table = read_measurements(file, **chosen, **reading)
@@ -154,14 +168,31 @@ def _data(
         raise InputError("--error", expected="none beside --column-stderr", got=error)
     unit_time, unit_area = units
     seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
-    expected = "1, for areas over the nominal one" if model == "lattice" else "a unit of area, such as mm^2"
-    square = _factor("--unit-area", unit_area or "1", "1" if model == "lattice" else "m^2", expected)
+    if model == "ball":
+        quantity, unit_area = _of_ball(quantity, table.value_name), unit_area or table.value_unit or None
+    target, example = {
+        "lattice": ("1", "1, for areas over the nominal one"),
+        "ball": ("m", "a unit of length, such as nm"),
+    }.get(model, ("m^2", "a unit of area, such as mm^2"))
+    square = _factor("--unit-area", unit_area or "1", target, example)
+    about = {"quantity": quantity, "absolute": unit_area is not None}
+    about["unit"] = table.value_unit if unit_area is None else target.removeprefix("1")
     remarks = table.remarks
     if not (unit_time or table.time_unit or model == "lattice"):
         remarks = (*remarks, f"no unit of time beside {table.time_name!r}, taken as s; --unit-time decides")
     value = square * table.value
     errors = _error(error, value, square) if table.stderr is None else square * table.stderr
-    return seconds * table.time, value, errors, remarks, table.source
+    return seconds * table.time, value, errors, remarks, table.source, about
+
+
+def _of_ball(quantity: str | None, name: str) -> str:
+    """Whether depth or radius was measured, by a flag or the name of the column."""
+    said = {"depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac", "radius": "radius|rayon"}
+    found = [one for one, words in said.items() if re.search(words, name, re.I)]
+    if quantity is None and len(found) != 1:
+        expected, got = "depth or radius of the contact of the ball", f"a column {name!r}"
+        raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
+    return quantity or found[0]
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:

@@ -74,14 +74,13 @@ def _line(rate: GrowthRate, initial_from: str, unit: str) -> list[tuple[str, ...
 
 def _shape(text: str, fit: FitResult, name: str, *, unit: str = "") -> tuple[str, ...]:
     """Row of a parameter that must not be 0; a slope may be, and that is a result."""
-    if determined(getattr(fit, name), getattr(fit, f"{name}_stderr")):
+    if determined(*fit.known(name)):
         return _row(text, fit, name, unit=unit)
     return f"  {text}", UNDETERMINED, ""
 
 
 def _row(text: str, fit: FitResult, name: str, *, factor: float = 1.0, unit: str = "") -> tuple[str, ...]:
-    value, stderr = getattr(fit, name), getattr(fit, f"{name}_stderr")
-    low, high = fit.interval(name)
+    (value, stderr), (low, high) = fit.known(name), fit.interval(name)
     return (
         f"  {text}",
         f"{uncertain(factor * value, factor * stderr)}{unit}",
@@ -137,8 +136,7 @@ def _numbers(fit: FitResult) -> dict[str, object]:
     for field in dataclasses.fields(fit):
         if field.name in names:
             shown = "A0" if field.name == "initial_area" else field.name
-            known = (getattr(fit, name) for name in (field.name, f"{field.name}_stderr"))
-            facts = (*known, *fit.interval(field.name))
+            facts = (*fit.known(field.name), *fit.interval(field.name))
             scales = {"_per_efold": 1.0, "_per_decade": _PER_DECADE} if field.name in _SLOPES else {"": 1.0}
             for suffix, factor in scales.items():
                 value, stderr, *ends = (_finite(factor * fact) for fact in facts)

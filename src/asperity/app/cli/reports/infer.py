@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asperity.app.cli.report import Row
+from asperity.app.cli.report import Row, aligned
 from asperity.base.words import counted, tables_to_toml
 from asperity.figures import inference_page, inference_pictures
 from asperity.inference import Inference
@@ -16,8 +16,14 @@ def inference_report(found: Inference, source: str) -> list[Row]:
         ("data", f"{source}, {counted(found.time.size, 'point')}"),
         ("model", found.model.name),
     ]
+    cells = [
+        [str(row[0]), *(f"{value:.3g}" for value in row[1:])] for row in found.models.itertuples(index=False)
+    ]
+    table = aligned([[*found.models.columns], *cells]).splitlines()
+    rows += [("models" * (n == 0), line) for n, line in enumerate(table)]
+    said = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in found.findings}
+    rows += [("", sentence) for sentence in found.sentences if sentence not in said]
     rows += found.findings
-    rows += [("", sentence) for sentence in found.sentences[len(found.findings) :]]
     rows.append(("agreement", f"R-hat {found.draws.r_hat:.4f}, {found.draws.effective:.0f} effective draws"))
     return [*rows, *(("remark", remark) for remark in found.remarks)]
 
@@ -34,9 +40,8 @@ def write_inference(found: Inference, folder: Path, *, source: str, command: str
     (folder / "priors.toml").write_text(priors, encoding="utf-8")
     found.to_datatree().to_netcdf(folder / "posterior.nc", engine="h5netcdf")
     if found.model.solid is not None:
-        unknown = [one.parameter for one in found.verdicts.values() if one.verdict == "not identified"]
         head = f"# The most likely of the draws, inferred from {source} by the model {found.model.name}.\n"
-        if unknown:
-            head += f"# Not identified, so set it before you rely on it: {', '.join(unknown)}.\n"
+        if found.unknown:
+            head += f"# Not identified, so left out: {', '.join(found.unknown)}.\n"
         text = head + tables_to_toml({"solid": found.solid()})
         (folder / "solid.toml").write_text(text, encoding="utf-8")

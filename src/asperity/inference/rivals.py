@@ -1,0 +1,192 @@
+"""Models side by side: which fit a curve, which foresee its last points, and where they part beyond it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from asperity.base import views
+from asperity.base.checks import Floats
+from asperity.base.words import counted
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits.comparison import UNLIKELY, lack_of, price_of
+from asperity.fits.result import rms
+from asperity.inference.models import CREEP, MOST_BRANCHES, Model
+from asperity.inference.sampling import Problem, sample
+
+ACCEPTED = -2 * math.log(UNLIKELY)
+"""Gain in AICc below which a model is acceptable beside the best: it is 0.05 times as likely, or more."""
+
+_STARTS, _TRIED = 3, 2000
+_HELD, _OF = 3, 5
+"""Least number of last points that are held out, and of which part of all they are one."""
+
+LEAST_ERROR = 1e-9
+"""Relative errors that data have at least: those of rounding."""
+
+_FACTORS = 10, 100, 1000
+"""Times over the last one at which models are compared."""
+
+_APART = 3.0
+"""Difference, in errors, at which a point tells two models apart."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Rival(views.Brief):
+    """A model beside others, of the same curve.
+
+    Attributes
+    ----------
+    name, times
+        What it is called, and the number of its relaxation times, 0 of another creep.
+    aicc
+        Akaike's criterion for few points, less the least of all models that were tried.
+    missed
+        Rms misfit, in standard errors, of the last fifth of the points, three at least, by a fit to the
+        others; NaN where these are too few.
+    problem, at, misfit
+        Data and model; coordinates of the best fit; its misfit in standard errors, shape (n,).
+    z
+        Draws of the posterior, shape (draws, parameters); none of a model that is not acceptable.
+    """
+
+    name: str
+    aicc: float
+    missed: float
+    problem: Problem
+    at: Floats
+    misfit: Floats
+    times: int = 0
+    z: Floats | None = None
+
+    @classmethod
+    def fitted(cls, name: str, times: int, problem: Problem, *, informed: bool) -> Rival | None:
+        """Fit a model to data with errors (the values if not ``informed``); None where points are too few."""
+        n, needed = problem.time.size, problem.rank + (not informed)  # the scatter is a parameter
+        if n < needed:
+            return None
+        at, misfit = best_fit(problem, informed=informed)
+        score, missed = math.inf, math.nan
+        if n > needed + 1:
+            lack = lack_of(misfit, given=informed, rounding=LEAST_ERROR)
+            score = n * lack + price_of(n, needed)
+        kept = n - max(_HELD, n // _OF)
+        if kept > needed:
+            early = {one: getattr(problem, one)[:kept] for one in ("time", "value", "error")}
+            there, _ = best_fit(replace(problem, **early), informed=informed)
+            missed = rms(problem.misfit(there[np.newaxis])[0, kept:])
+        return cls(name, score, missed, problem, at, misfit, times)
+
+    def sampled(self, seed: int) -> Rival:
+        """The model with draws of its posterior; without, where ensembles do not agree soon."""
+        how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
+        try:
+            return replace(self, z=sample(self.problem, seed=seed, **how).flat)
+        except ConvergenceError:
+            return self
+
+    def band(self, time: Floats) -> Floats:
+        """2.5, 50 and 97.5 % quantiles of the curve over the draws, else the best fit: shape (3, n)."""
+        z = self.at[np.newaxis] if self.z is None else self.z
+        curves = self.problem.model.curve(time, self.problem.values(z))
+        return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
+
+
+def best_fit(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
+    """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
+    z = problem.of_prior(np.random.default_rng(0), _TRIED)
+    best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
+    found = [problem.improved(start, problem.used, informed=informed) for start in best]
+    _, at = min(found, key=lambda one: one[0])
+    return at, problem.misfit(at[np.newaxis])[0]
+
+
+def side_by_side(
+    chosen: object,
+    branches: Sequence[int],
+    made: Callable[..., Model],
+    data: Mapping[str, Floats],
+    *,
+    informed: bool,
+) -> list[Rival]:
+    """Fit the chosen model, which comes first, and all models of creep.
+
+    `made` gives a model by its name, a number of branches, and whether it is the chosen one. Of several
+    numbers AICc chooses. `InputError` if the points are too few for the chosen model.
+    """
+    family = "relaxation" if chosen == "ball" else chosen
+    plans = [(family, n) for n in branches]
+    plans += [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
+    tried: dict[tuple[object, int], Rival] = {}
+    for name, n in dict.fromkeys(plans):
+        if chosen == "healing" and name == "logarithm":
+            continue  # the same
+        model = made(chosen if name == family else name, branches=n, chosen=name == family)
+        problem = Problem(**data, model=model)
+        if not problem.used:
+            raise InputError("model", expected="a curve that depends on its parameters", got=model.name)
+        words, times = (counted(n, "relaxation time"), n) if name == "relaxation" else (model.name, 0)
+        if (one := Rival.fitted(words, times, problem, informed=informed)) is not None:
+            tried[name, n] = one
+        elif name == family and n == branches[0]:
+            scatter = " and the scatter" * (not informed)
+            expected = (
+                f"at least {problem.rank + (not informed)} points, for {problem.rank} parameters{scatter}"
+            )
+            advice = "more points, or fewer parameters"
+            raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
+    own = [(family, n) for n in branches if (family, n) in tried]
+    first, least = min(own, key=lambda key: tried[key].aicc), min(one.aicc for one in tried.values())
+    every = [tried.pop(first), *tried.values()]
+    return [replace(one, aicc=one.aicc - least if one.aicc < math.inf else math.inf) for one in every]
+
+
+def with_draws(rivals: Sequence[Rival], error: Floats, seed: int) -> list[Rival]:
+    """The rivals with these errors, and with draws of those that are acceptable beside the first.
+
+    They fit nearly as well as the best, or foresee the held-out points best. Of several numbers of relaxation
+    times that counts which AICc prefers.
+    """
+    best = min((one.aicc for one in rivals if one.times), default=0.0)
+    foresees = min((one.missed for one in rivals if math.isfinite(one.missed)), default=-math.inf)
+    found = []
+    for n, one in enumerate(rivals):
+        scale, problem = one.problem.error / error, replace(one.problem, error=error)
+        near = one.aicc < ACCEPTED or one.missed == foresees
+        missed = one.missed * float(np.median(scale))
+        changed = replace(one, problem=problem, misfit=one.misfit * scale, missed=missed)
+        counts = n > 0 and near and (not one.times or one.aicc == best)
+        found.append(changed.sampled(seed) if counts else changed)
+    return found
+
+
+def parting(rivals: Sequence[Rival], bands: Callable[[Floats], Floats]) -> list[str]:
+    """Say where the first model holds, where acceptable ones go beyond it, and what would tell them apart."""
+    first, problem = rivals[0], rivals[0].problem
+    time, last = problem.time[problem.time > 0], float(problem.time[-1])
+    said = [f"The data go from {time[0]:g} to {last:g} s, and the model of {first.name} tells nothing beyond"]
+    others = [one for one in rivals[1:] if one.z is not None]
+    later = last * np.array(_FACTORS, dtype=np.float64)
+    differ = np.array([one.band(later)[1] / bands(later)[1] - 1 for one in others])
+    for one, (near, _, far) in zip(others, 100 * differ, strict=True):
+        fits = "fits better" if one.aicc < first.aicc else "is acceptable, too"
+        at = f"{near:+.2g} % at {_FACTORS[0]} times the last time, {far:+.2g} % at {_FACTORS[-1]} times"
+        said.append(f"{one.name} {fits} (AICc {one.aicc - first.aicc:+.2g}), and goes elsewhere: {at}")
+    if others:
+        most, error = np.abs(differ).max(axis=0), float(np.median(problem.error / problem.value))
+        n = int(np.argmax(most > _APART * error)) if most[-1] > _APART * error else len(_FACTORS) - 1
+        would = "would" if most[n] > _APART * error else "would hardly"
+        said.append(
+            f"Measuring to {_FACTORS[n]} times the last time {would} tell them apart: "
+            f"there they differ by {100 * most[n]:.2g} %, {most[n] / error:.2g} errors"
+        )
+    elif len(rivals) > 1 and math.isfinite(first.aicc):
+        near = min(rivals[1:], key=lambda one: one.aicc)
+        said.append(
+            f"No other model that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
+        )
+    return said
