@@ -27,14 +27,8 @@ INITIAL_RANGE = (1e-3, 10.0)
 POLISHED_STARTS = 3
 
 # Relative change of the sum of squares at which a search ends, and its steps at most. A parameter that the
-# data leave open makes a valley along which a search would creep for thousands of steps: there, far below
-# the noise is enough.
-STOP = ((1e-15, 100), (1e-8, 1000))
-
-# Gauss-Newton steps end a search as long as each is below this part of the one before; the first is
-# compared with the values. In a valley that the data leave open the first step is too long.
-SHRINKING = 0.8
-FIRST_STEP = 1e-4
+# data leave open makes a valley along which a search would creep for thousands of steps.
+STOP = (1e-15, 100), (1e-8, 1000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,24 +95,6 @@ class Misfit:
             start = found.x
         return None
 
-    def settled(self, theta: Floats, bounds: Floats) -> Floats:
-        """Take Gauss-Newton steps from near a minimum to it, as far as rounding allows.
-
-        Near its minimum the sum of squares changes by less than its rounding error while a parameter still
-        changes by about 1e-8 of itself. The steps come from the gradient, which has no such error.
-        """
-        weight = np.broadcast_to(self.weight, self.series.y.shape)
-        last = FIRST_STEP * float(np.linalg.norm(weight * self.series.y))
-        while True:
-            jacobian = self.jacobian(theta)
-            length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
-            step = np.linalg.lstsq(jacobian / length, -self.residual(theta))[0]
-            size = float(np.linalg.norm(step))
-            there = theta + step / length
-            if not size < SHRINKING * last or (there < bounds[0]).any() or (there > bounds[1]).any():
-                return theta
-            theta, last = there, size
-
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
@@ -177,7 +153,7 @@ def fit_law(
         best = whole.polished(best[1], bounds.T)
     if not best:
         raise ConvergenceError("fit: no starting point led to a minimum; try more points, or the other law")
-    theta, y, stderr = whole.settled(best[1], bounds.T), curve.points.y, curve.points.stderr
+    theta, y, stderr = best[1], curve.points.y, curve.points.stderr
     weighted = whole.residual(theta)
     residual = weighted / whole.weight
     variance = float(weighted @ weighted) / (y.size - theta.size) if stderr is None else 1.0
