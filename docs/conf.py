@@ -25,6 +25,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "generated",
+    "numbers_of_studies",
 ]
 exclude_patterns = ["_build", "_ext", "gallery/*"]
 myst_enable_extensions = ["colon_fence", "deflist"]
