@@ -83,7 +83,10 @@ def name_of(page):
 
 
 def blocks(page):
-    return re.findall(r"^```(.*)\n((?:.*\n)*?)```$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    """Languages and texts of the blocks of a page; a directive, whose name is in braces, is no language."""
+    return re.findall(
+        r"^```([^{\n]*)\n((?:.*\n)*?)```$", page.read_text(encoding="utf-8"), flags=re.MULTILINE
+    )
 
 
 def write_configuration(text):
