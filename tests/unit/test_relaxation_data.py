@@ -233,7 +233,7 @@ def test_what_is_no_relaxation_or_no_fit_is_refused():
     flat, swept = (measured(kind, TO_LAST, SECONDS) for kind in ("relaxation", "dynamic"))
     found = fit(flat, per_decade=1)
     found.require(0.1, 1e3)
-    calls: list[tuple[str, Callable[[], Any]]] = [
+    calls: list[tuple[Any, ...]] = [
         ("time", "0.5", lambda: Relaxation(changed(T, 2, 0.5), G)),
         ("time", "-0.1", lambda: Relaxation(changed(T, 0, -0.1), G)),
         ("modulus", "3", lambda: Relaxation(T, changed(G, 3, 3.3))),
