@@ -17,7 +17,7 @@ from asperity.errors import ConfigError, Remark
 from asperity.figures.page import prediction_page
 from tests.refusals import refuses
 
-SURFACE = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
+SURFACE: dict[str, Any] = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
 MODULUS = asp.solids.contact_modulus(3.3e9, 0.35)
 LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
 SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}

@@ -450,7 +450,7 @@ def test_what_cannot_be_seen(contact):
         got="7.0 | '1 um' | -1.0 | 'open' | '1 MPa' | Contact",
     )
     with refuses("patches", "one without"):
-        assert asp.observe(touching).patches
+        _ = asp.observe(touching).patches
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import itertools
 import math
 import re
-from collections.abc import Callable
 from functools import partial
 from math import pi, sin
 from pathlib import Path

@@ -95,7 +95,8 @@ def waves(heights, spacing=1.0):
 @pytest.mark.parametrize(("shape", "spacing"), [((64, 48), (0.5, 2.0)), ((63, 31), 1e-7), ((200,), (3.0,))])
 def test_roughness_is_exact(shape, spacing):
     for power, name in enumerate(("rms_height", "rms_slope", "rms_curvature")):
-        heights = spectral(shape, spacing=spacing, seed=2, **{name: 0.25})
+        roughness: dict[str, Any] = {name: 0.25}
+        heights = spectral(shape, spacing=spacing, seed=2, **roughness)
         q, squared = waves(heights, spacing)
         measured = math.sqrt(np.sum(q ** (2 * power) * squared))
         assert measured / (heights.ndim if power == 2 else 1) == pytest.approx(0.25, rel=1e-12)
