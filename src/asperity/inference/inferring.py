@@ -137,8 +137,8 @@ class Inference(views.Brief):
         last = self.time[-1] * np.array([1.0, 10.0, 1000.0])
         rows = []
         for one in self.rivals:
-            at = one.band(last)[1]
-            rows.append((one.name, one.aicc, one.missed, at[1] / at[0], at[2] / at[0]))
+            now, *later = one.band(last)[1]
+            rows.append((one.name, one.aicc, one.missed, *(at / now for at in later)))
         names = ["model", "AICc", "held-out points (errors)", "at 10 x last time", "at 1000 x last time"]
         return pd.DataFrame(rows, columns=names)
 
@@ -154,7 +154,7 @@ class Inference(views.Brief):
     @property
     def sentences(self) -> tuple[str, ...]:
         """Where the model holds, the findings, what is known together, and what would tell more."""
-        said = parting(self.rivals, self._quantiles)
+        said = parting(self.rivals)
         said += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
         for one in self.combinations:
             low, high = told_apart(one.low, one.high)
@@ -181,15 +181,13 @@ class Inference(views.Brief):
         largest of the 97.5 % quantiles.
         """
         at = checks.not_negative("time", time)
-        low, median, high = self._quantiles(at)
-        others = [one.band(at) for one in self.rivals[1:] if one.z is not None]
-        return np.array(
-            [np.min([low, *(x[0] for x in others)], 0), median, np.max([high, *(x[2] for x in others)], 0)]
-        )
+        bands = np.array([one.band(at) for one in self.acceptable])
+        return np.array([bands[:, 0].min(axis=0), bands[0, 1], bands[:, 2].max(axis=0)])
 
-    def _quantiles(self, at: Floats) -> Floats:
-        curves = self.model.curve(at, self.problem.values(self.draws.flat))
-        return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
+    @property
+    def acceptable(self) -> list[Rival]:
+        """The model, and the others that fit nearly as well as the best, or foresee held-out points best."""
+        return [one for one in self.rivals if one.z is not None]
 
     def solid(self) -> dict[str, object]:
         """Section ``[solid]`` of a configuration, of the likeliest draw, and draws of its branches.
@@ -197,27 +195,16 @@ class Inference(views.Brief):
         Draws are from all acceptable models in equal parts; what the data leave open (`unknown`) is left out.
         `InputError` for a model of which no solid follows.
         """
-
-        def at(problem: Problem, z: Floats, place: int) -> dict[str, float]:
-            return {name: float(x[0]) for name, x in problem.values(z[place : place + 1]).items()}
-
         if self.model.solid is None:
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
         problem, z = self.problem, self.draws.flat
         best = int(np.argmax(problem.posterior(z[:, problem.used])))
-        made = self.model.solid(
-            {name: x for name, x in at(problem, z, best).items() if name not in self.unknown}
-        )
+        known = {name: x for name, x in problem.numbers(z[best]).items() if name not in self.unknown}
+        made = self.model.solid(known)
         if "branches" not in made:
             return made
-        several = [(problem, z), *((one.problem, one.z) for one in self.rivals[1:] if one.z is not None)]
-        draws = [
-            of.model.solid(at(of, drawn, place))["branches"]
-            for of, drawn in several
-            if of.model.solid is not None
-            for place in np.linspace(0, len(drawn) - 1, -(-_OF_SOLID // len(several))).astype(int)
-        ]
-        return made | {"draws": draws}
+        many = -(-_OF_SOLID // len(self.acceptable))
+        return made | {"draws": [solid["branches"] for one in self.acceptable for solid in one.solids(many)]}
 
     @property
     def unknown(self) -> list[str]:
@@ -356,7 +343,7 @@ def infer(
             told=listening.stage,
         )
         listening.stage("sampling the other acceptable models")
-        rivals = with_draws(rivals, problem.error, seed)
+        rivals = with_draws(rivals, problem, draws.flat, seed)
         listening.stage("judging each parameter")
         prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
         posterior = Posterior(problem, draws.flat, prior)
@@ -417,17 +404,15 @@ def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tupl
     first, remarks = rivals[0], list[str]()
     problem, misfit, n = first.problem, first.misfit, first.misfit.size
     free = max(n - problem.rank, 1)
+    best = min(rivals, key=lambda one: one.aicc)
     fewer = [one for one in rivals if one.times == first.times - 1]
     if first.times == MOST_BRANCHES and fewer and first.aicc < fewer[0].aicc - _FALLS:
         remarks.append(
-            f"AICc still falls at {MOST_BRANCHES} relaxation times: there may be more, or a broad spectrum"
+            f"AICc still falls at {first.times} relaxation times: there may be more, or a broad spectrum"
         )
-    best = min(rivals, key=lambda one: one.aicc)
     if first.aicc - best.aicc > ACCEPTED:
-        advice = "relaxation" if best.times else best.name
-        remarks.append(
-            f"{best.name} fits better, by {first.aicc - best.aicc:.3g} in AICc: try the model {advice}"
-        )
+        advice = f"try the model {'relaxation' if best.times else best.name}"
+        remarks.append(f"{best.name} fits better, by {first.aicc - best.aicc:.3g} in AICc: {advice}")
     if not math.isfinite(first.missed):
         remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
     if not informed:
@@ -446,21 +431,16 @@ def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tupl
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
             advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
-    chance = float(chi2.sf(misfit @ misfit, free))
-    off = neighbors(best.misfit)[0] > max(_CORRELATED, 2 / math.sqrt(n))
-    if (informed and chance < _MISFIT) or (not informed and off):
-        how = (
-            f"by {rms(misfit):.3g} standard errors, rms (chance {chance:.1g})" if informed else "with a trend"
-        )
-        any_fits = first is not best and not off
-        remarks.append(
-            f"the model misses the data {how}: "
-            + (
-                "the verdicts hold for this model only"
-                if any_fits
-                else "no model that was tried fits, and no verdict counts"
-            )
-        )
+
+    def fails(misfit: Floats) -> bool:
+        if informed:
+            return bool(chi2.sf(misfit @ misfit, free) < _MISFIT)
+        return neighbors(misfit)[0] > max(_CORRELATED, 2 / math.sqrt(n))
+
+    if fails(misfit):
+        how = f"by {rms(misfit):.3g} standard errors, rms" if informed else "by more than a scatter"
+        others = ", and so does every model that was tried" if fails(best.misfit) else ""
+        remarks.append(f"the model misses the data {how}{others}: the verdicts hold for this model only")
     return problem, remarks
 
 

@@ -95,6 +95,13 @@ class Rival(views.Brief):
         curves = self.problem.model.curve(time, self.problem.values(z))
         return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
 
+    def solids(self, many: int) -> list[dict[str, object]]:
+        """Sections of a configuration of so many draws."""
+        if self.z is None or (solid := self.problem.model.solid) is None:
+            return []
+        some = self.z[np.linspace(0, len(self.z) - 1, many).astype(int)]
+        return [solid(self.problem.numbers(z)) for z in some]
+
 
 def best_fit(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
     """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
@@ -113,14 +120,15 @@ def side_by_side(
     *,
     informed: bool,
 ) -> list[Rival]:
-    """Fit the chosen model, which comes first, and all models of creep.
+    """Fit the chosen model, which comes first, and all models of creep beside one of Asperity's.
 
     `made` gives a model by its name, a number of branches, and whether it is the chosen one. Of several
     numbers AICc chooses. `InputError` if the points are too few for the chosen model.
     """
     family = "relaxation" if chosen == "ball" else chosen
     plans = [(family, n) for n in branches]
-    plans += [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
+    if not callable(chosen):
+        plans += [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
     tried: dict[tuple[object, int], Rival] = {}
     for name, n in dict.fromkeys(plans):
         if chosen == "healing" and name == "logarithm":
@@ -145,33 +153,36 @@ def side_by_side(
     return [replace(one, aicc=one.aicc - least if one.aicc < math.inf else math.inf) for one in every]
 
 
-def with_draws(rivals: Sequence[Rival], error: Floats, seed: int) -> list[Rival]:
-    """The rivals with these errors, and with draws of those that are acceptable beside the first.
+def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) -> list[Rival]:
+    """The rivals with the errors of the problem, and with draws: z of the first, others of acceptable ones.
 
-    They fit nearly as well as the best, or foresee the held-out points best. Of several numbers of relaxation
-    times that counts which AICc prefers.
+    These fit nearly as well as the best, or foresee the held-out points best. Of several numbers of
+    relaxation times that counts which AICc prefers.
     """
+    scale = rivals[0].problem.error / problem.error
     best = min((one.aicc for one in rivals if one.times), default=0.0)
     foresees = min((one.missed for one in rivals if math.isfinite(one.missed)), default=-math.inf)
     found = []
     for n, one in enumerate(rivals):
-        scale, problem = one.problem.error / error, replace(one.problem, error=error)
         near = one.aicc < ACCEPTED or one.missed == foresees
-        missed = one.missed * float(np.median(scale))
-        changed = replace(one, problem=problem, misfit=one.misfit * scale, missed=missed)
         counts = n > 0 and near and (not one.times or one.aicc == best)
-        found.append(changed.sampled(seed) if counts else changed)
+        changed = replace(one, misfit=one.misfit * scale, missed=one.missed * float(np.median(scale)))
+        if n == 0:
+            found.append(replace(changed, problem=problem, z=z))
+        else:
+            changed = replace(changed, problem=replace(one.problem, error=problem.error))
+            found.append(changed.sampled(seed) if counts else changed)
     return found
 
 
-def parting(rivals: Sequence[Rival], bands: Callable[[Floats], Floats]) -> list[str]:
+def parting(rivals: Sequence[Rival]) -> list[str]:
     """Say where the first model holds, where acceptable ones go beyond it, and what would tell them apart."""
     first, problem = rivals[0], rivals[0].problem
     time, last = problem.time[problem.time > 0], float(problem.time[-1])
     said = [f"The data go from {time[0]:g} to {last:g} s, and the model of {first.name} tells nothing beyond"]
     others = [one for one in rivals[1:] if one.z is not None]
     later = last * np.array(_FACTORS, dtype=np.float64)
-    differ = np.array([one.band(later)[1] / bands(later)[1] - 1 for one in others])
+    differ = np.array([one.band(later)[1] / first.band(later)[1] - 1 for one in others])
     for one, (near, _, far) in zip(others, 100 * differ, strict=True):
         fits = "fits better" if one.aicc < first.aicc else "is acceptable, too"
         at = f"{near:+.2g} % at {_FACTORS[0]} times the last time, {far:+.2g} % at {_FACTORS[-1]} times"

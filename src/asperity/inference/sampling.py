@@ -68,6 +68,10 @@ class Problem:
             for (name, prior), column in zip(self.model.priors.items(), z.T, strict=True)
         }
 
+    def numbers(self, z: Floats) -> dict[str, float]:
+        """All parameters at one place, shape (parameters,)."""
+        return {name: float(x) for name, x in self.values(z).items()}
+
     def misfit(self, z: Floats) -> Floats:
         """Curve less data, in errors, shape (m, n); infinite for what is not allowed."""
         values = self.values(z)
