@@ -34,19 +34,8 @@ def determined(value: float, stderr: float) -> bool:
 def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> Figure:
     """Draw data and laws, with their numbers in the legend, and a strip of residuals.
 
-    Parameters
-    ----------
-    growth
-        From `asperity.fits.measured_growth`.
-    quantity, unit_time
-        Names for the axes; the unit may be "", of a table that does not tell.
-    window
-        Whether to draw the straight line of `growth.rate`; where the times do not determine the laws
-        it is drawn anyway.
-
-    Returns
-    -------
-    Figure
+    Quantity and unit of time, which may be "", are names for the axes. With a window the straight line of
+    `growth.rate` is drawn; where the times do not determine the laws it is drawn anyway.
     """
     checks.instance("growth", growth, MeasuredGrowth, "asperity.fits.measured_growth(...)")
     figure, (upper, lower) = style.stacked((6.8, 6.0), 3.2, 1)

@@ -23,17 +23,7 @@ _MANY = 400
 
 
 def rate_and_state_figure(found: StateLaws) -> Figure:
-    """Draw record, both laws, what they miss, and where there are holds, static friction after them.
-
-    Parameters
-    ----------
-    found
-        From `asperity.friction.compare_state_laws`.
-
-    Returns
-    -------
-    Figure
-    """
+    """Draw record, both laws, what they miss, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     peaks, fit = found.peaks(), found.fits[found.preferred]
     holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)

@@ -20,24 +20,11 @@ _NARROWEST = 1e-3
 
 
 def sliding_figure(dataset: xr.Dataset) -> Figure:
-    """Draw friction against displacement; without a shear strength, the contact area.
+    """Draw friction (`asperity.friction.add_friction`) against displacement; without it, the contact area.
 
-    Parameters
-    ----------
-    dataset
-        That of a `History` that slides, with friction (`asperity.friction.add_friction`) or without.
-
-    Returns
-    -------
-    Figure
-        The surface moves by whole shifts, and between two of them the contact grows. A line joins the states
-        just before each shift, a shade reaches down to those just after it. What happens at rest is a
-        vertical line.
-
-    Raises
-    ------
-    InputError
-        The history does not slide.
+    The surface moves by whole shifts, and between two of them the contact grows. A line joins the states just
+    before each shift, a shade reaches down to those just after it. What happens at rest is a vertical line.
+    `InputError` for a history that does not slide.
     """
     check_dataset(dataset)
     if "displacement" not in dataset:

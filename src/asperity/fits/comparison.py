@@ -58,16 +58,11 @@ class Comparison(views.Brief):
     logarithm, saturation
         The fits.
     delta_aicc
-        AICc of the logarithm less that of the law that saturates, as if all values were independent:
-        above 0 the law that saturates is preferred.
-    autocorrelation
-        Correlation rho of neighboring residuals, in the order of time.
-    effective_points
-        Number of independent values that the data are worth, n (1 - rho)/(1 + rho), at most n.
-    delta_effective
-        `delta_aicc` with the likelihoods of so many values.
-    relative_likelihood
-        Of the less likely law, ``exp(-|delta_effective|/2)``.
+        AICc of the logarithm less that of the law that saturates, as if all values were independent.
+    autocorrelation, effective_points
+        Correlation rho of neighboring residuals; number of independent values, n (1 - rho)/(1 + rho) or n.
+    delta_effective, relative_likelihood
+        `delta_aicc` with the likelihoods of so many values; exp(-abs(delta_effective)/2).
     """
 
     verdict: Verdict

@@ -82,13 +82,11 @@ class LogarithmFit(GrowthFit):
     Attributes
     ----------
     C, t0
-        Slope in ln t, and time scale (unit of the times given).
-    C_stderr, t0_stderr
-        Standard errors, linear. Where no time lies below t0 and A(0) was not given, only A(0) C and one
-        combination of A(0) and t0 are determined: the standard errors are huge then.
-    initial_area, initial_area_stderr
-        A(0), and its standard error; that is 0 where A(0) was given (see `saturation`).
-    slope, slope_stderr
+        Slope in ln t, and time scale (unit of the times given). Where no time lies below t0 and A(0) was not
+        given, only A(0) C and one combination of A(0) and t0 are determined: standard errors are huge then.
+    initial_area
+        A(0); its standard error is 0 where it was given (see `saturation`).
+    slope
         A(0) C, the slope dA/d ln t for t0 << t, in the unit of the areas; times ln 10, per decade. It is
         determined even where A(0) is not.
     """
@@ -103,11 +101,10 @@ class SaturationFit(GrowthFit):
     a, q, t0
         Final area ratio, exponent, and time scale (unit of the times given).
     C
-        (a - 1) q, the slope in ln t of the logarithm that the law follows until t is about t0 exp(1/q).
-    a_stderr, q_stderr, t0_stderr, C_stderr
-        Standard errors, linear. Where q_stderr is not small beside q the data are those of the logarithm:
-        trust C, and neither a nor q. At the least q searched, 1e-8, a_stderr is infinite.
-    initial_area, initial_area_stderr, slope, slope_stderr
+        (a - 1) q, the slope in ln t of the logarithm that the law follows until t is about t0 exp(1/q). Where
+        q_stderr is not small beside q the data are those of the logarithm: trust C, and neither a nor q. At
+        the least q searched, 1e-8, a_stderr is infinite.
+    initial_area, slope
         As for `LogarithmFit`; A(t) follows that slope for t0 << t << t0 exp(1/q).
     """
 

@@ -34,10 +34,8 @@ class MeasuredGrowth(views.Brief):
     ----------
     points, initial_points
         Number of values, and how many of them at time 0.
-    fits
-        The laws fitted, by name; one that could not be fitted is missing.
-    comparison
-        Which law the data prefer; None unless both were asked for and fitted.
+    fits, comparison
+        The laws that could be fitted, by name; which of two the data prefer, or None.
     rate
         Slopes over the window; None if it holds too few points.
     initial_from

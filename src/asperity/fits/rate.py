@@ -34,24 +34,18 @@ class GrowthRate(FitResult):
 
     Attributes
     ----------
-    B, B_stderr
-        d(A/A(0))/d ln t; the standard error contains that of A(0).
-    relative, relative_stderr
-        d ln A/d ln t, the local exponent of A(t).
-    slope, slope_stderr
+    B, relative, slope
+        d(A/A(0))/d ln t, its standard error with that of A(0); d ln A/d ln t, the local exponent of A(t);
         dA/d ln t, in the unit of the areas.
-    curvature, curvature_stderr
+    curvature, curvature_reach
         Change of the slope within the window, over the slope: of a cubic (with few times, a parabola), from
         the beginning to the end, or from or to the middle, whichever is largest. Below 0 where the growth
-        slows down. NaN for fewer than four points or three different times.
-    curvature_reach
-        Half width of the 95 % interval of the curvature, by Student's t with the cubic's degrees of freedom.
-    initial_area, initial_area_stderr
+        slows down. NaN for fewer than four points or three different times. And half the width of its 95 %
+        interval, by Student's t with the cubic's degrees of freedom.
+    initial_area
         A(0): the mean of the areas at time 0, or what was given.
-    first, last
-        The window: earliest and latest time in it.
-    middle
-        Area on the line in the (geometric) middle of the window.
+    first, last, middle
+        Earliest and latest time in the window, and the area on the line in its geometric middle.
 
     The fields of `FitResult` are those of the straight line A against ln t.
     """

@@ -35,12 +35,8 @@ class Estimate(views.Brief):
     ----------
     value
         Of all runs; a float, or an array of any shape.
-    stderr
-        Standard error, of the same shape; NaN for one run.
-    low, high
-        Ends of the two-sided 95 % interval, of the same shape; NaN for one run.
-    runs
-        Number of runs.
+    stderr, low, high
+        Standard error and ends of the two-sided 95 % interval, of the same shape; NaN for one run.
     """
 
     value: Floats
@@ -98,16 +94,8 @@ def jackknife(
 class EnsembleFit(views.Brief, Generic[Fit]):
     """A fit of the mean of several runs.
 
-    Attributes
-    ----------
-    mean
-        The fit of the mean curve. Its own standard errors take the errors of the points for independent,
-        which along a run they are not: those of `parameters` are right.
-    parameters
-        By name, each parameter of the fit with its standard error and 95 % interval, from the jackknife over
-        runs.
-    runs
-        Number of runs.
+    The standard errors of `mean` take the errors of the points for independent, which along a run they are
+    not. Those of `parameters`, each with its 95 % interval, are right: from the jackknife over runs.
     """
 
     mean: Fit

@@ -44,26 +44,20 @@ class StateLaws(views.Brief):
     verdict
         The law that the data prefer; or ``"undecided"``. Of one record: the other's relative likelihood is
         below 0.05. Of several surfaces: the 95 % interval of `log_ratio` does not contain 0.
-    fits
-        Fit of each law, to the record or to the mean of several.
+    fits, record, runs
+        Fit of each law to the record, or to the mean of the records of so many surfaces.
     estimates
         By law and parameter (mu_0, a, b, D_c, a_minus_b), value, standard error and 95 % interval: from the
         residuals of one record, or from the jackknife over surfaces (in ln D_c), unless the mean leaves D_c
         open.
-    record
-        What was fitted: the record, or the mean of several.
-    runs
-        Number of surfaces.
     log_ratio
         ln(squares of the aging law / squares of the slip law), below 0 where the aging law fits better; its
         interval is NaN for one record.
-    delta_aicc
-        AICc of the aging law less that of the slip law with `effective_points`, of one record; NaN for
-        several.
+    delta_aicc, relative_likelihood
+        AICc of the aging law less that of the slip law with `effective_points`, and exp(-abs(delta_aicc)/2),
+        of one record; NaN for several.
     effective_points
         Number of independent values that one record is worth, by the residuals of the better law.
-    relative_likelihood
-        Of the less likely law, exp(-abs(delta_aicc)/2); NaN for several.
     free
         Where the stiffness was given, the fits that find it.
     """

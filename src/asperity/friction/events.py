@@ -90,18 +90,10 @@ def _refuse_noise(record: Record) -> None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HoldPeaks(views.Brief):
-    """Static friction after holds.
+    """Static friction after holds; arrays of shape (holds,).
 
-    Attributes
-    ----------
-    duration
-        Time at rest, shape (holds,).
-    peak
-        Friction at the end of the rest where it is the strength, else the largest of the slip after it.
-    before
-        Mean friction of the second half of the slip before, shape (holds,).
-    velocity
-        Velocity of the slip before, shape (holds,).
+    `duration` is the time at rest. `peak` is friction at the end of the rest where it is the strength, else
+    the largest of the slip after it; `before` its mean in the second half of the slip before, at `velocity`.
     """
 
     duration: Floats
@@ -111,20 +103,10 @@ class HoldPeaks(views.Brief):
 
 
 def hold_peaks(record: Record) -> HoldPeaks:
-    """Find static friction against hold time.
+    """Find static friction against hold time, of the holds with slip before and after them.
 
     If the state before each hold is that of steady sliding at V, the aging law says
     peak - before = b ln(1 + V duration/D_c) without a direct effect: `asperity.fits.logarithm` fits it.
-
-    Parameters
-    ----------
-    record
-        Holds count if there is slip before and after them.
-
-    Returns
-    -------
-    HoldPeaks
-        Possibly of no holds.
     """
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
     _refuse_noise(record)

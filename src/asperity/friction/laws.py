@@ -43,7 +43,7 @@ _SHORT = 1e-3
 
 
 def state_law(value: object) -> StateLaw:
-    """Name of a law of the state."""
+    """Check the name of a law of the state."""
     if value not in STATE_LAWS:
         raise InputError("law", expected="'aging' or 'slip'", got=checks.shown(value))
     return value

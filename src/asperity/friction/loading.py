@@ -43,14 +43,8 @@ _COMPLIANCES, _ROUNDS, _SETTLED = 6, 8, 1e-4
 class Drive:
     """A load point that moves at constant velocity from kink to kink.
 
-    Attributes
-    ----------
-    kinks
-        Times, shape (m,).
-    velocity
-        Of the segments before, between and after them, shape (m + 1,); 0 at rest.
-    spread
-        Standard errors of the kinks, shape (m,).
+    Kinks are times with standard errors `spread`, shape (m,); velocities are those of the segments before,
+    between and after them, shape (m + 1,), 0 at rest.
     """
 
     kinks: Floats

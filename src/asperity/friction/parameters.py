@@ -45,10 +45,8 @@ class RateAndStateFit(FitResult):
 
     Attributes
     ----------
-    law
-        How the state evolves.
-    V_0
-        Reference velocity, as given.
+    law, V_0
+        How the state evolves; the reference velocity, as given.
     mu_0, a, b, D_c
         The parameters, each with a standard error in ``..._stderr``; 0 for an a that was given. The
         interval of D_c is symmetric in its logarithm.
@@ -57,14 +55,10 @@ class RateAndStateFit(FitResult):
         unstable.
     first_state
         State theta at the first time of the record.
-    autocorrelation
-        Correlation rho of neighboring residuals.
-    effective_points
-        Number of independent values that standard errors count with.
-    residual
-        Friction less law at the values fitted, shape (points,).
-    used
-        Which entries of the record were fitted, shape (n,).
+    autocorrelation, effective_points
+        Correlation rho of neighboring residuals; number of independent values that standard errors count.
+    residual, used
+        Friction less law at the values fitted, shape (points,); which entries of the record these are, (n,).
     at_edge
         Whether the search for D_c ended at the end of its range.
     """

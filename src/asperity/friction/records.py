@@ -42,23 +42,14 @@ class Record(views.Brief):
         Whether times are in s and lengths in m; else they are in units of the simulation.
     normal_stress, normal_force
         Mean normal stress (Pa) and force (N), if they are known: a stiffness may be over them.
-    source
-        Where the record comes from.
     load_point, slip
         Measured displacements, with their noise, of the load point of a machine and of the slider, shape
         (n,); None where they are not.
     drive
         The load point as straight segments. Where there is one, `velocity` is that of the load point: what
         rests is the machine, and a fit needs its stiffness.
-    units
-        Units of time and length in which messages speak of the record.
-    read
-        What was read of which columns of a table.
-
-    Raises
-    ------
-    InputError
-        Times fall, a velocity is negative, a friction coefficient is not above 0, or the shapes differ.
+    source, read, units
+        Where the record comes from; what was read of which columns; units of time and length of messages.
     """
 
     time: Floats
@@ -102,14 +93,7 @@ class Record(views.Brief):
         there: with shifts by whole sites mu_0 was up to 1 % above that of short shifts
         (docs/rate_and_state.md, which has b and D_c too).
 
-        Parameters
-        ----------
-        time, displacement, friction
-            Shape (n,); the displacement never falls.
-        about
-            As in a record: `strength_at_rest`, `a`, `si`, `source` and others.
-
-        Errors are those of a record.
+        The three have shape (n,), and the displacement never falls; `about` are other facts of a record.
         """
         times, places = checks.line("time", time), checks.line("displacement", displacement)
         values = checks.line("friction", friction)
@@ -152,16 +136,8 @@ class Record(views.Brief):
         What rests is the load point. Where only slip is measured, it is slip + friction/k, for the k that
         makes it straight between its kinks.
 
-        Parameters
-        ----------
-        time, friction
-            Shape (n,), as in a record.
-        load_point, slip
-            Displacements (length), shape (n,); one of them at least. They may fall by their noise.
-        about
-            As in a record: `a`, `normal_stress`, `normal_force`, `source`, `si`, `units`.
-
-        Errors are those of a record; or the load point goes back.
+        Displacements have shape (n,), and may fall by their noise; one of them is needed. `about` are other
+        facts of a record. `InputError` for a load point that goes back.
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}

@@ -25,7 +25,7 @@ from asperity.theory import static_friction
 
 @dataclass(frozen=True)
 class ShearStrength:
-    """The shear strength of contacts, which the user knows; see the module.
+    """The shear strength of contacts; see the module.
 
     Parameters
     ----------

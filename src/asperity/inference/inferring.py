@@ -67,28 +67,20 @@ _OF_SOLID = 100
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Inference(views.Brief):
-    """What a curve determines.
+    """What a curve determines of a model with its priors.
 
     Attributes
     ----------
     time, value, error
         The data, and their standard errors as taken, shape (n,).
-    model
-        The model with its priors.
-    verdicts
-        A `Verdict` for each parameter, by name.
-    combinations
-        Products, ratios and sums that are known better than their members, the best first.
-    candidates
-        Experiments that could be done next, and how far they would narrow what is not determined.
+    verdicts, combinations, candidates
+        By parameter, a `Verdict`; a `Combination` each, the best first; a `Candidate` for each experiment.
     profiles
         Of each parameter that the curve contains: values, and -2 ln of the profile likelihood over its peak.
-    draws
-        Draws of the posterior; R-hat and the effective number of draws.
-    chi_squared
-        Of the best draw.
+    draws, chi_squared
+        Draws of the posterior, and chi-squared of the best.
     rivals
-        The model and those of creep side by side, see `Rival`; the first is the model.
+        The model, and those of creep beside it, see `Rival`.
     remarks
         What was decided, and what the reader should know.
     quantity, unit

@@ -64,14 +64,11 @@ class Model:
 
     Attributes
     ----------
-    name
-        What it is called.
-    growth
-        The curve over its size, at times, of many sets of parameters.
-    priors
-        Of each parameter.
+    growth, power
+        The curve over its size is a power of the growth: 1 for areas, 2/3 for the depth of a ball, 1/3 for
+        the radius of its contact.
     size
-        The area before any growth, in absolute units; None where there is none.
+        The value before any growth, in absolute units; None where there is none.
     allowed
         Which sets of parameters there are.
     held
@@ -82,8 +79,6 @@ class Model:
         Time within which the load was put on, s: the growth is its mean over the ramp.
     scaled
         Whether the curve is known but for a factor, the parameter ``scale``.
-    power
-        Of the growth: 1 for areas, 2/3 for the depth of a ball, 1/3 for the radius of its contact.
     """
 
     name: str

@@ -38,14 +38,9 @@ class Prior:
         ``"uniform"`` or ``"log_uniform"`` between two ends, ``"normal"``, or ``"log_normal"``.
     first, second
         Low and high end; mean and standard deviation; or median and the factor, above 1, that is one standard
-        deviation. Ends of ``log_uniform`` and medians are above 0.
+        deviation. Ends of ``log_uniform`` and medians are above 0, else `InputError`.
     unit
         Unit of the parameter, ``""`` for a number.
-
-    Raises
-    ------
-    InputError
-        There is no such kind, or a number is out of its range.
     """
 
     kind: str

@@ -202,14 +202,9 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """What sampling gives: coordinates of all parameters, and how well the ensembles agree.
+    """Coordinates z of all parameters, shape (ensembles, draws, parameters), and how well ensembles agree.
 
-    Attributes
-    ----------
-    z
-        Shape (ensembles, draws, parameters).
-    r_hat, effective
-        Of the parameter of which they are worst.
+    R-hat and the effective number of draws are those of the parameter of which they are worst.
     """
 
     z: Floats
@@ -218,7 +213,7 @@ class Draws:
 
     @property
     def flat(self) -> Floats:
-        """Of all ensembles, shape (draws, parameters)."""
+        """Those of all ensembles, shape (draws, parameters)."""
         return self.z.reshape(-1, self.z.shape[-1])
 
 
@@ -245,11 +240,9 @@ def sample(
 ) -> Draws:
     """Sample until ensembles agree, by their R-hat, and are worth so many independent draws.
 
-    Walkers make so many steps in a stage, or more where few of them move. So many draws are returned of
-    each ensemble.
-
-    `ConvergenceError` if they do not in a hundred rounds, after which the same call goes on from a
-    checkpoint; `CheckpointError` for one of another problem.
+    Walkers make so many steps in a stage, or more where few of them move. `ConvergenceError` if ensembles do
+    not agree in a hundred rounds, after which the same call goes on from a checkpoint; `CheckpointError` for
+    one of another problem.
     """
     asked = [problem.model.name, *map(str, problem.model.priors.items()), seed, walkers, steps]
     some = problem.misfit(problem.of_prior(np.random.default_rng(0), 4))  # of this function, and this ramp
@@ -289,7 +282,6 @@ def sample(
 
 
 def _keep(checkpoint: Path | None, mark: str, turn: int, several: Sequence[_Ensemble]) -> None:
-    """Write ensembles, and the round they have come to, to a checkpoint, if there is to be one."""
     arrays = {f"{name}_{n}": x for n, one in enumerate(several) for name, x in one._asdict().items()}
     if checkpoint is not None:
         with whole_file(checkpoint) as path, path.open("wb") as stream:

@@ -98,18 +98,10 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Combination:
-    """A combination of parameters that the data know better than its members.
+    """A combination of parameters, such as ``"load / modulus"``, that the data know better than its members.
 
-    Attributes
-    ----------
-    name
-        Such as ``"load / modulus / rms_slope"``.
-    members
-        The parameters.
-    low, high
-        95 % interval.
-    tighter
-        How many times smaller its spread, of the logarithm, is than that of the member known best.
+    `low` and `high` are its 95 % interval; its spread, of the logarithm, is `tighter` times smaller than that
+    of the member known best.
     """
 
     name: str
@@ -121,15 +113,9 @@ class Combination:
 
 @dataclass(frozen=True)
 class Candidate:
-    """An experiment that could be done next.
+    """What could be measured next, and how far it would narrow what is not determined.
 
-    Attributes
-    ----------
-    name
-        What would be measured.
-    widths
-        Of parameters that are not determined now: width of the interval that is expected at most, over the
-        present one.
+    `widths` are those of the intervals that are expected at most, over the present ones, by parameter.
     """
 
     name: str
@@ -151,7 +137,7 @@ class Posterior:
 
     @cached_property
     def log_likelihood(self) -> Floats:
-        """Of each draw."""
+        """Logarithm of the likelihood of each draw."""
         return self.problem.log_likelihood(self.z)
 
     @cached_property
@@ -210,7 +196,6 @@ class Posterior:
 
     @property
     def _likeliest(self) -> Floats:
-        """Coordinates of a draw."""
         return np.asarray(self.z[np.argmax(self.log_likelihood)])
 
     def _nearest(self, place: int, at: float, count: int) -> Floats:
@@ -331,7 +316,6 @@ def interval_within(excluded: tuple[bool, bool], prior: Floats, posterior: Float
 
 
 def _middle(values: Floats) -> tuple[float, float]:
-    """Ends of the middle 95 %."""
     low, high = np.quantile(values, ((1 - LEVEL) / 2, (1 + LEVEL) / 2))
     return float(low), float(high)
 
