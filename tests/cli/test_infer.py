@@ -73,17 +73,21 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(once):
     draws.close()
     solid = tomllib.loads(Path("F/solid.toml").read_text())["solid"]
     assert len(solid["draws"]) == 100
-    assert "Not identified" in Path("F/solid.toml").read_text()
+    assert ("modulus" in solid, solid["data_times"]) == (False, ["1 s", "10000 s"])
 
 
 def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, table):
     rough = asp.surfaces.gaussian((64, 64), rms=1.0, seed=0)
     np.savetxt("scan.txt", rough)
     how = "scan.txt --file-unit um --pixel-size 1 --length-unit um --pressure 1kPa"
-    status, _, error = asperity(*f"predict F/solid.toml --surface {how} --last 1000s --out P".split())
+    scan = f"predict F/solid.toml --surface {how}"
+    for lacking, said in (("--last 1000s", "young"), ("--young 3GPa --last 1e6s", "--extrapolate model")):
+        status, _, error = asperity(*f"{scan} {lacking} --out Q".split())
+        assert (status, error.count("\n"), said in error) == (2, 1, True)
+    status, _, error = asperity(*f"{scan} --young 3GPa --last 1e6s --extrapolate model --out P".split())
     assert (status, error.count("Traceback")) == (0, 0)
     assert "100 draws" in Path("P/prediction.html").read_text()
-    assert asperity(*f"run F/solid.toml --file {how} --out R".split())[0] == 0
+    assert asperity(*f"run F/solid.toml --young 3GPa --file {how} --out R".split())[0] == 0
 
 
 @pytest.mark.slow

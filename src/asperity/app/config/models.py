@@ -605,11 +605,15 @@ class RunConfig(Section):
         if (known := self.solid.known) is not None:
             first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
             if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):
+                key, what, word = "relaxation", "a table", "plateau"
+                if getattr(self.solid, "data_times", None) is not None:
+                    key, what, word = "data_times", "data", "model"
                 got = "{:g} to {:g}".format(*known)
-                expected = f"a table of the times to record, {first:g} to {self.end:g}"
-                begun = first >= known[0] * (1 - 1e-9)
-                advice = '; try extrapolate = "plateau" (--extrapolate plateau), or branches' if begun else ""
-                raise ValueError(f"[solid] relaxation: expected {expected}, got one of {got}{advice}")
+                expected = f"{what} of the times to record, {first:g} to {self.end:g}"
+                advice = f'; try extrapolate = "{word}" (--extrapolate {word})'
+                if word == "plateau":
+                    advice = f"{advice}, or branches" if first >= known[0] * (1 - 1e-9) else ""
+                raise ValueError(f"[solid] {key}: expected {expected}, got one of {got}{advice}")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
             late = max(times or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):

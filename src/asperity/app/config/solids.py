@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, create_model, model
 from asperity.app.config.sections import (
     Branch,
     Constant,
+    Duration,
     Energy,
     Modulus,
     OneOrTwo,
@@ -240,7 +241,9 @@ class Continuum(SolidSection):
     young: OneOrTwo[Modulus] | None = usual(
         None, "Young's modulus at once, in place of the contact modulus; of two bodies both."
     )
-    poisson: OneOrTwo[Poisson] | None = usual(None, "Poisson's ratio, of two bodies both.")
+    poisson: OneOrTwo[Poisson] | None = usual(
+        None, f"Poisson's ratio, of two bodies both. By default {POISSON} beside young."
+    )
     branches: Branches = usual(
         [], "A share of the modulus and the time in which it relaxes; as often as there are such."
     )
@@ -272,16 +275,20 @@ class Continuum(SolidSection):
         "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
         "five at most, else 1 or 2 a decade.",
     )
-    extrapolate: Plateau | None = usual(
+    extrapolate: Literal["plateau", "model"] | None = usual(
         None,
-        "What is assumed beyond the last time of that table: plateau, that the last modulus "
-        "stays. By default later times are refused.",
+        "What is assumed beyond the times of the data: of a table, plateau, that the last modulus stays; "
+        "of branches with their times, model, that they go on. By default other times are refused.",
     )
 
     @model_validator(mode="before")
     @classmethod
     def _modulus_of_table(cls, keys: Any) -> Any:
-        """Take the word shear, young or contact as modulus for what the table measures."""
+        """Take the words shear, young, contact as modulus for what the table measures; the usual ratio."""
+        if not cls.model_fields["poisson"].is_required() and isinstance(keys, dict):
+            bodies = listed(keys.get("young"))
+            if isinstance(bodies, list) and keys.get("poisson") is None:
+                keys = {**keys, "poisson": [POISSON] * len(bodies)}
         if isinstance(keys, dict) and keys.get("modulus") in get_args(TableModulus):
             return {**keys, "table_modulus": keys["modulus"], "modulus": None}
         return keys
@@ -292,9 +299,13 @@ class Continuum(SolidSection):
         if len(given) == 2:
             raise ValueError("expected modulus or young, got both")
         if not given and self.relaxation is None:
-            raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
+            expected = "modulus, young and poisson, or relaxation and poisson"
+            raise ValueError(f"expected {expected}, got none; try young = '3 GPa'")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        others = [key for key in _OF_TABLES if getattr(self, key) is not None]
+        of_branches = self.extrapolate == "model"
+        if of_branches and getattr(self, "data_times", None) is None:
+            raise ValueError("extrapolate: expected data_times beside model, got none")
+        others = [key for key in _OF_TABLES if getattr(self, key) is not None and not of_branches]
         if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
         if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
@@ -392,6 +403,11 @@ class HalfSpace(Creeping, Continuum):
         description="Lists of branches that may be in place of these, such as draws of a posterior: their "
         "spread is in the band of a prediction.",
     )
+    data_times: Annotated[list[Duration], Field(min_length=2, max_length=2)] | None = usual(
+        None,
+        "First and last time of the data that gave the branches: others are refused unless extrapolate is "
+        "model.",
+    )
     flow: Power | None = usual(
         None,
         "In place of branches: mobility of creep, and the power of the wave number with which "
@@ -432,10 +448,30 @@ class HalfSpace(Creeping, Continuum):
             )
         if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
             raise ValueError("expected branches, flow or creep, got two of them")
-        if self.draws is not None and not self.branches:
-            others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
-            raise ValueError(f"draws: expected branches beside it, got {next(others, 'none')}")
+        for key in ("draws", "data_times"):
+            if getattr(self, key) is not None and not self.branches:
+                others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
+                raise ValueError(f"{key}: expected branches beside it, got {next(others, 'none')}")
         return self
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time of the data of table or branches, or what is assumed beyond them."""
+        if self.data_times is None or self.extrapolate == "model":
+            return super().known
+        return self.data_times[0], self.data_times[1]
+
+    @property
+    def assumed(self) -> str:
+        """See `Continuum`."""
+        if self.data_times is None or self.extrapolate != "model":
+            return super().assumed
+        return "beyond the data, {:g} to {:g} s, the branches are assumed to go on".format(*self.data_times)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """See `Continuum`."""
+        return super().span if self.data_times is None else (self.data_times[0], self.data_times[1])
 
     @property
     def unused(self) -> str:
