@@ -73,7 +73,7 @@ def test_a_table_becomes_verdicts_a_page_draws_and_a_solid(once):
     draws.close()
     solid = tomllib.loads(Path("F/solid.toml").read_text())["solid"]
     assert len(solid["draws"]) == 100
-    assert ("modulus" in solid, solid["data_times"]) == (False, ["1 s", "10000 s"])
+    assert ("modulus" in solid, solid["data_first"], solid["data_last"]) == (False, "1 s", "10000 s")
 
 
 def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, table):

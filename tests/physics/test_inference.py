@@ -266,7 +266,13 @@ def test_a_normalized_curve_knows_the_sum_of_two_near_branches_and_no_load_modul
     for one in (found.verdicts[f"share_{n}"] for n in (1, 2)):
         assert one.verdict == ("bounded" if one.factor > 3 else "determined")
         assert one.factor == pytest.approx(one.high / one.low)
-    assert set(found.solid()) == {"kind", "branches", "draws", "data_times"}  # the modulus is left open
+    assert set(found.solid()) == {
+        "kind",
+        "branches",
+        "draws",
+        "data_first",
+        "data_last",
+    }  # the modulus is left open
     assert "tells nothing beyond" in found.sentences[0]
     names = {one.name: one for one in found.combinations}
     assert names["share_1 + share_2"].tighter > 10

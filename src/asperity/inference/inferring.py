@@ -196,7 +196,7 @@ class Inference(views.Brief):
         if "branches" not in made:
             return made
         many = -(-_OF_SOLID // len(self.acceptable))
-        made["data_times"] = [f"{self.time[self.time > 0][0]:.6g} s", f"{self.time[-1]:.6g} s"]
+        made |= {"data_first": f"{self.time[self.time > 0][0]:.6g} s", "data_last": f"{self.time[-1]:.6g} s"}
         return made | {"draws": [solid["branches"] for one in self.acceptable for solid in one.solids(many)]}
 
     @property

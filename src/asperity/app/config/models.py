@@ -606,8 +606,8 @@ class RunConfig(Section):
             first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
             if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):
                 key, what, word = "relaxation", "a table", "plateau"
-                if getattr(self.solid, "data_times", None) is not None:
-                    key, what, word = "data_times", "data", "model"
+                if getattr(self.solid, "data_last", None) is not None:
+                    key, what, word = "data_last", "data", "model"
                 got = "{:g} to {:g}".format(*known)
                 expected = f"{what} of the times to record, {first:g} to {self.end:g}"
                 advice = f'; try extrapolate = "{word}" (--extrapolate {word})'

@@ -303,8 +303,8 @@ class Continuum(SolidSection):
             raise ValueError(f"expected {expected}, got none; try young = '3 GPa'")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
         of_branches = self.extrapolate == "model"
-        if of_branches and getattr(self, "data_times", None) is None:
-            raise ValueError("extrapolate: expected data_times beside model, got none")
+        if of_branches and getattr(self, "data_last", None) is None:
+            raise ValueError("extrapolate: expected data_last beside model, got none")
         others = [key for key in _OF_TABLES if getattr(self, key) is not None and not of_branches]
         if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
@@ -403,10 +403,11 @@ class HalfSpace(Creeping, Continuum):
         description="Lists of branches that may be in place of these, such as draws of a posterior: their "
         "spread is in the band of a prediction.",
     )
-    data_times: Annotated[list[Duration], Field(min_length=2, max_length=2)] | None = usual(
-        None,
-        "First and last time of the data that gave the branches: others are refused unless extrapolate is "
-        "model.",
+    data_first: Duration | None = usual(
+        None, "First time of the data that gave the branches; earlier ones need extrapolate = model."
+    )
+    data_last: Duration | None = usual(
+        None, "Last time of the data that gave the branches; later ones need extrapolate = model."
     )
     flow: Power | None = usual(
         None,
@@ -448,30 +449,33 @@ class HalfSpace(Creeping, Continuum):
             )
         if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
             raise ValueError("expected branches, flow or creep, got two of them")
-        for key in ("draws", "data_times"):
+        for key in ("draws", "data_first", "data_last"):
             if getattr(self, key) is not None and not self.branches:
                 others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
                 raise ValueError(f"{key}: expected branches beside it, got {next(others, 'none')}")
         return self
 
     @property
+    def of_data(self) -> tuple[float, float] | None:
+        """First and last time of the data that gave the branches."""
+        return None if self.data_last is None else (self.data_first or 0.0, self.data_last)
+
+    @property
     def known(self) -> tuple[float, float] | None:
         """First and last time of the data of table or branches, or what is assumed beyond them."""
-        if self.data_times is None or self.extrapolate == "model":
-            return super().known
-        return self.data_times[0], self.data_times[1]
+        return super().known if self.extrapolate == "model" else self.of_data or super().known
 
     @property
     def assumed(self) -> str:
         """See `Continuum`."""
-        if self.data_times is None or self.extrapolate != "model":
+        if self.extrapolate != "model" or self.of_data is None:
             return super().assumed
-        return "beyond the data, {:g} to {:g} s, the branches are assumed to go on".format(*self.data_times)
+        return "beyond the data, {:g} to {:g} s, the branches are assumed to go on".format(*self.of_data)
 
     @property
     def span(self) -> tuple[float, float]:
         """See `Continuum`."""
-        return super().span if self.data_times is None else (self.data_times[0], self.data_times[1])
+        return self.of_data if self.of_data and self.of_data[0] else super().span
 
     @property
     def unused(self) -> str:
