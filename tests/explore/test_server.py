@@ -22,8 +22,6 @@ import pytest
 from asperity.app.config import config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.export import page_files
-from asperity.app.explore.jobs import Jobs, _Worker
-from asperity.app.explore.scene import Recording
 from asperity.app.runs import Progress, execute, recorded_times
 from tests.explore.conftest import LARGE, QUICK, Server, column, heights_of, maps, only
 
@@ -52,7 +50,7 @@ MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 def workers(server: Server) -> list[psutil.Process]:
     """Processes of a server that compute."""
     children = psutil.Process(server.process.pid).children()
-    return [one for one in children if "spawn_main" in " ".join(one.cmdline())]
+    return [one for one in children if "explore.work" in " ".join(one.cmdline())]
 
 
 def seed(number: int) -> dict[str, Any]:
@@ -361,23 +359,6 @@ def outcome_of(doing: Coroutine[Any, Any, Any]) -> Any:
     """Run in a thread, as the tests of the page in a browser leave a loop in this one."""
     with ThreadPoolExecutor(1) as aside:
         return aside.submit(asyncio.run, doing).result(timeout=60)
-
-
-def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Jobs, "_start_worker", lambda _: None)
-
-    async def ask() -> Recording:
-        jobs = Jobs()
-        process = SimpleNamespace(is_alive=lambda: True)
-        worker = _Worker(process, SimpleNamespace(send=lambda _: None))  # type: ignore[arg-type]
-        jobs._workers.append(worker)
-        jobs._heard(worker, "stage", "compiling loops")  # before anything was asked for
-        recording = jobs.ask(config_from({}, {}, None), {}, "").recording
-        assert recording.stage == "compiling loops"
-        jobs._heard(worker, "ready", None)
-        return recording
-
-    assert outcome_of(ask()).stage == "starting"
 
 
 def test_a_connection_whose_sending_fails_is_closed() -> None:

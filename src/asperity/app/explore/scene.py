@@ -192,12 +192,6 @@ class Recording:
         assert self.scene is not None
         self.rows.append(_numbers(row, self.scene["columns"], self.rows, self.scene["switches"]))
 
-    @property
-    def size(self) -> int:
-        """Bytes that it takes, about."""
-        heights = 0 if self.heights is None else self.heights.nbytes
-        return heights + 200 * len(self.rows) + sum(one.size for one in self.maps)
-
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
         """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
         if self.stage != cursor.stage and self.end is None:

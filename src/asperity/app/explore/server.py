@@ -32,7 +32,8 @@ from asperity.app.config import RunConfig, config_from, to_toml
 from asperity.app.config.keys import sections
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
-from asperity.app.explore.jobs import Job, Jobs, Shown, failed, mistake, mistakes_of
+from asperity.app.explore.jobs import Job, Jobs
+from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
 from asperity.app.runs.pipeline import completed
 from asperity.base.version import __version__
@@ -271,10 +272,11 @@ class Server:
     @contextlib.asynccontextmanager
     async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
         self.jobs = Jobs()
+        await self.jobs.warm()
         try:
             yield
         finally:
-            self.jobs.close()
+            await self.jobs.close()
 
     def hello(self) -> Header:
         """What a page is told first."""
