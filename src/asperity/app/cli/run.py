@@ -61,6 +61,7 @@ def run(
     from asperity.app.runs import execute
 
     compute_into(
+        "run",
         out,
         to_toml(settings),
         functools.partial(execute, settings),

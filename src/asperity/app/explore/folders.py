@@ -21,6 +21,7 @@ from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
+from asperity.base import files
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import described
 
@@ -43,14 +44,11 @@ def inside(root: Path, name: str) -> Path:
 
 
 def kind_of(folder: Path) -> str:
-    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing."""
-    if (folder / "plan.json").is_file() and (folder / "runs.zarr").is_dir():
-        return "campaign"
-    if (folder / "history.zarr" / "zarr.json").is_file():
-        return "prediction" if (folder / "prediction.html").is_file() else "run"
+    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing that the page shows."""
     if folder.suffix == ".zarr" and (folder / "heights" / "zarr.json").is_file():
-        return "run"
-    return ""
+        return "run"  # a history that was saved
+    kind = files.kind_of(folder)
+    return kind if kind in ("run", "campaign", "prediction") else ""
 
 
 def entries(root: Path) -> list[dict[str, str]]:
