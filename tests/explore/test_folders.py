@@ -102,7 +102,7 @@ def test_a_campaign_is_shown_with_its_curves_and_any_of_its_runs(results_folder:
         assert heights_of(messages[0]) == pytest.approx(kept["heights"].values, abs=1e-3)
         for index, mask in enumerate(kept["in_contact"].values):
             assert np.array_equal(maps(messages)[index][1], mask)
-        assert scene["title"] == f"load = {run['load']}, seed = {run['seed']}"
+        assert scene["title"] == f"load = {run['load']:g}, seed = {run['seed']}"
         assert f"load = {run['load']}" in scene["toml"]
 
 

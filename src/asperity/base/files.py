@@ -130,6 +130,11 @@ def kind_of(folder: Path) -> str:
     return next((kind for name, kind in signs.items() if (folder / name).exists()), "")
 
 
+def named(kind: str) -> str:
+    """A kind with its article."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
 Standing = frozenset[tuple[str, int, int, int]]
 """What stands under a name: files, each with its inode, size and time of change, and folders."""
 

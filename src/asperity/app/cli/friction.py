@@ -110,7 +110,7 @@ def friction(
         k = f"{fit.stiffness:.12g} 1/m" if found.record.si else fit.stiffness
         more, by_event = events_report(fit_events(found.record, law=fit.law, stiffness=k), found.record)
         rows += more
-    with folder_of_results("friction", out, rows, replaceable) as folder:
+    with folder_of_results("fit of friction", out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         if by_event is not None:

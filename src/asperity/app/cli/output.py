@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
-from asperity.base.files import MARKER, Standing, marker_of, standing
+from asperity.base.files import MARKER, Standing, marker_of, named, standing
 from asperity.base.tables import with_unit
 from asperity.errors import InputError
 from asperity.figures import (
@@ -48,11 +48,11 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
         foreign = sorted(found - {MARKER, *marker.get("files", ())})
         expected, held, advice = "a new folder", "", "another name"
         if not marker:
-            held = f"something without {MARKER}, the mark of results,"
+            held = f"no {MARKER}, the mark of results,"
         elif marker["kind"] == "campaign":
-            held = "a campaign"
+            held = named("campaign")
         elif not overwrite:
-            held, advice = f"results ({marker['kind']})", "another name, or --overwrite"
+            held, advice = named(marker["kind"]), "another name, or --overwrite"
         elif foreign:
             expected, held = "a folder of results with nothing else in it", f"{foreign[0]} too"
             advice = "another name, or moving that away"

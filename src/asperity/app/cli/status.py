@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from asperity.app.cli.command import command
-from asperity.base.files import kind_of
+from asperity.base.files import kind_of, named
 from asperity.errors import InputError
 
 
@@ -38,7 +38,7 @@ def check_campaign(command: str, out: Path) -> None:
     for there, what, advised in (
         ((out / "studies").is_dir(), "a reproduction", advice),
         (inside is not None, "a study", f"asperity {command} {shlex.quote(str(inside))}/CAMPAIGN"),
-        (bool(kind), f"results ({kind})", "its summary.txt"),
+        (bool(kind), named(kind or "folder"), "its summary.txt"),
     ):
         if there:
             got = f"{out}, that of {what}"

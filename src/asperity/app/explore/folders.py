@@ -7,6 +7,7 @@ import json
 import os
 import tomllib
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -15,8 +16,9 @@ import xarray as xr
 
 import asperity.results as results
 from asperity.analysis import aging_summary
-from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
-from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.analysis.scan import written
+from asperity.app.campaign.plan import Plan, Run, load_plan
+from asperity.app.campaign.store import QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
@@ -24,6 +26,8 @@ from asperity.app.runs import recorded_times
 from asperity.base import files
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import described
+from asperity.results.parameters import PARAMETERS
+from asperity.results.quantities import units_named
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Folders within folders that are looked into, results that are listed, and folders that are looked at."""
@@ -164,7 +168,29 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
             arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
-    return {"kind": "campaign", "path": name, "parameters": list(plan.swept), "runs": runs}, arrays
+    first = next((run for run in plan.runs if run.identity in done), None)
+    units = {} if first is None else _units(plan, store.read(first))
+    parameters = list(plan.swept)
+    return {"kind": "campaign", "path": name, "parameters": parameters, "units": units, "runs": runs}, arrays
+
+
+def _units(plan: Plan, finished: Finished) -> dict[str, str]:
+    """Units of the swept parameters, where they have some in SI."""
+    if not finished.lattice.get("si"):
+        return {}
+    units = units_named({name: unit for name, (_, unit) in finished.described.items()})
+    dimensions = {name: PARAMETERS.get(name, ("", ""))[1] for name in plan.swept}
+    return {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
+
+
+def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
+    """What a run has and others do not."""
+    labels = {name: value for name, value in plan.labels(run).items() if len(plan.swept[name]) > 1}
+    words = (
+        f"{name} = {written(value, units.get(name) or '1') if isinstance(value, int | float) else value}"
+        for name, value in labels.items()
+    )
+    return ", ".join(words) or "the run"
 
 
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
@@ -194,6 +220,8 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
     dataset["heights"].attrs["units"] = finished.described.get("separation", ("", ""))[1]
     if "relaxed_area" in finished.scalars:
         dataset.attrs["relaxed_area"] = finished.scalars["relaxed_area"]
-    recording = recorded(dataset, config, job=f"{name}/{run.identity}", title=name_of(plan, run))
+    recording = recorded(
+        dataset, config, job=f"{name}/{run.identity}", title=_title(plan, run, _units(plan, finished))
+    )
     recording.end = ending(dataset, None, remarks=(), seconds=finished.scalars.get("seconds"))
     return _with_python(recording, config), config

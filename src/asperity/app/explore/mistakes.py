@@ -9,6 +9,9 @@ from asperity.app.config.keys import sections
 from asperity.base.words import reason_of
 from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
+_FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
+"""What the command line is advised beside the key of a configuration."""
+
 _LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
 
 Mistake = dict[str, str]
@@ -16,9 +19,14 @@ Shown = dict[str, str]
 """What stands for the absolute path of a file where others read it."""
 
 
+def without_flags(text: str) -> str:
+    """A sentence for the page, where there is no command line."""
+    return _FLAGS.sub("", text)
+
+
 def mistake(text: str, where: str = "") -> list[Mistake]:
     """One line of what is wrong, and the key it is about."""
-    return [{"where": where, "text": text}]
+    return [{"where": where, "text": without_flags(text)}]
 
 
 def failed(mistakes: list[Mistake]) -> dict[str, Any]:
@@ -34,7 +42,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return mistake(brief(str(error).replace(path, name)), where)
     match error:
         case ConfigError():
-            return [{"where": _place(problem), "text": problem} for problem in error.shown]
+            return [{"where": _place(one), "text": without_flags(one)} for one in error.shown]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
             homes = ("contact", "surface", "solid", "aging", "friction", "output")

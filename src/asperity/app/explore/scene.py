@@ -24,6 +24,7 @@ from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
+from asperity.app.explore.mistakes import without_flags
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Edges, Field, Mask
@@ -43,14 +44,17 @@ _MOST_MAPS, _FEWEST_MAPS = 40, 6
 _BYTES = 64e6
 """Maps of a scene, and about how many bytes all of them may take."""
 
+_RISE = 1e-9  # of a load that is more than rounding
+
 _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
 
 _SERIES, _PATCHES = select("series", table=PAGE), select("map", table=PAGE)
 
-_RELATIVE = "static friction over that at first: real contact area over load (Tabor)"
+_RELATIVE = "static friction over that at first, or when the load was on: contact area over load (Tabor)"
 _GROWN = (
-    "growth of the area since the entry before, in areas at first, per decade of time since the last switch"
+    "growth of the area since the entry before, over that at first, or when the load was on, per decade of "
+    "time since the last switch"
 )
 _MEAN = "load over real contact area"
 _FOUND = (
@@ -217,9 +221,11 @@ class Recording:
     def _more(self, cursor: Cursor, scene: Header) -> tuple[Header, Arrays]:
         arrays: Arrays = {"rows": np.reshape(self.rows[cursor.rows :], (-1, len(scene["columns"])))}
         listed, taken, first = [], 0, cursor.maps
+        in_units = {name: scene["cell"] or 1.0 for name, one in _PATCHES.items() if one.dimension == "sites"}
         for number, one in enumerate(self.maps[first:], first):
             after = number > 0 and self.maps[number - 1].facts["time"] == one.facts["time"]
-            listed.append({"index": number, **one.facts, "side": "after" if after else ""})
+            sizes = {name: cell * one.facts[name] for name, cell in in_units.items()}
+            listed.append({"index": number, **one.facts, **sizes, "side": "after" if after else ""})
             arrays |= {f"{name}.{number}": array for name, array in one.arrays.items()}
             taken += one.size
             if taken > _A_MESSAGE:
@@ -287,7 +293,7 @@ def ending(
         "limit": known,
         "fit": None if "protocol" in dataset.attrs else _fit(dataset, summary),
         "effort": {**effort, "seconds": seconds},
-        "remarks": list(remarks),
+        "remarks": list(map(without_flags, remarks)),
     }
 
 
@@ -345,7 +351,10 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     pressure = f"{unit['load']} / site"
     if lengths:
         pressure = str(dataset["mean_contact_pressure"].attrs["units"])
-    column_units = unit | {name: one.dimension for name, one in more.items()}
+    area = unit["contact_area" if lengths else "area"]
+    column_units = unit | {
+        name: area if one.dimension == "sites" else one.dimension for name, one in more.items()
+    }
     spacing = json.loads(dataset.attrs["spacing"])
     steps_between = [1.0, *spacing][-2:]
     switches = [row.begin for row in leg_table(dataset)[1:]]
@@ -356,10 +365,11 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "shape": list(heights.shape),
         "edges": dataset.attrs["edges"],
         "spacing": steps_between if lengths else None,
+        "cell": math.prod(spacing) if lengths else None,
         "length_unit": str(dataset["x"].attrs.get("units", "")) if lengths else None,
         "units": {
             **{name: unit[name] for name in ("time", "load", "separation")},
-            **{"area": unit["contact_area" if lengths else "area"], "height": unit["heights"]},
+            **{"area": area, "height": unit["heights"]},
             "pressure": pressure,
         },
         "names": names,
@@ -384,7 +394,8 @@ def _numbers(
 ) -> list[float]:
     """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
-    first, last = (dict(zip(columns, before[n], strict=True)) if before else row for n in (0, -1))
+    named: list[Mapping[str, float]] = [dict(zip(columns, one, strict=True)) for one in before]
+    first, last = _loaded([*named, row]), (named or [row])[-1]
     made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
     made["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
     if load > 0 and first["load"] > 0 and first["area"] > 0:
@@ -395,3 +406,12 @@ def _numbers(
         growth = (area - last["area"]) / first["area"]
         made["decade_growth"] = growth / math.log10((time - since) / earlier)
     return [float(made[name] if name in made else row[name]) for name in columns]
+
+
+def _loaded(rows: Sequence[Mapping[str, float]]) -> Mapping[str, float]:
+    """The entry with which others compare: the first, or where that has no load the end of its rise."""
+    at = 0
+    if rows[0]["load"] == 0:
+        while at + 1 < len(rows) and rows[at + 1]["load"] > rows[at]["load"] * (1 + _RISE):
+            at += 1
+    return rows[at]

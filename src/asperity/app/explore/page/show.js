@@ -14,7 +14,7 @@ function show() {
   const place = app.curveView.placeOf(map), time = quantity(scene.maps[map].time, scene.units.time);
   const slider = byId("moment"), words = `t = ${time}${scene.maps[map].side === "after" ? ", just after the step" : ""}`;
   slider.value = 1000 * place;
-  slider.setAttribute("aria-valuetext", `${words}, ${count(scene.maps[map].area)} sites in contact`);
+  slider.setAttribute("aria-valuetext", `${words}, ${scene.extent(scene.maps[map].area)} in contact`);
   byId("shown").textContent = words;
   byId("curve").setAttribute("aria-label", curveInWords());
   showLegend();
@@ -43,7 +43,7 @@ function showQuantities() {
 
 function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
-  const size = `${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites`, note = [];
+  const size = `${mapView.side} × ${scene.isLine ? 1 : mapView.side} ${scene.cell ? "pixels" : "sites"}`, note = [];
   if (mapView.side > 1 && mapView.colored !== "heights") {
     const text = mapView.drawn.crowded ? `a mark is ${size}, and all marks together have the true area` : `a mark covers ${size}, so areas look larger`;
     note.push(element("li", { className: "hint" }, `${text}: zoom in to see each site`));
@@ -55,14 +55,14 @@ function showLegend() {
     const items = [KEPT, NEW, LOST].map((state) => {
       const mark = element("i");
       mark.style.background = `var(--${STATES[state]})`;
-      return element("li", { title: siteWords(scene)[state] }, mark, `${count(counts[state])} ${["", `since ${scene.start}`, "new", "lost"][state]}`);
+      return element("li", { title: siteWords(scene)[state] }, mark, `${scene.extent(counts[state], 3)} ${["", `since ${scene.start}`, "new", "lost"][state]}`);
     });
     list.replaceChildren(...items, ...note);
     return;
   }
   const bar = element("canvas", { width: 90, height: 1 }), context = bar.getContext("2d"), { dark } = theme();
   const ranges = {
-    pressure: [0, scene.maps[map].pressure_scale, scene.units.pressure], age: [scene.maps[map].time, 0, scene.units.time],
+    pressure: [...scene.pressureRange(map), scene.units.pressure], age: [scene.maps[map].time, 0, scene.units.time],
     heights: [...scene.height_range, scene.units.height],
   };
   const [low, high, unit] = ranges[mapView.colored];
@@ -74,9 +74,9 @@ function showLegend() {
   if (mapView.colored === "heights" && scene.maps[map].yielded) {
     const mark = element("i");
     mark.style.background = "var(--yielded)";
-    note.unshift(element("li", { title: "the rough surface is lower there for good" }, mark, `${quantity(scene.countYielded(map), "sites")} yielded`));
+    note.unshift(element("li", { title: "the rough surface is lower there for good" }, mark, `${scene.extent(scene.countYielded(map))} yielded`));
   }
-  list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "age" ? " (logarithmic)" : ""}`), ...note);
+  list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "heights" ? "" : " (logarithmic)"}`), ...note);
 }
 
 function showNumbers() {
@@ -85,7 +85,7 @@ function showNumbers() {
   const items = names.map((name) => {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
-      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of first` : quantity(value, unit, name === "residual" ? 2 : 4);
+      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of ${scene.reference ? `that at ${scene.start}` : "first"}` : quantity(value, unit, name === "residual" ? 2 : 4);
     const label = nameOf(scene, name);
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });
