@@ -190,7 +190,7 @@ def test_yielded_sites_are_marked_on_the_heights(tab, tmp_path):
     history = asp.age(contact, [1.0, 10.0, 14.0], protocol=slides, fields_at=[0.0, 14.0])
     yielding = history.dataset  # maps before and after a slide by four sites
     recording = recorded(yielding, None, job="yields", title="yields")
-    recording.end = ending(yielding, None, remarks=[], seconds=None)
+    recording.end = ending(yielding, ())
     path = tmp_path / "page.html"
     path.write_text(exported_page(recording.messages(), title="yields"), encoding="utf-8")
     page = tab(path.as_uri())
@@ -262,7 +262,7 @@ def page_of(folder, masks, times=None, campaign=None):
     if any(areas):
         maps = zip(times, masks, strict=True)
         recording.maps = [map_of(time, 0, mask, mask.astype(float)) for time, mask in maps]
-    recording.end = {"kind": "done", "limit": None, "fit": None, "effort": {}, "remarks": []}
+    recording.end = {"kind": "done", "limit": None, "rows": []}
     messages = [*([] if campaign is None else [campaign]), *recording.messages()]
     path = folder / f"made{len(messages)}.html"
     path.write_text(exported_page(messages, title="made"), encoding="utf-8")

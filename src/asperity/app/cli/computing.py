@@ -58,7 +58,7 @@ def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: St
     with whole_folder(out, overwrite=replaceable) as folder:
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         yield folder
-        mark(folder / MARKER, kind, (path.name for path in folder.iterdir()))
+        mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
 
 
 @contextmanager

@@ -16,6 +16,7 @@ import xarray as xr
 
 import asperity.results as results
 from asperity.analysis import aging_summary
+from asperity.analysis.rows import history_rows, words_of
 from asperity.analysis.scan import written
 from asperity.app.campaign.plan import Plan, Run, load_plan
 from asperity.app.campaign.store import QUANTITIES, Finished, Store
@@ -124,10 +125,12 @@ def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
     dataset = results.load(folder)
     config = _config(str(dataset.attrs.get("config", "")))
     recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
-    law = None if config is None else config.surface.law
-    held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
-    summary = aging_summary(dataset, law=law) if held else None
-    recording.end = ending(dataset, summary, remarks=_remarks(folder), seconds=None)
+    rows = files.marker_of(folder).get("rows")
+    if rows is None:  # a saved history, or a folder of a version that kept none
+        law = None if config is None else config.surface.law
+        held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
+        rows = words_of(history_rows(dataset, aging_summary(dataset, law=law) if held else None))
+    recording.end = ending(dataset, rows)
     return _with_python(recording, config), config
 
 
@@ -143,15 +146,6 @@ def _with_python(recording: Recording, config: RunConfig | None) -> Recording:
     if config is not None and recording.scene is not None:
         recording.scene["python"] = to_python(config, recorded_times(config).tolist())
     return recording
-
-
-def _remarks(folder: Path) -> list[str]:
-    """Remarks of a summary."""
-    try:
-        lines = (folder / "summary.txt").read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError):
-        return []
-    return [line.removeprefix("remark").strip() for line in lines if line.startswith("remark ")]
 
 
 def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
@@ -223,5 +217,5 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
     recording = recorded(
         dataset, config, job=f"{name}/{run.identity}", title=_title(plan, run, _units(plan, finished))
     )
-    recording.end = ending(dataset, None, remarks=(), seconds=finished.scalars.get("seconds"))
+    recording.end = ending(dataset, ())
     return _with_python(recording, config), config

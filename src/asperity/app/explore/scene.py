@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,14 +19,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.aging import Frame
-from asperity.analysis import AgingSummary
 from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.app.explore.mistakes import without_flags
-from asperity.errors import ConvergenceError, InputError
-from asperity.fits import growth_rate
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.results.dataset import Row, dataset_of, row_of
@@ -278,43 +275,14 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     return recording
 
 
-def ending(
-    dataset: xr.Dataset, summary: AgingSummary | None, *, remarks: Sequence[str], seconds: float | None
-) -> Header:
-    """Header of the message that ends a run: the limit, what fits the growth, the effort."""
+def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
+    """Header of the message that ends a run: the limit, and the rows of its summary."""
     limit = dataset.attrs.get("relaxed_area")
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if "contact_area" in dataset else None
     known = None
     if limit is not None:
         known = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
-    effort = {name: int(dataset[name].sum()) for name in ("steps", "iterations") if name in dataset}
-    return {
-        "kind": "done",
-        "limit": known,
-        "fit": None if "protocol" in dataset.attrs else _fit(dataset, summary),
-        "effort": {**effort, "seconds": seconds},
-        "remarks": list(map(without_flags, remarks)),
-    }
-
-
-def _fit(dataset: xr.Dataset, summary: AgingSummary | None) -> Header:
-    """Growth per decade over all times, with its 95 % interval, in areas at first; and the fitted law."""
-    found: Header = {"note": "", "growth": None, "law": None, "steepest": None}
-    try:
-        rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
-    except (InputError, ConvergenceError):
-        rate = None
-    if rate is not None:
-        low, high = (math.log(10) * edge for edge in rate.interval("B"))
-        growth = {"per_decade": math.log(10) * rate.B, "low": low, "high": high, "straight": rate.straight}
-        found["growth"] = growth | {"first": rate.first, "last": rate.last}
-    if summary is None:
-        return found
-    found["note"] = summary.fit_note
-    found["steepest"] = {"per_decade": summary.steepest_per_decade, "time": summary.steepest_time}
-    if (law := summary.fit) is not None:
-        found["law"] = {name: getattr(law, name) for name in ("a", "q", "t0", "C", "rms_residual")}
-    return found
+    return {"kind": "done", "limit": known, "rows": [(name, without_flags(text)) for name, text in rows]}
 
 
 def most_maps(sites: int) -> int:

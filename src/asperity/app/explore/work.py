@@ -14,12 +14,14 @@ from collections.abc import Callable, Sequence
 from time import perf_counter
 
 from asperity.aging import Frame
+from asperity.analysis.rows import words_of
 from asperity.app.config import RunConfig
 from asperity.app.config.python import to_python
 from asperity.app.explore.mistakes import Shown, failed, mistakes_of
 from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, started
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.loops import compile_loops
+from asperity.app.runs.words import run_rows
 
 Tell = Callable[[str, object], None]
 """Sends what kind of message it is, and its content."""
@@ -91,5 +93,5 @@ def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header
         raise
     except Exception as error:  # said to the user, in the page
         return failed(mistakes_of(error, shown))
-    seconds = perf_counter() - begun
-    return ending(outcome.dataset, outcome.summary, remarks=outcome.remarks, seconds=seconds)
+    rows = run_rows(outcome, seconds=perf_counter() - begun)
+    return ending(outcome.dataset, words_of(rows))

@@ -20,7 +20,7 @@ function show() {
   showLegend();
   showNumbers();
   showBranch();
-  showRemarks();
+  showSummary();
   if (app.mapView.cursor !== null) readSite(app.mapView.cursor, map);
   if (app.busy) busy(true);
 }
@@ -92,20 +92,16 @@ function showNumbers() {
   byId("numbers").replaceChildren(...items);
   byId("shear-field").hidden = !scene.columns.includes("contact_area");
   byId("shear-field").querySelector("span").textContent = scene.column_units.mean_pressure === "Pa" ? "[Pa]" : "";
-  const growth = scene.finished?.fit?.growth;
-  byId("fit").textContent = growth
-    ? `Growth per decade from t = ${quantity(growth.first, scene.units.time, 3)} to ${quantity(growth.last, scene.units.time, 3)}: ${percent(growth.per_decade)} `
-      + `(${percent(growth.low)} to ${percent(growth.high)}, 95 %) of the area at first`
-      + `${growth.straight === false ? "; the curve bends, so that this is a mean" : ""}.`
-    : "";
 }
 
-function showRemarks() {
-  const { scene } = app, { remarks = [], effort } = scene.finished || {};
-  const lines = [...new Set([...(scene.remarks || []), ...remarks])];
-  if (effort?.seconds) lines.push(`${count(effort.steps)} time steps in ${number(effort.seconds, 2)} s`);
-  const list = byId("remarks");
-  if (list.textContent !== lines.join("")) list.replaceChildren(...lines.map((text) => element("li", {}, text)));
+/** What the command line says at the end of a run: remarks, and a table of everything else. */
+function showSummary() {
+  const rows = app.scene.finished?.rows ?? [];
+  const lines = [...new Set(rows.filter(([name]) => name === "remark").map(([, text]) => text))];
+  byId("remarks").replaceChildren(...lines.map((text) => element("li", {}, text)));
+  const table = rows.filter(([name]) => name !== "remark");
+  byId("summary").hidden = !table.length;
+  byId("summary").lastElementChild.replaceChildren(...table.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, text))));
 }
 
 function readSite(site, map) {
