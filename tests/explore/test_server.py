@@ -197,6 +197,7 @@ MISTAKES: list[tuple[object, str, str]] = [
     ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),  # found late
     ({"surface": {"shape": [10**6, 10**6]}}, "", "fits into the memory"),
     (3, "", "expected the sections of a configuration"),
+    (SI | {"contact": {"pressure": "0,5 MPa"}}, "contact.pressure", "got '0,5 MPa'; try 0.5 MPa"),
     ({"surface": {"kind": "file", "path": "/etc/passwd"}}, "surface.path", "dropped on the page"),
     (TABLE, "solid.relaxation", "dropped on the page"),
 ]

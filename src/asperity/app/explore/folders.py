@@ -161,7 +161,8 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
-            arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
+            area = series["contact_area" if np.isfinite(series["contact_area"]).any() else "area"]
+            arrays[f"area.{run.identity}"] = np.ascontiguousarray(area)
     first = next((run for run in plan.runs if run.identity in done), None)
     units = {} if first is None else _units(plan, store.read(first))
     parameters = list(plan.swept)

@@ -341,7 +341,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
             "pressure": pressure,
         },
         "names": names,
-        "labels": {name: one.label for name, one in shown.items()},
+        "labels": {name: one.label for name, one in shown.items() if not (lengths and name == "area")},
         "column_units": column_units | {"leg": "1", "mean_pressure": pressure},
         "columns": columns,
         "map_columns": list(_PATCHES),
@@ -349,7 +349,6 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],
         "shear_strength": None if config is None else config.friction.shear_strength,
-        "remarks": [],
     }
     return header, steps
 

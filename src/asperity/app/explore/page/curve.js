@@ -1,9 +1,10 @@
 "use strict";
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
-/** What a quantity is called, which the server says; where the area is known in lengths, the count of sites is another. */
-const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"
-  : name === "friction" && scene.shear ? "friction coefficient" : scene.labels[name]);
+/** What a quantity is called, which the server says. */
+const nameOf = (scene, name) => (name === "friction" && scene.shear ? "friction coefficient" : scene.labels[name]);
+
+const mainArea = (scene) => (scene.has("contact_area") ? "contact_area" : "area");
 
 const MARGIN = { left: 74, right: 14, top: 12, bottom: 44 };
 

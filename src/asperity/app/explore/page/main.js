@@ -30,7 +30,7 @@ const ARRIVALS = {
     app.earlier = before && app.keep && app.scene.isOn(before) && same(before.column_units, header.column_units) ? before : null;
     app.scene.shear = app.shear ?? header.shear_strength;
     if (!app.shear) byId("shear").value = header.shear_strength ?? "";
-    if (!app.picked) app.curveView.name = app.runs.length ? "area" : "";
+    if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     byId("site").textContent = "Point at a site to read its height, pressure and age.";
     app.mapView.cursor = null;

@@ -109,7 +109,7 @@ class Scene {
 
   /** So many sites in words: their area, where that has a unit. */
   extent(sites, digits = 4) {
-    return this.cell ? quantity(sites * this.cell, this.units.area, digits) : `${count(sites)} ${sites === 1 ? "site" : "sites"}`;
+    return this.cell ? quantity(sites * this.cell, this.units.area, digits) : quantity(sites, "sites", 9);
   }
 
   /** Pressures between which colors tell apart in a map: all but the least 2 %, as in pictures. */

@@ -8,7 +8,7 @@ function show() {
   document.querySelector(".earlier").hidden = !app.earlier;
   document.querySelector(".earlier span").textContent = app.earlier ? earlierName(scene, app.earlier) : "";
   showQuantities();
-  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === "area" ? app.runs.map((run) => run.curve) : [] });
+  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === mainArea(scene) ? app.runs.map((run) => run.curve) : [] });
   app.mapView.show(scene, map);
   byId("map").setAttribute("aria-label", app.mapView.inWords());
   const place = app.curveView.placeOf(map), time = quantity(scene.maps[map].time, scene.units.time);
