@@ -43,6 +43,7 @@ const ARRIVALS = {
       app.form.chosen = header.config;
       app.form.showChosen();
     }
+    if (app.form && !header.config) byId("setup").open = false; // it says nothing of what is shown
     document.title = `${header.title} · Asperity`;
     byId("title").textContent = header.title;
     document.body.dataset.scene = "yes";

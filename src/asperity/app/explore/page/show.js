@@ -94,6 +94,9 @@ function showNumbers() {
   byId("shear-field").querySelector("span").textContent = scene.column_units.mean_pressure === "Pa" ? "[Pa]" : "";
 }
 
+/** Units of the command line as the page writes them. */
+const inSigns = (text) => text.replace(/\^2\b/g, "²").replace(/(?<=\d )u(?=[a-zA-Z])/g, "µ");
+
 /** What the command line says at the end of a run: remarks, and a table of everything else. */
 function showSummary() {
   const rows = app.scene.finished?.rows ?? [];
@@ -101,7 +104,7 @@ function showSummary() {
   byId("remarks").replaceChildren(...lines.map((text) => element("li", {}, text)));
   const table = rows.filter(([name]) => name !== "remark");
   byId("summary").hidden = !table.length;
-  byId("summary").lastElementChild.replaceChildren(...table.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, text))));
+  byId("summary").lastElementChild.replaceChildren(...table.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, inSigns(text)))));
 }
 
 function readSite(site, map) {
