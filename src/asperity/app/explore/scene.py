@@ -182,6 +182,10 @@ class Recording:
     maps: list[Map] = field(default_factory=list)
     stage: str = ""
     end: Header | None = None
+    _first: Mapping[str, float] | None = None
+    """The entry with which others compare: the first, or where that has no load the end of its rise."""
+    _last: Mapping[str, float] | None = None
+    _rises: bool = False
 
     def begin(self, dataset: xr.Dataset, config: RunConfig | None, title: str, **facts: object) -> None:
         """Describe the scene by a dataset of the run, however short."""
@@ -191,7 +195,14 @@ class Recording:
     def add_row(self, row: Mapping[str, float]) -> None:
         """Add an entry of the time series, by the names of the dataset."""
         assert self.scene is not None
-        self.rows.append(_numbers(row, self.scene["columns"], self.rows, self.scene["switches"]))
+        if self._first is None:
+            self._first, self._rises = row, row["load"] == 0
+        elif self._rises:
+            self._rises = row["load"] > self._first["load"] * (1 + _RISE)
+            self._first = row if self._rises else self._first
+        columns, switches = self.scene["columns"], self.scene["switches"]
+        self.rows.append(_numbers(row, columns, self._first, self._last or row, switches))
+        self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
         """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
@@ -313,8 +324,6 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     columns = ["time", "leg", *series, *_MADE]
     shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
     more = _PATCHES | _MADE
-    names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
-    names |= {"leg": "leg of the history, from 0"} | {name: one.long_name for name, one in more.items()}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
     pressure = f"{unit['load']} / site"
     if lengths:
@@ -340,7 +349,7 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
             **{"area": area, "height": unit["heights"]},
             "pressure": pressure,
         },
-        "names": names,
+        "names": {name: one.long_name for name, one in shown.items()},
         "labels": {name: one.label for name, one in shown.items() if not (lengths and name == "area")},
         "column_units": column_units | {"leg": "1", "mean_pressure": pressure},
         "columns": columns,
@@ -356,29 +365,19 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
 def _numbers(
     row: Mapping[str, float],
     columns: Sequence[str],
-    before: Sequence[Sequence[float]],
+    first: Mapping[str, float],
+    last: Mapping[str, float],
     switches: Sequence[float],
 ) -> list[float]:
     """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
-    named: list[Mapping[str, float]] = [dict(zip(columns, one, strict=True)) for one in before]
-    first, last = _loaded([*named, row]), (named or [row])[-1]
     made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
     made["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
     if load > 0 and first["load"] > 0 and first["area"] > 0:
         made["friction"] = (area / first["area"]) * (first["load"] / load)
     since = max((switch for switch in switches if switch < time), default=0.0)
     earlier = last["time"] - since
-    if 0 < earlier < time - since and leg == last["leg"] and first["area"] > 0:
+    if 0 < earlier < time - since and leg == last.get("leg", 0.0) and first["area"] > 0:
         growth = (area - last["area"]) / first["area"]
         made["decade_growth"] = growth / math.log10((time - since) / earlier)
     return [float(made[name] if name in made else row[name]) for name in columns]
-
-
-def _loaded(rows: Sequence[Mapping[str, float]]) -> Mapping[str, float]:
-    """The entry with which others compare: the first, or where that has no load the end of its rise."""
-    at = 0
-    if rows[0]["load"] == 0:
-        while at + 1 < len(rows) and rows[at + 1]["load"] > rows[at]["load"] * (1 + _RISE):
-            at += 1
-    return rows[at]
