@@ -82,7 +82,7 @@ def test_the_figure_draws_what_was_recorded(history):
             np.testing.assert_allclose(
                 [quantity(f"{one} {label.split('[')[1][:-1]}", unit) for one in found], values
             )
-    with refuses("dataset"):
+    with refuses("dataset", "none"):
         carried_figure(history.dataset.drop_vars(NAMES))
 
 
@@ -133,16 +133,16 @@ def test_a_prediction_shows_them(tmp_path):
 
 
 def test_what_cannot_be_asked(contact):
-    with refuses("shear and friction"):
+    with refuses("shear and friction", "shear alone"):
         asp.Carried(shear=1.0)
     rough, springs = np.random.default_rng(0).normal(size=(8, 8)), asp.solids.spring_lattice(k0=1, k1=1)
     asked: tuple[Any, ...] = (
-        ("carried", contact, {"resistivity": 1.0}),
-        ("resistivity", contact, asp.Carried(resistivity=-1.0)),
-        ("carried", asp.press(rough, springs, load=1), asp.Carried()),
+        ("carried", "dict", contact, {"resistivity": 1.0}),
+        ("resistivity", "-1.0", contact, asp.Carried(resistivity=-1.0)),
+        ("carried", "a spring lattice", asp.press(rough, springs, load=1), asp.Carried()),
     )
-    for name, one, carried in asked:
-        with refuses(name):
+    for name, got, one, carried in asked:
+        with refuses(name, got):
             asp.age(one, [1.0], carried=carried)
     for key, value in (("shear", 1.0), ("friction_coefficient", 0.4), ("resistivity", [1.0, 2.0, 3.0])):
         with pytest.raises(ConfigError):
