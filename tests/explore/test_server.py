@@ -71,7 +71,6 @@ def test_a_page_is_told_what_there_is(server: Server) -> None:
     assert header["kind"] == "hello"
     assert header["form"]["solid"]["half_space"]["modulus"]["unit"] == "Pa"
     assert "draws" not in header["form"]["solid"]["half_space"]
-    assert header["defaults"]["contact"] == {"load": 800.0}
     assert [one["path"] for one in header["folder"]] == ["a run", "deeper/campaign"]
 
 
@@ -161,7 +160,7 @@ def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -
         waits = []
         for _ in range(10):
             begun = clock.perf_counter()
-            other.send("form", config={"contact": {"load": -1.0}})
+            other.send("run", config={"contact": {"load": -1.0}})
             assert other.receive()[0]["kind"] == "mistakes"
             waits.append(clock.perf_counter() - begun)
         assert max(waits) < 0.5

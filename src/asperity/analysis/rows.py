@@ -118,7 +118,6 @@ def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0,
 
 
 def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
-    """How the area grew while one thing was held."""
     si, held = bool(dataset.attrs["si"]), str(dataset.attrs["held"])
     unit = dataset[held].attrs["units"]
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 0.0
@@ -161,7 +160,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
 def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     """Load at the beginning; where the separation is held, how it changes."""
     first, unit = summary.initial_load, dataset["load"].attrs["units"]
-    rows = [Row("load at t = 0", first, unit)]
+    rows = [] if summary.load is None else [Row("load at t = 0", first, unit)]
     if "mean_contact_pressure" in dataset:
         area = float(dataset["contact_area"][0] / dataset["contact_fraction"][0])
         pressure = dataset["mean_contact_pressure"].attrs["units"]
@@ -217,7 +216,6 @@ def _fit(summary: AgingSummary) -> list[Row]:
 
 
 def _legs(dataset: xr.Dataset) -> list[Row]:
-    """What happened in each leg of a history."""
     table, unit = leg_table(dataset), dataset["load"].attrs["units"]
     begun = _areas(dataset, float(dataset["area"][0]))
     rows = [Row("contact at t = 0", f"{begun} at load {_value(dataset, 'load', 0, 6)}", brief=True)]

@@ -262,7 +262,6 @@ class Store:
 
 
 def _check(sound: object) -> None:
-    """Raise for a run that is not as it was written."""
     if not sound:
         raise ValueError
 

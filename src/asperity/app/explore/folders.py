@@ -121,7 +121,6 @@ def _opened(root: Path, name: str) -> Opened:
 
 
 def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
-    """A run of the command line, a saved history, or a prediction."""
     dataset = results.load(folder)
     config = _config(str(dataset.attrs.get("config", "")))
     recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
@@ -135,7 +134,6 @@ def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
 
 
 def _config(text: str) -> RunConfig | None:
-    """Configuration of a run as it was written, where it was."""
     try:
         return config_from(tomllib.loads(text), {}, None) if text else None
     except (ConfigError, tomllib.TOMLDecodeError):  # of another version
@@ -179,7 +177,6 @@ def _units(plan: Plan, finished: Finished) -> dict[str, str]:
 
 
 def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
-    """What a run has and others do not."""
     labels = {name: value for name, value in plan.labels(run).items() if len(plan.swept[name]) > 1}
     words = (
         f"{name} = {written(value, units.get(name) or '1') if isinstance(value, int | float) else value}"

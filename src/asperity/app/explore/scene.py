@@ -340,7 +340,6 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "config": None if config is None else json_tables(config),
         "toml": "" if config is None else to_toml(config),
         "shape": list(heights.shape),
-        "edges": dataset.attrs["edges"],
         "spacing": steps_between if lengths else None,
         "cell": math.prod(spacing) if lengths else None,
         "length_unit": str(dataset["x"].attrs.get("units", "")) if lengths else None,

@@ -81,7 +81,6 @@ class _Teller(Progress):
 
 
 def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header:
-    """Compute a run, and say how it ended."""
     begun, teller = perf_counter(), _Teller(tell, config, shown, title)
     # The page takes its maps from the moments as they come, unless an instrument looks at those of the run.
     if config.output.maps_at is None and not config.output.instrument:

@@ -67,7 +67,6 @@ def _word(value: object, between: str) -> str:
 
 
 def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
-    """What the solid is."""
     described = config.solid.model_dump(exclude_none=True)
     kind, parts = described.pop("kind"), []
     units = units_named(
