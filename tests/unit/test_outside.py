@@ -34,8 +34,6 @@ def delayed(modulus, later, time, **facts):
         shares=[(share, time * (1 - share))],
         modulus=modulus,
         half_space=True,
-        loaded_from_afar=True,
-        in_lengths=True,
         parameters={"later": later, "delay": time},
         kind="delayed",
         **facts,
