@@ -287,7 +287,8 @@ def age(
             if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
-    dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
+    legs = protocol, schedule.switches, hold == "area"
+    dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")

@@ -121,7 +121,7 @@ class FieldSteps(TrBdf2):
         assert self.implicit is not None
         numbers = (-1.0, 0.0)[: len(stage.creeps)]
         before = self._combined(start.modes, numbers, stage.creeps)
-        before[lattice.mean] += stage.tau * system.drift * system.sites
+        before[lattice.mean] += system.moved(self.time, stage.time) * system.sites
         held = system.at(stage.time).held(start.position)
         problem = self.implicit.problem_of_modes(system.heights, before, held)
         latest = self.tried[-1]
@@ -145,12 +145,11 @@ class FieldSteps(TrBdf2):
 
     def _combined(self, u: Modes | float, numbers: Sequence[float], durations: Sequence[float]) -> Modes:
         """Modes u and of each w_b tried a number of times and what u_b creeps at the rate there in a time."""
-        system, spectra = self.system, self.system.mechanics.spectra
+        spectra = self.system.mechanics.spectra
         modes = np.empty_like(self.point.stretch)
         modes[...] = u
         for number, duration, point in zip(numbers, durations, self.tried, strict=True):
             add_creep(modes, number, duration, spectra.rate, point.stretch)
-        modes[system.mechanics.lattice.mean] += system.drift * system.sites * sum(durations)
         return modes
 
     def left_of(self, shares: Sequence[float]) -> float:

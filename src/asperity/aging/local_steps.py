@@ -110,7 +110,7 @@ class LocalSteps(TrBdf2):
             self.tried, self.rates = [], self.rates[:1]
         before = combined(self.shape, *zip(stage.creeps, self.rates, strict=True))
         system, again = self.system.at(stage.time), stage.is_last
-        position = self.system.drift * stage.time + self.crept
+        position = self.system.moved(0.0, stage.time) + self.crept
         problem = Stage(stage.tau, before, system.load, position, again=again)
         guess = self._in_frame(self._extrapolated(stage.weights))
         end, spent = self.solver.solve(problem, guess, stage.allowed_error)

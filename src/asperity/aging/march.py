@@ -78,7 +78,7 @@ def creep(
     times
         Strictly increasing times >= 0.
     control
-        What is prescribed, constant or linear in time; by default what the contact was pressed by.
+        What is prescribed, a function of these times; by default what the contact was pressed by.
     keep_area
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
     rtol
@@ -218,7 +218,7 @@ class _March:
         self.controller, self.area = copy(midway.controller), copy(midway.area)
         self.deformation = midway.deformation
         if self.area is not None:
-            system = replace(system, control=Load(self.area.load, since=self.area.time))
+            system = replace(system, control=Load(self.area.load))
         self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
 
@@ -262,7 +262,8 @@ class _March:
         """Step until the time is exactly ``stop``."""
         controller, failure = self.controller, None
         while (time := self.now.time) < stop:
-            length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
+            longest = self.area.longest() if self.area else self.now.system.control.longest
+            length = controller.step(time, stop, longest)
             landing = length == stop - time
             if controller.is_stuck(time, length):
                 shrank = ConvergenceError(
@@ -314,8 +315,7 @@ class _March:
         self.now.accept(time)
         self.origin.passed(control, since, time)
         if self.area:
-            assert isinstance(control, Load)
-            self.area.accept(time, contacts, control)
+            self.area.accept(time, contacts, control.at(time).value)
         self.raise_deformation()
         if self.after_step is not None:
             self.after_step(Pace(self.controller.length, self.deformation), self.midway)

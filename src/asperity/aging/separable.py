@@ -18,8 +18,10 @@ that is what the length of the steps is chosen by.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -50,12 +52,15 @@ class Tuning:
     safety: float = 2.0
     """Factor on the error of u between two steps."""
 
+    pieces: int = 32
+    """Pieces, linear in time, of the longest time step that follows the load."""
+
 
 TUNING = Tuning()
 
 
 class EffectiveLoad:
-    """The effective loads L_b of branches of given shares and times, exact for a load linear in time.
+    """The effective loads L_b of branches of given shares and times, exact for loads linear in time.
 
     In the variables sqrt(g tau) L_b the equations are symmetric: D - w w^T with D = 1/tau, w = sqrt(g/tau).
     Its eigenvalues are the rates of retardation, known to full accuracy over any number of decades.
@@ -113,9 +118,7 @@ class SeparableSteps(Steps):
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
         """At the start of a history, if its surface and anchors are those of an elastic solid."""
         control = system.control
-        if not (
-            start.solid.separable and control.load_controlled and control.rate >= 0 and len(start.anchors)
-        ):
+        if not (start.solid.separable and control.load_controlled and control.rises and len(start.anchors)):
             return None
         u, anchors, in_contact = start.whole
         free = ~in_contact
@@ -173,11 +176,13 @@ class SeparableSteps(Steps):
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Find the contact a time later; the error is that of the anchors."""
         system, effective = self.system, self.effective
-        now = system.at(self.time)
-        assert now.load is not None
-        own = effective.after(self.loads[1:], now.load, system.control.rate, duration)
-        own = np.maximum(own, self.loads[1:])
-        load = now.load + system.control.rate * duration
+        pieces = max(1, math.ceil(TUNING.pieces * duration / system.control.longest))
+        times = np.linspace(self.time, self.time + duration, pieces + 1).tolist()
+        loads, own = [system.control.at(time).value for time in times], self.loads[1:]
+        for begin, end in pairwise(loads):
+            length = duration / pieces
+            own = np.maximum(effective.after(own, begin, (end - begin) / length, length), own)
+        load = loads[-1]
         total = max(load + float(effective.shares @ own), float(self.loads[0]))
         ahead = self._ahead(total)
         u = self.u + ahead * (self.u - self.before)

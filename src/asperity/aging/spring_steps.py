@@ -39,7 +39,8 @@ class SpringSteps(TrBdf2):
 
     In units of ``unit`` are the changes of u and w in the last two steps, the rate of u0 at its end and the
     flow M C w. ``moments`` are sums over the state, rises above ``level``; ``offset`` is what f lacks after a
-    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed.
+    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed. Rates
+    have velocities ``drifts`` of the rigid body in them that take it to where it is at the ends of stages.
     """
 
     kind, through = "springs", 3
@@ -54,6 +55,7 @@ class SpringSteps(TrBdf2):
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
+        self.drifts = [float(arrays["drift"])]
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
         self.flow, self.middle = self.work.pair()
         self.error = np.zeros_like(self.flow)
@@ -72,15 +74,17 @@ class SpringSteps(TrBdf2):
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:
             arrays |= zip(names, work.pair(), strict=True)
-        means = {"scales": np.array([unit, u.mean()]), "mean_u0": np.array(u.mean() - w.mean())}
-        return cls(system, solver, arrays | means | {"times": np.zeros(2)})
+        means = {"scales": [unit, u.mean()], "mean_u0": u.mean() - w.mean(), "drift": system.drift}
+        arrays |= {name: np.array(value) for name, value in means.items()}
+        return cls(system, solver, arrays | {"times": np.zeros(2)})
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
         arrays: dict[str, NDArray[Any]] = {"u": self.u, "stretch": self.w, "rate": self.rate}
         for names, change in zip(_CHANGES, self.changes, strict=True):
             arrays |= zip(names, change, strict=True)
-        return {**arrays, "scales": np.array([self.unit, self.level]), "mean_u0": np.array(self.mean_u0)}
+        means = {"scales": [self.unit, self.level], "mean_u0": self.mean_u0, "drift": self.drifts[0]}
+        return arrays | {name: np.array(value) for name, value in means.items()}
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
@@ -111,13 +115,16 @@ class SpringSteps(TrBdf2):
             growth, _, *weights = stage.weights
             numbers = growth, self.offset, self.weight, self.weight
         else:
-            self.tau, self.weight = tau, tau * (WEIGHT / DIAGONAL)
+            self.tau, self.weight, self.drifts = tau, tau * (WEIGHT / DIAGONAL), self.drifts[:1]
             work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
             _, *weights = stage.weights
             numbers = 0.0, 0.0, tau, 0.0
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
-        mean, moved = self.system.at(stage.time).mean_stretch, -tau * self.system.drift / self.unit
+        mean = self.system.at(stage.time).mean_stretch
+        moved = np.dot(stage.creeps, self.drifts) - self.system.moved(self.time, stage.time)
+        self.drifts.append(float(-moved / tau))
+        moved = float(moved / self.unit)
         work.wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
         work.shift = moved if work.wanted is None else work.mean_lag * f - e - source
         done, cycles = work.improve(stage.allowed_error / self.unit, self.max_cycles)
@@ -149,15 +156,18 @@ class SpringSteps(TrBdf2):
         rates = self.rate, self.middle, work.source.f
         numbers = self.offset, self.tau, self.weight, *shares
         work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
+        if drift := np.dot(shares, self.drifts):  # how the rigid body moves is no error
+            self.error -= np.float32(drift / self.unit)
         return self.unit * work.left_of(self.error)[1]
 
     def advance(self) -> None:
         """See `TrBdf2`."""
         work, (last, before) = self.work, self.changes
-        if self.system.free_mean or self.system.drift:
+        if self.system.free_mean or any(self.drifts):
             e, f = map(self.mean, work.correction)
             self.mean_u0 += self.unit * (e - f - self.offset)
         self.settle(self.unit * self.offset)
+        self.drifts = self.drifts[-1:]
         self.changes, work.correction = [work.correction, last], before
         self.rate, work.source = work.source.f, Pair(work.source.e, self.rate)
 

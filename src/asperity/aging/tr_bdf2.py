@@ -14,10 +14,10 @@ Stage 2 is the result (stiffly accurate). The difference to the companion of ord
 
 estimates its error, after one more implicit step of duration d h, from e and with the contacts as they are:
 that keeps what decays quickly, in contact above all, from being overrated. Each kind of steps says how well
-it solves that one. Branches count by their stiffness. A load that changes in time enters at the stages' own
-times; a rigid body that moves adds its velocity V to f, and the contact problem of a stage starts from
-v + d h V. Each stage is guessed by the polynomial in the logarithm of time, in which contacts grow evenly,
-through the states before it.
+it solves that one. Branches count by their stiffness. What is prescribed enters at the stages' own times, and
+u_b is measured from the rigid body: v moves with it from the beginning of the step to the end of a stage.
+Each stage is guessed by the polynomial in the logarithm of time, in which contacts grow evenly, through the
+states before it.
 (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
 DOI 10.1109/T-ED.1985.22232; M. E. Hosea, L. F. Shampine, Appl. Numer. Math. 20, 21 (1996),
 DOI 10.1016/0168-9274(95)00115-8.)
@@ -124,9 +124,10 @@ class Origin:
     impulse: float = 0.0
 
     def passed(self, control: Control, since: float, time: float) -> None:
-        """Count a time step."""
+        """Count a time step, by Simpson's rule."""
         if control.load_controlled:
-            self.impulse += control.at((since + time) / 2).value * (time - since)
+            begin, middle, end = (control.at(t).value for t in (since, (since + time) / 2, time))
+            self.impulse += (begin + 4 * middle + end) / 6 * (time - since)
 
 
 class Steps(ABC):
@@ -150,7 +151,7 @@ class Steps(ABC):
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
         system = self.system
         if system.load is None:
-            return -system.drift * self.time
+            return -system.moved(0.0, self.time)
         viscous = system.mechanics.mean_mobility * origin.impulse / system.sites
         return origin.separation - separation + viscous
 

@@ -47,7 +47,7 @@ class System:
 
     def at(self, time: float) -> System:
         """Return the system with what is prescribed at a time, constant from there."""
-        return replace(self, control=self.control.at(time)) if self.control.rate else self
+        return replace(self, control=self.control.at(time)) if self.control.course else self
 
     def above(self, heights: Field) -> System:
         """Return the system above other heights."""
@@ -89,8 +89,12 @@ class System:
 
     @property
     def drift(self) -> float:
-        """Velocity at which a moving rigid body carries the anchors along; 0 under load control."""
+        """Velocity at which a rigid body that moves carries the anchors along at time 0; 0 under a load."""
         return 0.0 if self.control.load_controlled else self.control.rate
+
+    def moved(self, since: float, time: float) -> float:
+        """How far a moving rigid body carries the anchors along from a time to another; 0 under a load."""
+        return 0.0 if self.control.load_controlled else self.control.change(since, time)
 
     @property
     def free_mean(self) -> bool:

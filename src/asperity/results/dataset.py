@@ -56,6 +56,7 @@ def dataset_of(
     start: Contact,
     control: Control,
     protocol: Sequence[Leg] | None,
+    switches: Sequence[float],
     keeps_area: bool,
     rows: Sequence[Row],
     snapshots: Sequence[Snapshot],
@@ -64,8 +65,8 @@ def dataset_of(
 ) -> xr.Dataset:
     """Gather a history into a Dataset: its entries, of which the first is at time 0, and the fields kept.
 
-    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs;
-    without one, `keeps_area` says whether the area was held.
+    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs,
+    and legs begin and end at `switches`; without one, `keeps_area` says whether the area was held.
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
@@ -105,6 +106,7 @@ def dataset_of(
     if protocol is not None:
         told = [described(leg) for leg in protocol]
         attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
+        attributes["switches"] = json.dumps(list(switches))
     return dataset.assign_attrs(attributes)
 
 

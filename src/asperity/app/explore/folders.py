@@ -22,7 +22,7 @@ from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
 from asperity.errors import AsperityError, ConfigError, InputError, printable
-from asperity.protocols import described
+from asperity.protocols import Schedule, described
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Folders within folders that are looked into, results that are listed, and folders that are looked at."""
@@ -182,9 +182,11 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
     dataset.attrs |= finished.lattice | {"solid": config.solid.kind}
     if config.solid.kind == "spring_lattice":
         dataset.attrs |= config.solid.model_dump(exclude={"kind"})
+    series = dict(zip(QUANTITIES, finished.series, strict=True))
     if config.protocol:
         dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])
-    series = dict(zip(QUANTITIES, finished.series, strict=True))
+        schedule = Schedule.of(config.written_out, np.unique(series["time"]))
+        dataset.attrs["switches"] = json.dumps(schedule.switches)
     dataset = dataset.assign_coords(time=series["time"])
     for quantity, (long_name, unit) in finished.described.items():
         attrs = {"long_name": long_name, "units": unit}
