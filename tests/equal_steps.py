@@ -5,8 +5,8 @@ import numpy as np
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet, Multigrid
+from asperity.contact.contact import AnchorModes
 from asperity.contact.problem import TOLERANCE
-from asperity.contact.state import AnchorModes
 
 PRECISE = Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9))
 

@@ -18,13 +18,13 @@ from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
+from asperity.carried import Carried
 from asperity.contact.bodies import Bodies, bodies_of
-from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
+from asperity.contact.contact import WHERE_FROM, Contact, control_of
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import WHERE_FROM, Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener

@@ -5,8 +5,9 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
+from asperity.contact.contact import control_of
 from asperity.contact.problem import Solution
-from asperity.contact.state import contact_from, control_of
+from asperity.contact.publish import contact_from
 from asperity.solids import spring_lattice
 from asperity.theory import (
     EmpiricalHeights,

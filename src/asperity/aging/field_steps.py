@@ -19,9 +19,9 @@ from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
+from asperity.contact.contact import AnchorModes, Contact
 from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
-from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.stencils import extrapolated
 from asperity.contact.system import System
 from asperity.lattice import Field, Modes
@@ -61,8 +61,8 @@ class FieldSteps(TrBdf2):
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
         """At the start of a history."""
-        (u, anchors, _), position = start.whole, start.separation - system.datum
-        return cls.going_on(system, solver, 0.0, State(u - system.datum, u - anchors, position))
+        u, anchors, _, position = start.relative
+        return cls.going_on(system, solver, 0.0, State(np.array(u), u - anchors, position))
 
     @classmethod
     def going_on(cls, system: System, solver: ContactSolver, time: float, state: State[Field]) -> FieldSteps:

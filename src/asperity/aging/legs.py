@@ -18,10 +18,10 @@ from scipy.optimize import brentq
 
 from asperity.aging.frames import Frame, Midway, Pace
 from asperity.aging.march import creep
+from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.protocols import Leg, Schedule, Shifts

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, Extent, Origin, State, TrBdf2, rms
 from asperity.aging.tr_bdf2 import Stage as TimeStage
+from asperity.contact import Contact
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact
 from asperity.contact.stencils import combined, extrapolated
 from asperity.contact.system import System
 from asperity.lattice import Field
@@ -53,8 +53,8 @@ class LocalSteps(TrBdf2):
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps:
         """At the start of a history."""
-        u, anchors, _ = start.whole
-        u, shape = np.maximum(u - system.datum, system.heights), anchors[0] - system.datum
+        u, (shape,), _, position = start.relative
+        u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
         check_stress(system, force)
         arrays = {
@@ -65,7 +65,7 @@ class LocalSteps(TrBdf2):
             "shape": shape,
             "rate": local_solver(system).velocity(force),
             "crept": np.zeros(()),
-            "begun_at": np.array(start.separation - system.datum),
+            "begun_at": np.array(position),
         }
         return cls(system, solver, arrays)
 

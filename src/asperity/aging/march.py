@@ -21,11 +21,11 @@ from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
 from asperity.contact.choice import chosen_solver
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control, Load
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver
-from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field

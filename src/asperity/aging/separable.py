@@ -31,8 +31,8 @@ from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
+from asperity.contact.contact import AnchorModes, Contact
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
-from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
 from asperity.relaxation import PronySeries, interlacing
@@ -120,7 +120,7 @@ class SeparableSteps(Steps):
         control = system.control
         if not (start.solid.separable and control.load_controlled and control.rises and len(start.anchors)):
             return None
-        u, anchors, in_contact = start.whole
+        u, anchors, in_contact, _ = start.relative
         free = ~in_contact
         if not free.any():
             return None
@@ -129,7 +129,7 @@ class SeparableSteps(Steps):
             return None
         loads = []
         for surface in (u, *anchors):
-            force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
+            force = system.mechanics.lattice.apply(stiffness, surface)
             lifted = force[free]
             loads.append(-float(lifted.mean()) * system.sites)
             if largest(lifted - lifted.mean(), np) > TUNING.flat * max(loads[0], 0.0) / max(start.area, 1):
@@ -138,9 +138,9 @@ class SeparableSteps(Steps):
         most = TUNING.flat * loads[0]
         if not -most <= own.min() <= own.max() <= loads[0] + most:
             return None
-        own, u = np.maximum(own, 0.0), u - system.datum
+        own = np.maximum(own, 0.0)
         loads = [0.0, 0.0, control.value + float(shares @ own), *own]
-        modes = system.mechanics.lattice.forward(anchors - system.datum)
+        modes = system.mechanics.lattice.forward(anchors)
         flat = np.zeros_like(u)  # as before any load
         return cls(system, solver, {"loads": np.array(loads), "u": u, "before": flat, "anchors": modes})
 

@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
+from asperity.contact import Contact
 from asperity.contact.arrays import largest
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
 from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
-from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field
@@ -68,7 +68,8 @@ class SpringSteps(TrBdf2):
     def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
         """At the start of a history."""
         assert isinstance(system.mechanics, SpringMechanics)
-        u, stretch = np.maximum(start.u - system.datum, system.heights), start.u - start.anchors
+        u, anchors, *_ = start.relative
+        u, stretch = np.array(u), u - anchors
         (rate,), w = system.creep_rate(stretch), stretch[0]
         work, unit = solver.work_on(system.mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}

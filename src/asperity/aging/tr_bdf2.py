@@ -35,8 +35,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.contact.arrays import largest
+from asperity.contact.contact import AnchorModes
 from asperity.contact.controls import Control
-from asperity.contact.state import AnchorModes
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.analysis.field_values import ONE_TIME, lattice_of, pressure_of
 from asperity.base import views
 from asperity.base.checks import kind_of
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of

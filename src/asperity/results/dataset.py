@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
 from asperity.base.version import __version__
-from asperity.contact.carried import Carried
-from asperity.contact.controls import Control
-from asperity.contact.state import Contact
+from asperity.carried import Carried
+from asperity.contact import Contact, Control
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
