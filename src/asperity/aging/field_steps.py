@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.anchors import AnchorFields, AnchorModes
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
-from asperity.contact.contact import AnchorModes, Contact
+from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import ContactSolver, Guess
 from asperity.contact.stencils import extrapolated
@@ -62,12 +63,13 @@ class FieldSteps(TrBdf2):
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
         """At the start of a history."""
         u, anchors, _, position = start.relative
-        return cls.going_on(system, solver, 0.0, State(np.array(u), u - anchors, position))
+        return cls.going_on(system, solver, 0.0, np.array(u), u - anchors, position)
 
     @classmethod
-    def going_on(cls, system: System, solver: ContactSolver, time: float, state: State[Field]) -> FieldSteps:
+    def going_on(
+        cls, system: System, solver: ContactSolver, time: float, u: Field, stretch: Field, position: float
+    ) -> FieldSteps:
         """From where other steps have come to."""
-        u, stretch, position = state
         arrays = {
             "times": np.array([time, time]),
             "u": u,
@@ -91,12 +93,13 @@ class FieldSteps(TrBdf2):
         """See `Steps`."""
         return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
 
-    def state(self) -> State[Field | AnchorModes]:
+    def state(self) -> State:
         """See `Steps`."""
-        point, mechanics = self.point, self.system.mechanics
+        point, mechanics, system = self.point, self.system.mechanics, self.system.at(self.time)
         if not self.eager:
-            return State(point.u, mechanics.lattice.backward(point.stretch), point.position)
-        held, touching = self.system.at(self.time).held(point.position), point.u <= self.system.heights
+            stretch = system.balanced_stretch(point.u, mechanics.lattice.backward(point.stretch))
+            return State(point.u, AnchorFields(point.u - stretch), point.position)
+        held, touching = system.held(point.position), point.u <= system.heights
         change = mechanics.balancing(point.modes, point.stretch, touching, held)
         return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
 

@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
@@ -54,14 +55,14 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     elif system.free_mean:
         level = 0.0 if contact.area else max(0.0, position)  # flat, touching unless the body hung above
         flat = Solution(np.full(u.shape, level), system.heights >= level, 0, 0)
-        return contact_from(system, flat, level, position, bodies=contact, load_may_vanish=True)
+        return contact_from(system, flat, AnchorFields.flat(level, system), position, bodies=contact)
     else:
         guess = Guess(np.array(u), in_contact, disposable=True)
         problem = system.problem(step, before)
         solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     stretch, position = system.stretch(step, solution, before, position)
-    how = system, solution, solution.u - stretch, position
-    return contact_from(*how, bodies=contact, load_may_vanish=True)
+    how = system, solution, AnchorFields(solution.u - stretch), position
+    return contact_from(*how, bodies=contact)
 
 
 def _without_law(mechanics: Mechanics) -> Mechanics:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, Extent, Origin, State, TrBdf2, rms
 from asperity.aging.tr_bdf2 import Stage as TimeStage
 from asperity.contact import Contact
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
@@ -51,8 +52,10 @@ class LocalSteps(TrBdf2):
         self.rates, self.tried = [arrays["rate"]], self.known[:1]
 
     @classmethod
-    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps:
-        """At the start of a history."""
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps | None:
+        """See `Steps`."""
+        if system.mechanics.law is None:
+            return None
         u, (shape,), _, position = start.relative
         u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
@@ -88,11 +91,11 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
 
-    def state(self) -> State[Field]:
+    def state(self) -> State:
         """See `Steps`."""
         now = self.known[0]
         stretch = self.solver.balanced(now, self.system.at(self.time).load)
-        return State(now.u, stretch[np.newaxis], self.begun_at + self.position)
+        return State(now.u, AnchorFields((now.u - stretch)[np.newaxis]), self.begun_at + self.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""

@@ -23,8 +23,6 @@ from asperity.base import checks
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control, Load
-from asperity.contact.mechanics import SpringMechanics
-from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
@@ -35,9 +33,6 @@ DEFAULT_RTOL = 2e-3
 
 SMALLEST_RTOL, LARGEST_RTOL = 1e-6, 0.1
 """The number of time steps grows as rtol^(-1/2); rtol below 1e-6 is refused as too slow."""
-
-LONGEST = 1e30
-"""Longest time, in units of the time in which the fastest mode creeps; single precision ends at 1e38."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +48,8 @@ class Tuning:
 
 TUNING = Tuning()
 
-KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, SpringSteps, FieldSteps, LocalSteps)}
+KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, LocalSteps, SpringSteps, FieldSteps)}
+"""Kinds of time steps by name; the first that suits is taken."""
 
 
 def creep(
@@ -122,24 +118,8 @@ def creep(
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
-    if not isinstance(march.now, SeparableSteps):  # those are exact, in double precision, at any time
-        _check_pace(system, stops)
+    march.now.check(stops)
     return march.frames(stops, from_start=midway is None)
-
-
-def _begun(system: System, solver: ContactSolver, start: Contact, exact: bool) -> Steps:
-    """The steps that suit a system."""
-    steps = SeparableSteps.begin(system, solver, start) if exact else None
-    if steps is not None:
-        return steps
-    mechanics = system.mechanics
-    if mechanics.law is not None:
-        return LocalSteps.begin(system, solver, start)
-    creeps = isinstance(mechanics, SpringMechanics) and mechanics.springs.creep
-    hangs = start.area == 0 and system.load is None  # its surface is known to the last digit
-    if creeps and not hangs and isinstance(solver, Multigrid) and Multigrid.suits(mechanics):
-        return SpringSteps.begin(system, solver, start)
-    return FieldSteps.begin(system, solver, start)
 
 
 def check_rtol(rtol: float) -> float:
@@ -149,21 +129,6 @@ def check_rtol(rtol: float) -> float:
     return checks.number(
         "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL, expected=expected, advice=advice
     )
-
-
-def _check_pace(system: System, stops: Field) -> None:
-    """Refuse numbers that overflow single precision."""
-    fastest, advice = system.mechanics.fastest_creep, "another unit of time"
-    if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
-        expected = f"0, or times from {1 / LONGEST:.0e}"
-        raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
-    if stops.size and fastest * stops[-1] > LONGEST:
-        expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
-        advice = "asperity.relax for what comes in the end"
-        raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
-    if fastest > LONGEST:
-        expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
-        raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
 
 
 class _March:
@@ -204,7 +169,8 @@ class _March:
         start = self.start
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
-        self.now = _begun(system, self.solver, start, exact and not keep_area)
+        kinds = [kind for kind in KINDS.values() if kind is not SeparableSteps or (exact and not keep_area)]
+        self.now = next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
         self.deformation = 0.0
         self.raise_deformation()
         self.controller.begin(self.deformation, self.now.speed())
@@ -298,15 +264,11 @@ class _March:
         return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation)
 
     def fall_back(self, failure: ConvergenceError) -> None:
-        """Go on by whole fields where steps in corrections get nowhere; any others fail.
-
-        Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
-        """
-        now = self.now
-        if not isinstance(now, SpringSteps):
+        """Go on by other steps where these get nowhere; the failure if there are none."""
+        if (others := self.now.instead()) is None:
             raise failure
-        self.now = FieldSteps.going_on(now.system, self.solver, now.time, now.state())
-        self.controller.start_over(now.time)
+        self.now = others
+        self.controller.start_over(self.now.time)
 
     def take(self, time: float) -> None:
         """Accept the step that was tried and ends at a time."""

@@ -30,8 +30,9 @@ from numpy.typing import NDArray
 from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.anchors import AnchorModes
 from asperity.contact.arrays import largest
-from asperity.contact.contact import AnchorModes, Contact
+from asperity.contact.contact import Contact
 from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
@@ -116,7 +117,7 @@ class SeparableSteps(Steps):
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
-        """At the start of a history, if its surface and anchors are those of an elastic solid."""
+        """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
         if not (start.solid.separable and control.load_controlled and control.rises and len(start.anchors)):
             return None
@@ -148,7 +149,7 @@ class SeparableSteps(Steps):
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried[0] <= self.system.heights))
 
-    def state(self) -> State[AnchorModes]:
+    def state(self) -> State:
         """See `Steps`."""
         mechanics, now, stretch = self.system.mechanics, self.system.at(self.time), self._stretch()
         hanging = mechanics.hanging

@@ -21,17 +21,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.aging.field_steps import FieldSteps
 from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
 from asperity.contact import Contact
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
-from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
 from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
-from asperity.lattice import Field
 
 
 class SpringSteps(TrBdf2):
@@ -47,10 +47,10 @@ class SpringSteps(TrBdf2):
 
     def __init__(self, system: System, solver: Multigrid, arrays: Arrays) -> None:
         super().__init__(system, arrays)
-        assert isinstance(system.mechanics, SpringMechanics)
-        self.springs, self.max_cycles = system.mechanics.springs, solver.max_cycles
+        mechanics: Any = system.mechanics
+        self.springs, self.solver, self.max_cycles = mechanics.springs, solver, solver.max_cycles
         self.k0 = working_stiffness(self.springs.k0, self.springs.k1)
-        self.work = solver.work_on(system.mechanics)
+        self.work = solver.work_on(mechanics)
         self.heights = np.ascontiguousarray(system.heights)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
@@ -65,13 +65,18 @@ class SpringSteps(TrBdf2):
         self.settle(0.0)
 
     @classmethod
-    def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
-        """At the start of a history."""
-        assert isinstance(system.mechanics, SpringMechanics)
+    def begin(cls, system: System, solver: Any, start: Contact) -> SpringSteps | None:
+        """See `Steps`; they suit a solver that has cycles on fields of changes."""
+        mechanics: Any = system.mechanics
+        if not (hasattr(solver, "work_on") and solver.suits(mechanics) and mechanics.springs.creep):
+            return None
+        if start.area == 0 and not system.control.load_controlled:
+            return None  # it hangs, and its surface is known to the last digit
         u, anchors, *_ = start.relative
         u, stretch = np.array(u), u - anchors
-        (rate,), w = system.creep_rate(stretch), stretch[0]
-        work, unit = solver.work_on(system.mechanics), max(largest(u, np), largest(w, np)) or 1.0
+        (rate,), w = mechanics.creep_rate(stretch), stretch[0]
+        rate += -rate.mean() if system.control.load_controlled else system.drift  # the load decides its mean
+        work, unit = solver.work_on(mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:
             arrays |= zip(names, work.pair(), strict=True)
@@ -91,13 +96,21 @@ class SpringSteps(TrBdf2):
         """See `Steps`."""
         return int(np.count_nonzero(self.work.correction.e <= self.work.bound))
 
-    def state(self) -> State[Field]:
+    def instead(self) -> FieldSteps:
+        """See `Steps`: near rest rounding in single precision, and what cycles leave, look like errors."""
+        u, anchors, position = self.state()
+        stretch = u - anchors.on(self.system.mechanics.lattice)
+        return FieldSteps.going_on(self.system, self.solver, self.time, u, stretch, position)
+
+    def state(self) -> State:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
-        mean = self.system.at(self.time).mean_stretch
+        system = self.system.at(self.time)
+        mean = system.mean_stretch
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
         stretch = self.w + (mean - float(self.w.mean()))
-        return State(self.u, stretch[np.newaxis], self.mean_u0)
+        stretch = system.balanced_stretch(self.u, stretch[np.newaxis])
+        return State(self.u, AnchorFields(self.u - stretch), self.mean_u0)
 
     def extent(self) -> Extent:
         """See `Steps`."""

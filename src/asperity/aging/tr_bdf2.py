@@ -29,21 +29,26 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.anchors import Anchors
 from asperity.contact.arrays import largest
-from asperity.contact.contact import AnchorModes
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
+from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
 ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
+
+LONGEST = 1e30
+"""Longest time, in units of the time in which the fastest mode creeps; single precision ends at 1e38."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -101,14 +106,11 @@ class Extent:
     largest: float
 
 
-Creep = TypeVar("Creep", covariant=True, bound=Field | AnchorModes)
-
-
-class State(NamedTuple, Generic[Creep]):
-    """A state to publish: u, w_b or the modes of the anchors, and the position of the rigid body."""
+class State(NamedTuple):
+    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position."""
 
     u: Field
-    creep: Creep
+    anchors: Anchors
     position: float
 
 
@@ -139,12 +141,25 @@ class Steps(ABC):
     system: System
     time: float
 
+    @classmethod
+    @abstractmethod
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> Self | None:
+        """At the start of a history; None where these steps do not suit."""
+
+    def instead(self) -> Steps | None:
+        """Steps that go on from here where these get nowhere."""
+        return None
+
+    def check(self, stops: Field) -> None:
+        """Refuse times that these steps cannot reach."""
+        del stops
+
     @abstractmethod
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""
 
     @abstractmethod
-    def state(self) -> State[Field | AnchorModes]:
+    def state(self) -> State:
         """What is to be published; not to be changed."""
 
     def approach(self, origin: Origin, separation: float) -> float:
@@ -211,6 +226,20 @@ class TrBdf2(Steps):
         self.time, self.times = time, [time, *self.times][: self.through]
         self.origin = self.origin or time
         self.advance()
+
+    def check(self, stops: Field) -> None:
+        """Refuse numbers that overflow single precision."""
+        fastest, advice = self.system.mechanics.fastest_creep, "another unit of time"
+        if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
+            expected = f"0, or times from {1 / LONGEST:.0e}"
+            raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
+        if stops.size and fastest * stops[-1] > LONGEST:
+            expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+            advice = "asperity.relax for what comes in the end"
+            raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
+        if fastest > LONGEST:
+            expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
+            raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
 
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""

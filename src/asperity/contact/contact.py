@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity.base import checks, views
+from asperity.contact.anchors import AnchorFields, Anchors
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.interface import interface_of
@@ -18,7 +19,7 @@ from asperity.contact.partial_slip import PartialSlip
 from asperity.contact.rim import RIM, rim_sides
 from asperity.contact.system import System
 from asperity.errors import InputError
-from asperity.lattice import Field, Mask, Modes
+from asperity.lattice import Field, Mask
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,13 +32,6 @@ WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results
 
 Each = float | str | Sequence[float | str]
 """A number of both bodies, or a pair: one of each."""
-
-
-@dataclass(frozen=True, eq=False)
-class AnchorModes:
-    """Fourier modes of the anchors u_b relative to the datum, which go to sites when asked for."""
-
-    modes: Modes
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -91,7 +85,7 @@ class Contact(Bodies, views.InNotebooks):
     iterations: int
     # Relative to the highest point of the heights, and beyond free edges too.
     _surface: Field
-    _anchors: Field | AnchorModes
+    _anchors: Anchors
     _position: float
 
     def __init__(self, *_: object, **__: object) -> None:
@@ -164,11 +158,9 @@ class Contact(Bodies, views.InNotebooks):
 
         They are relative to `datum`; fields go beyond free edges.
         """
-        embedding, anchors = self.lattice.embedding, self._anchors
-        if isinstance(anchors, AnchorModes):
-            anchors = embedding.backward(anchors.modes)
+        embedding = self.lattice.embedding
         in_contact = embedding.extended(self.in_contact, beyond=False)
-        return self._surface, anchors, in_contact, self._position
+        return self._surface, self._anchors.on(embedding), in_contact, self._position
 
     @cached_property
     def area(self) -> int:
@@ -403,10 +395,9 @@ class Contact(Bodies, views.InNotebooks):
         Nothing in the equations tells sites apart, so the residual is that of the same numbers.
         """
         axes = tuple(range(-self.lattice.dimension, 0))
-        moved: dict[str, Any] = {"_anchors": self.relative[1]}
-        moved |= {name: getattr(self, name) for name in ("heights", "permanent_indentation", "_surface")}
-        moved |= {"force": self.force, "in_contact": self.in_contact}
-        moved = {name: np.roll(field, sites, axis=axes) for name, field in moved.items()}
+        names = ("heights", "permanent_indentation", "_surface", "force", "in_contact")
+        moved: dict[str, Any] = {name: np.roll(getattr(self, name), sites, axis=axes) for name in names}
+        moved["_anchors"] = AnchorFields(np.roll(self.relative[1], sites, axis=axes))
         return Contact._judged(**(self.__getstate__() | moved))
 
     def resting_on(self, heights: Field, indentation: Field) -> Contact:

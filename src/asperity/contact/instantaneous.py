@@ -8,6 +8,7 @@ from fractions import Fraction
 import numpy as np
 
 from asperity.base import checks
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact
@@ -39,13 +40,15 @@ def first_contact(
     level = 0.0 if control.load_controlled else control.value - system.datum
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
-        return contact_from(system, touching, level, level, bodies=bodies, load_may_vanish=True)
+        anchors = AnchorFields.flat(level, system)
+        return contact_from(system, touching, anchors, level, bodies=bodies)
     step = system.mechanics.implicit_step(0.0)
     solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.displacement(solution.u, flat, level)
-    return contact_from(system, solution, level, level, bodies=bodies)
+    how = system, solution, AnchorFields.flat(level, system), level
+    return contact_from(*how, bodies=bodies, load_may_vanish=False)
 
 
 def pressed_anew(
@@ -128,5 +131,5 @@ def above_anchors(
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved
         position += moved
-    how = system, solution, anchors, position
-    return contact_from(*how, bodies=bodies, load_may_vanish=True, least_force=least_force)
+    how = system, solution, AnchorFields(anchors), position
+    return contact_from(*how, bodies=bodies, least_force=least_force)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.contact.anchors import Anchors, Balance
 from asperity.contact.bodies import Bodies
-from asperity.contact.contact import AnchorModes, Contact
+from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution, mean_by_rounding
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
@@ -22,19 +21,19 @@ ACCEPTED_RESIDUAL = 1e-8
 def contact_from(
     system: System,
     solution: Solution,
-    anchors: Field | float | AnchorModes,
+    anchors: Anchors,
     position: float,
     *,
     bodies: Bodies,
-    load_may_vanish: bool = False,
+    load_may_vanish: bool = True,
     least_force: float = 0.0,
 ) -> Contact:
     """Publish a solution of a system: its fields, judged once more.
 
-    The anchors u_b are fields, the level at which all are flat, or Fourier modes; they and the position of
-    the rigid body are relative to the system's datum. `ConvergenceError` where double precision cannot
-    resolve the load, unless it may be so small, as it dies out at a held separation. Residuals are relative
-    to at least ``least_force``, a mean contact force: that of a contact with which this one is compared.
+    Anchors and the position of the rigid body are relative to the system's datum. `ConvergenceError` where
+    double precision cannot resolve the load, unless it may be so small, as it dies out at a held separation.
+    Residuals are relative to at least ``least_force``, a mean contact force: that of a contact with which
+    this one is compared.
     """
     lattice, yielding = system.mechanics.lattice, solution.u < system.heights
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
@@ -44,16 +43,15 @@ def contact_from(
         indentation = indentation + (bodies.heights - heights)
         system = system.above(heights)
         shift = system.datum - shift
-        surface, anchors, position = surface - shift, _sunk(anchors, shift, system), position - shift
+        surface, position = surface - shift, position - shift
+        anchors = anchors.lowered(shift, lattice)
     # What differs from the heights by less than their last digit touches.
     touching = solution.in_contact | (surface + system.datum <= lattice.extended(heights, -math.inf))
     surface = np.maximum(surface, system.heights)
     np.copyto(surface, system.heights, where=touching)
     vanishing = load_may_vanish and not system.load
     floor = _smallest_force(system, surface) if vanishing or not touching.any() else least_force
-    if not isinstance(anchors, np.ndarray | AnchorModes):  # all their sites are one number
-        anchors = np.broadcast_to(anchors, (system.mechanics.branches, *surface.shape))
-    state = _State.of(system, surface, anchors, position)
+    state = anchors.balance(system, surface, position)
     left = _judged(system, surface, state, touching, yielding, floor)
     force = system.mechanics.interface.allowed(state.force, touching)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(touching)), 1)
@@ -76,35 +74,9 @@ def contact_from(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _State:
-    """What follows from a surface and its anchors: the position of the rigid body, forces and the energy."""
-
-    position: float
-    force: Field
-    energy: Callable[[], float]
-    carried: float | None
-
-    @classmethod
-    def of(cls, system: System, u: Field, anchors: Field | AnchorModes, position: float) -> _State:
-        """Of fields, or of anchors in Fourier modes: those at wave vector 0 are sums over the sites."""
-        mechanics, mean = system.mechanics, system.mechanics.lattice.mean
-        if not isinstance(anchors, AnchorModes):
-            position, stretch = system.position(u, anchors, position), u - anchors
-            force, energy = system.force(u, stretch, position), system.energy
-            carried = system.carried(u, stretch, position)
-            return cls(position, force, lambda: energy(u, stretch, position), carried)
-        position = system.position(u, anchors.modes[mean].real / system.sites, position)
-        surface, held = mechanics.lattice.forward(u), system.held(position)
-        modes = surface - anchors.modes
-        force, carried = (
-            mechanics.force_of_modes(surface, modes, held),
-            system.carried(u, modes[mean].real, position),
-        )
-        return cls(position, force, lambda: mechanics.energy_of_modes(surface, modes, held), carried)
-
-
-def _judged(system: System, u: Field, state: _State, in_contact: Mask, yielding: Mask, floor: float) -> float:
+def _judged(
+    system: System, u: Field, state: Balance, in_contact: Mask, yielding: Mask, floor: float
+) -> float:
     """The residual of a state, whose forces lose what is the rounding of a mean."""
     mechanics = system.mechanics
     if not system.control.load_controlled:
@@ -131,13 +103,6 @@ def _lowered(system: System, u: Field, heights: Field) -> Field:
     obstacle = system.mechanics.lattice.cut(system.lowered(u).heights)
     lower = obstacle < heights - system.datum
     return np.where(lower, obstacle + system.datum, heights)
-
-
-def _sunk(anchors: Field | float | AnchorModes, by: float, system: System) -> Field | float | AnchorModes:
-    """Anchors that are lower."""
-    if isinstance(anchors, AnchorModes):
-        return AnchorModes(anchors.modes - system.mechanics.lattice.flat_modes(by))
-    return anchors - by
 
 
 def _smallest_force(system: System, u: Field) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.contact.controls import Control
-from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
+from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -150,16 +150,6 @@ class System:
         if self.mechanics.hangs_on_one_branch:
             return float(np.mean(anchors[0]))
         return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
-
-    def creep_rate(self, stretch: Field) -> Field:
-        """Rate d u0 / dt on the lattice of springs; under load control the load decides its mean."""
-        assert isinstance(self.mechanics, SpringMechanics)
-        rate = self.mechanics.creep_rate(stretch)
-        if self.control.load_controlled:
-            rate -= rate.mean()
-        elif self.drift:
-            rate += self.drift
-        return rate
 
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""

@@ -9,6 +9,7 @@ import xarray as xr
 
 from asperity.base import checks, views
 from asperity.contact import Contact, Load, Separation
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
 from asperity.contact.instantaneous import above_anchors
 from asperity.contact.problem import Guess, Solution
@@ -83,4 +84,4 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     solution = Solution(surface, touching, int(data["iterations"]), 0)
-    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)
+    return contact_from(system, solution, AnchorFields(anchors), position, bodies=bodies)
