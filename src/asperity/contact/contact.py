@@ -194,7 +194,7 @@ class Contact(Bodies, views.InNotebooks):
 
     @cached_property
     def contact_area_corrected(self) -> float:
-        """Real contact area less what counting sites adds at the rim, length^2; see `response.RIM`.
+        """Real contact area less what counting sites adds at the rim, length^2; see `rim.RIM`.
 
         It is meant for half-spaces; on a layer that is thin beside its contacts, `contact_area` is nearer. On
         a line nothing is subtracted.
