@@ -20,6 +20,7 @@ from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
+from asperity.results.store import HISTORY
 
 Row = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -96,7 +97,7 @@ def dataset_of(
             dataset = dataset.assign_coords(shifts)
         dataset = _with_patches(dataset, start, snapshots)
     describe(dataset, start)
-    attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
+    attributes = {"title": HISTORY, "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
     exact = {bool(row["exact"]) for row in rows if row["time"] > 0}

@@ -272,7 +272,6 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
         one = placed.isel(field_time=number)
         mask = np.asarray(one["in_contact"], dtype=bool)
         pressure = pressure_of(one)
-        assert pressure is not None, "a history knows its springs"
         depth = one["permanent_indentation"].values if "permanent_indentation" in one else None
         edges = dataset.attrs["edges"]
         time = float(one["field_time"])
