@@ -232,7 +232,7 @@ def test_rooms_of_contributing_are_those_of_the_house():
         ("accuracy", f"At the default, {march.DEFAULT_RTOL * 1000:g}e-3"),
         ("histories", f"{100 * constant_area.TUNING.allowed:g} %, the step is repeated once"),
         ("histories", f"shorter than {constant_area.TUNING.lapse:g} in ln t"),
-        ("histories", f"fewer than {constant_area.FEWEST_SITES} sites in contact"),
+        ("histories", f"fewer than {constant_area.TUNING.fewest_sites} sites in contact"),
         ("design", f"did not solve in {Multigrid().max_cycles} cycles"),
         ("design", f"After {ActiveSet().careful_after} revisions"),
         ("design", f"residual has fallen to {ActiveSet().reduction:g}"),

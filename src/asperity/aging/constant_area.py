@@ -21,10 +21,6 @@ from dataclasses import dataclass
 
 from asperity.contact.controls import Course, Load
 
-FEWEST_SITES = 20
-"""Sites in contact of which the area can be kept: of fewer, one site is too large a part. 12 were enough in
-every case tried, 3 were not."""
-
 
 @dataclass(frozen=True)
 class Tuning:
@@ -43,6 +39,15 @@ class Tuning:
     """Lapse of ln t over which the area is corrected and growth is averaged, and to which steps may shrink.
 
     Of few contacts one more or less is no growth to follow.
+    """
+
+    weight: float = 0.5
+    """Largest weight of one step in the growth."""
+
+    fewest_sites: int = 20
+    """Sites in contact of which the area can be kept: of fewer, one site is too large a part.
+
+    12 were enough in every case tried, 3 were not.
     """
 
 
@@ -101,7 +106,7 @@ class ConstantArea:
         lapse = self._lapse(time - self.time)
         if lapse > 0:
             shown = (math.log(max(area, 1) / max(self.area, 1.0)) - math.log(reached / self.load)) / lapse
-            weight = min(0.5, lapse / TUNING.lapse) if self.growth else 1.0
+            weight = min(TUNING.weight, lapse / TUNING.lapse) if self.growth else 1.0
             self.growth += weight * (shown - self.growth)
         self.since = self.since or time
         self.time, self.load, self.area = time, reached, float(area)

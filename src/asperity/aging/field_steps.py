@@ -46,6 +46,7 @@ class FieldSteps(TrBdf2):
     """
 
     kind, through = "fields", 2
+    implicit: ImplicitStep
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Arrays) -> None:
         super().__init__(system, arrays)
@@ -54,7 +55,6 @@ class FieldSteps(TrBdf2):
         self.point = Point(u, modes, arrays["stretch"], float(arrays["position"]))
         self.earlier = list(arrays["earlier"])
         self.tried = [self.point]
-        self.implicit: ImplicitStep | None = None
         # Whether contact problems are solved no better than a step needs: what that leaves off contact is
         # balanced where a state is published.
         self.eager = system.mechanics.anchors_can_balance
@@ -115,13 +115,14 @@ class FieldSteps(TrBdf2):
         rate[mechanics.lattice.mean] += system.drift * system.sites
         return mechanics.rms(rate)
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        self.tried, self.implicit = [self.point], self.system.mechanics.implicit_step(tau)
+
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`; `ActiveSet` solves to the error allowed, where that can be balanced."""
         system, mechanics, start = self.system, self.system.mechanics, self.point
         lattice = mechanics.lattice
-        if not stage.is_last:
-            self.tried, self.implicit = [start], mechanics.implicit_step(stage.tau)
-        assert self.implicit is not None
         numbers = (-1.0, 0.0)[: len(stage.creeps)]
         before = self._combined(start.modes, numbers, stage.creeps)
         before[lattice.mean] += system.moved(self.time, stage.time) * system.sites
@@ -157,7 +158,6 @@ class FieldSteps(TrBdf2):
 
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
-        assert self.implicit is not None
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness

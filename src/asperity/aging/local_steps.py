@@ -107,10 +107,13 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return rms(self._about_mean(self.rates[0]))
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        del tau
+        self.tried, self.rates = [], self.rates[:1]
+
     def solve(self, stage: TimeStage) -> int:
         """See `TrBdf2`."""
-        if not stage.is_last:
-            self.tried, self.rates = [], self.rates[:1]
         before = combined(self.shape, *zip(stage.creeps, self.rates, strict=True))
         system, again = self.system.at(stage.time), stage.is_last
         position = self.system.moved(0.0, stage.time) + self.crept

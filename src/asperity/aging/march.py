@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
+from asperity.aging import constant_area
+from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
 from asperity.aging.frames import Counts, Frame, Midway, Pace, published
@@ -44,6 +45,9 @@ class Tuning:
 
     published: float = 0.01
     """The same in the last stage before a frame."""
+
+    passing: float = 5e-4
+    """Tolerance of contact problems on the way, in units of rtol."""
 
 
 TUNING = Tuning()
@@ -109,8 +113,8 @@ def creep(
         system = contact.system(control).lowered(arrays["obstacle"])
     else:
         system = contact.system(control)
-    if keep_area and contact.area < FEWEST_SITES and midway is None:
-        expected = f"at least {FEWEST_SITES} sites in contact to keep the area"
+    if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
+        expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
@@ -150,7 +154,7 @@ class _March:
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
         self.controller = Controller(step_tolerance(rtol))
-        self.passing = max(TOLERANCE, rtol / 2000)
+        self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
 

@@ -53,6 +53,9 @@ class Tuning:
     safety: float = 2.0
     """Factor on the error of u between two steps."""
 
+    ahead: float = 2.0
+    """Largest extrapolation of u beyond a step, in units of that step."""
+
     pieces: int = 32
     """Pieces, linear in time, of the longest time step that follows the load."""
 
@@ -226,9 +229,9 @@ class SeparableSteps(Steps):
         return {"loads": loads, "u": self.u, "before": self.before, "anchors": self.anchors.copy()}
 
     def _ahead(self, load: float) -> float:
-        """How far a load is beyond the present one, over how far that is beyond the one before; at most 2."""
+        """How far a load is beyond the present one, over how far that is beyond the one before."""
         last = float(self.loads[0]) - self.load_before
-        return min((load - float(self.loads[0])) / last, 2.0) if last > 0 else 0.0
+        return min((load - float(self.loads[0])) / last, TUNING.ahead) if last > 0 else 0.0
 
     def _stretch(self) -> NDArray[np.complex128]:
         """Fourier modes of w_b, without the mean."""

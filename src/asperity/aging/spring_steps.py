@@ -122,17 +122,20 @@ class SpringSteps(TrBdf2):
         """See `Steps`."""
         return rms(self.unit * self.work.backend.unpacked(self.rate, self.work.sites))
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        s = self.springs
+        self.tau, self.weight, self.drifts = tau, tau * (WEIGHT / DIAGONAL), self.drifts[:1]
+        self.work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`."""
-        s, work, tau, size = self.springs, self.work, stage.tau, self.u.size
+        work, tau, size = self.work, stage.tau, self.u.size
+        _, *weights = stage.weights
+        numbers = 0.0, 0.0, tau, 0.0
         if stage.is_last:
             growth, _, *weights = stage.weights
             numbers = growth, self.offset, self.weight, self.weight
-        else:
-            self.tau, self.weight, self.drifts = tau, tau * (WEIGHT / DIAGONAL), self.drifts[:1]
-            work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
-            _, *weights = stage.weights
-            numbers = 0.0, 0.0, tau, 0.0
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
         mean = self.system.at(stage.time).mean_stretch

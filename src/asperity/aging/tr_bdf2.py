@@ -211,6 +211,7 @@ class TrBdf2(Steps):
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
         known, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
+        self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):
                 here = math.log(self.time + ahead + origin)
@@ -246,8 +247,12 @@ class TrBdf2(Steps):
         return {**self.arrays(), "times": np.array([self.origin, *self.times])}
 
     @abstractmethod
+    def prepare(self, tau: float) -> None:
+        """Prepare both stages of a step, whose implicit steps take tau."""
+
+    @abstractmethod
     def solve(self, stage: Stage) -> int:
-        """Solve a stage, the second one after the first; the iterations spent. `ConvergenceError` if not."""
+        """Solve a stage; the iterations spent. `ConvergenceError` if not."""
 
     @abstractmethod
     def left_of(self, shares: Sequence[float]) -> float:
