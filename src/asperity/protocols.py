@@ -241,17 +241,12 @@ class Ramp(Change):
     ----------
     duration
         How long, time > 0.
-    load
-        The load at the end > 0.
-    separation
-        The separation at the end: the rigid body moves by what it differs from the mean of u0 at the
-        beginning. Give this, the approach, the load or the pressure.
-    pressure
-        The load at the end over the nominal area > 0.
+    load, pressure, separation, approach
+        One of these at the end: the load > 0; the same over the nominal area; the separation, where the rigid
+        body moves by what it differs from the mean of u0 at the beginning; or how far the rigid body has
+        moved since time 0, as the dataset has it.
     mobility
         As in `Hold`.
-    approach
-        The approach at the end: how far the rigid body has moved since time 0, as the dataset has it.
     """
 
     duration: _Duration
@@ -274,14 +269,8 @@ class Step(Change):
 
     Parameters
     ----------
-    load
-        The new load > 0.
-    separation
-        The new separation. Give this, the approach, the load or the pressure.
-    pressure
-        The new load over the nominal area > 0.
-    approach
-        The new approach, as in `Ramp`.
+    load, pressure, separation, approach
+        The new value of one of these, as in `Ramp`.
     """
 
     example = "Step(load=400.0)"
@@ -311,13 +300,12 @@ class Slide(Leg):
     distance
         How far > 0, in the unit of the distance between sites, which is 1 on a solid defined on sites.
     velocity
-        How fast > 0, distance / time; `math.inf` or ``"inf"`` slides at once, so that nothing creeps.
+        How fast > 0, distance / time; ``"inf"`` slides at once, so that nothing creeps.
     direction
         Where the rough surface goes: ``"x"`` along the last axis, ``"-x"``, ``"y"``, ``"-y"``; or the sites
         of one shift along each axis, such as ``(1, 1)``.
     substeps
-        Shifts from site to site, >= 1. If there are several, heights between the sites are interpolated; see
-        `asperity.slide`.
+        Shifts from site to site, >= 1; heights between sites are interpolated, see `asperity.slide`.
     every
         Record the states after one in so many shifts, and before the next one, >= 1.
     mobility

@@ -73,22 +73,12 @@ def creep(
 
     Parameters
     ----------
-    contact
-        Where to start, from `press`, `relax` or an earlier frame.
-    times
-        Strictly increasing times >= 0.
+    contact, times, rtol, solver, exact
+        As those of `asperity.age`.
     control
         What is prescribed, a function of these times; by default what the contact was pressed by.
     keep_area
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
-    rtol
-        Bound on the error of u0 at every time, rms over the sites, relative to the largest
-        deformation reached so far: the rms of u about its mean (or of u - u0, if that is larger,
-        where the mean of u0 creeps too or u is flat). See `asperity.aging.controller`.
-    solver
-        How to solve the contact problems; by default as `asperity.press` does.
-    exact
-        Whether to use the exact contact of a separable solid where it holds.
     pace
         What an earlier march tells of the length of steps.
     midway
