@@ -189,9 +189,9 @@ class Late(Squared):
 def test_what_cannot_be():
     contact = asp.press(uncorrelated(16), SPRINGS, load=10.0)
     each_refuses(
-        ("amplitude", lambda: Sine(1.0, -1.0, 1.0)),
-        ("target", lambda: Sine(1.0, 1.0, 1.0, "area")),  # type: ignore[arg-type]
-        ("load", lambda: asp.age(contact, [1.0], protocol=Sine(1.0, 20.0, 1.0))),
-        ("protocol", lambda: asp.age(contact, [1.0], protocol=Late(1.0))),
-        ("protocol", lambda: leg_of({"kind": "cosine"})),
+        ("amplitude", "-1.0", lambda: Sine(1.0, -1.0, 1.0)),
+        ("target", "'area'", lambda: Sine(1.0, 1.0, 1.0, "area")),  # type: ignore[arg-type]
+        ("load", "-0.28", lambda: asp.age(contact, [1.0], protocol=Sine(1.0, 20.0, 1.0))),
+        ("protocol", "20", lambda: asp.age(contact, [1.0], protocol=Late(1.0))),
+        ("protocol", "'cosine'", lambda: leg_of({"kind": "cosine"})),
     )

@@ -270,7 +270,7 @@ def test_histories_of_versions_that_are_not_read_are_refused() -> None:
     del with_legs.attrs["switches"]
     for number, old in enumerate((with_maps.drop_vars("force"), with_legs)):
         asp.results.save(old.assign_attrs(asperity_version="0.4.7"), f"{number}.zarr")
-        with refuses("path"):
+        with refuses("path", "which version 0.4.7 wrote"):
             asp.results.load(f"{number}.zarr")
 
 
