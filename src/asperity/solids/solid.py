@@ -249,6 +249,11 @@ class Solid(views.InNotebooks):
         return math.isfinite(self.hardness)
 
     @property
+    def relaxing(self) -> Shares:
+        """The shares that relax, each in its time, at every wave vector; none where a local law creeps."""
+        return tuple(self.shares or ()) if self.creep is None else ()
+
+    @property
     def permanent_share(self) -> float:
         """Part of the stiffness at once that is no share of a branch."""
         rest = 1.0 - math.fsum(share for share, _ in self.shares or ())
