@@ -14,7 +14,7 @@ from asperity.analysis.aging import AgingSummary
 from asperity.analysis.legs import leg_table
 from asperity.analysis.scan import readable, written
 from asperity.base.words import counted, thousands
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.results.quantities import select, units_of
