@@ -113,7 +113,8 @@ MISTAKES = [
     "[solid]\ncreep_rate = 1.0",
     "[solid]\ncreep = 'garofalo'\ncreep_rate = 1.0\ncreep_stress = 1.0",
     "[solid]\ncreep = 'eyring'\ncreep_rate = 1.0",
-    f"{HALF}young = 1.0",
+    f"{HALF}modulus = 1.0\ndata_last = 1.0",
+    f"{HALF}modulus = 1.0\nbranches = [[0.1, 1.0]]\nextrapolate = 'model'",
     f"{HALF}relaxation = 'none.csv'\npoisson = 0.3",
     f"{STIFF}branches = [[0.6, 1.0], [0.5, 2.0]]",
     f"{STIFF}branches = [[1.5, 1.0]]",
@@ -211,6 +212,7 @@ def test_a_flag_for_another_kind_takes_the_keys_of_the_old_kind_away(tmp_path: P
     written(tmp_path, "[solid]\nkind = 'layer'\nmodulus = 2.0\npoisson = 0.3\nthickness = 1.0\n")
     config = read_config(path, {"solid": {"kind": "half_space", "poisson": [0.3], "young": [1.0]}})
     assert config.solid == HalfSpace(young=[1.0], poisson=[0.3])
+    assert HalfSpace(young=[1.0]) == HalfSpace(young=[1.0], poisson=[0.35])
     # So does one for another measure of the roughness.
     written(tmp_path, "[surface]\nkind = 'spectral'\nspacing = 0.5\nrms_height = 2.0")
     surface = read_config(path, flags_of("surface", rms_slope="0.1")).surface

@@ -38,18 +38,8 @@ Value = float | int | str
 _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
     *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
-    *(
-        "pixel",
-        "blur",
-        "threshold",
-        "draws",
-        "data_times",
-        "table_kind",
-        "table_modulus",
-        "columns",
-        "units",
-        "noise",
-    ),
+    *("pixel", "blur", "threshold", "draws", "data_first", "data_last", "table_kind", "table_modulus"),
+    *("columns", "units", "noise"),
 )
 _STORE_FORMAT = 3
 

@@ -300,7 +300,7 @@ class Continuum(SolidSection):
             raise ValueError("expected modulus or young, got both")
         if not given and self.relaxation is None:
             expected = "modulus, young and poisson, or relaxation and poisson"
-            raise ValueError(f"expected {expected}, got none; try young = '3 GPa'")
+            raise ValueError(f"expected {expected}, got none; try `young`")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
         of_branches = self.extrapolate == "model"
         if of_branches and getattr(self, "data_last", None) is None:
