@@ -102,8 +102,6 @@ def synthetic_record(
     ----------
     protocol
         Slides and holds; the record begins in steady sliding.
-    law
-        The law with its parameters.
     per_leg
         Entries of each leg, at equal distances in time; from 2 on, as one would not say that its velocity is
         constant.

@@ -43,11 +43,9 @@ class Rival(views.Brief):
     ----------
     name, times
         What it is called, and the number of its relaxation times, 0 of another creep.
-    aicc
-        Akaike's criterion for few points, less the least of all models that were tried.
-    missed
-        Rms misfit, in standard errors, of the last fifth of the points, three at least, by a fit to the
-        others; NaN where these are too few.
+    aicc, missed
+        Akaike's criterion for few points, less the least of all models. Rms misfit, in standard errors, of
+        the last fifth of the points, three at least, by a fit to the others; NaN where these are too few.
     problem, at, misfit
         Data and model; coordinates of the best fit; its misfit in standard errors, shape (n,).
     z

@@ -40,18 +40,8 @@ _CONSTANT = 3.900264920001956  # -4 zeta(1/2) beta(1/2); scipy has no zeta funct
 class Hertz:
     """An elastic sphere on a plane; each is an array of the shape of the arguments.
 
-    Attributes
-    ----------
-    contact_radius
-        Radius a of the contact, length.
-    area
-        Area of the contact, length^2.
-    largest_pressure
-        Pressure in the middle, force / length^2.
-    approach
-        How far the bodies approach each other, length.
-    stiffness
-        Increase of the load per approach, force / length.
+    Radius a (length) and area (length^2) of the contact, pressure in its middle (force / length^2), approach
+    of the bodies (length), and increase of the load per approach (force / length).
     """
 
     contact_radius: Floats

@@ -49,13 +49,7 @@ class _OfRms:
 
 @dataclass(frozen=True)
 class GaussianHeights(_OfRms):
-    """Normal heights of mean 0: the paper's uncorrelated surfaces.
-
-    Parameters
-    ----------
-    rms
-        Standard deviation (length), above 0; else `InputError`.
-    """
+    """Normal heights of mean 0 and standard deviation rms (length): the paper's uncorrelated surfaces."""
 
     rms: float = 1.0
 
@@ -84,13 +78,7 @@ class GaussianHeights(_OfRms):
 
 @dataclass(frozen=True)
 class ExponentialHeights(_OfRms):
-    """Heights of density exp(-xi/rms)/rms for xi > 0: the paper's P(xi) with gamma = 1/rms.
-
-    Parameters
-    ----------
-    rms
-        Standard deviation about the mean, which is `rms` too (length), above 0; else `InputError`.
-    """
+    """Heights of density exp(-xi/rms)/rms for xi > 0: the paper's P(xi) with gamma = 1/rms (length)."""
 
     rms: float = 1.0
 
@@ -112,13 +100,7 @@ class ExponentialHeights(_OfRms):
 
 @dataclass(frozen=True, eq=False)
 class EmpiricalHeights:
-    """Heights as given, site by site, whatever their law.
-
-    Parameters
-    ----------
-    heights
-        Any shape (length), not empty, finite; copied.
-    """
+    """Heights (length) as given, site by site, of any shape and law; copied."""
 
     heights: ArrayLike
 
