@@ -15,8 +15,8 @@ from asperity.analysis.scan import written
 from asperity.base.words import counted
 from asperity.lattice import Field
 from asperity.relaxation import PronySeries
-from asperity.relaxation.series import Branches
 from asperity.solids import Solid
+from asperity.solids.branches import Branches
 from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 from asperity.theory import persson_area

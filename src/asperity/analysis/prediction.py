@@ -36,8 +36,8 @@ from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
 from asperity.relaxation import Fit, PronySeries
-from asperity.relaxation.series import Branches
 from asperity.solids import Solid
+from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
 

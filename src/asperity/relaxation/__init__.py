@@ -13,8 +13,9 @@ from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.relaxation.files import read
 from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.laws import fractional_zener, power_law
-from asperity.relaxation.series import PronySeries, check_branches, combined, from_retardation
+from asperity.relaxation.series import PronySeries, combined, from_retardation
 from asperity.relaxation.temperature import arrhenius, wlf
+from asperity.solids.branches import check_branches
 
 __all__ = [
     "Creep",

@@ -19,8 +19,8 @@ import numpy as np
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import positive_weights
 from asperity.errors import LARGEST, InputError
-from asperity.relaxation.positive_sums import positive_weights
 from asperity.relaxation.series import PronySeries, from_retardation, of_weights
 
 Extrapolate = Literal["plateau"]

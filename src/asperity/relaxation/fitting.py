@@ -21,9 +21,9 @@ from scipy.special import ndtri, stdtrit
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import log_times
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
-from asperity.relaxation.positive_sums import log_times
 from asperity.relaxation.series import PronySeries
 
 MOST_FREE = 5

@@ -29,8 +29,8 @@ from scipy.special import expit
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import log_times, positive_weights
 from asperity.errors import LARGEST, InputError
-from asperity.relaxation.positive_sums import log_times, positive_weights
 from asperity.relaxation.series import PronySeries, of_weights
 
 _DENSITIES = (1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10)  # times per decade, tried in this order
