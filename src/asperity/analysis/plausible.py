@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import cast
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
 
 from asperity.analysis.maps import loaded, on_the_surface
-from asperity.analysis.prediction import Resolved, resolved
+from asperity.analysis.prediction import Prediction, Resolved, resolved
 from asperity.analysis.scan import written
 from asperity.base.words import counted
 from asperity.lattice import Field
-from asperity.relaxation import PronySeries
+from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
-from asperity.solids.branches import Branches
 from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 from asperity.theory import persson_area
@@ -24,6 +22,9 @@ from asperity.theory import persson_area
 # Contact area over Persson's, above which it is remarked: random surfaces have 0.7 to 2.5, the most where
 # patches are single pixels, and offsets of lines of twice the rms height 3 and more.
 _BEYOND = 3.0
+
+_WAVES, _NOISE = 1e-3, 0.05
+"""Largest deviations of a table from its fit, in waves or like noise, from which on a remark is made."""
 
 _STILL = 1e-9  # part of the largest load by which one that stays may fall by rounding
 
@@ -53,10 +54,9 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
     nominal, slope = heights.size * math.prod(spacing), rough.describe().rms_slope
     if not (load[at] > 0 and slope > 0):
         return ()
-    modulus = cast(float, solid.parameters["modulus"])
-    series = PronySeries(modulus, cast(Branches, solid.parameters.get("branches") or ()))
+    series = relaxing_of(solid)
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
-    expected = float(persson_area(effective / nominal, modulus=modulus, slope=slope))
+    expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
     found = float(dataset["contact_area_corrected"][at]) / nominal
     if found <= _BEYOND * expected:
         return ()
@@ -114,3 +114,51 @@ def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) 
         yield f"{many} {when}: too few for the statistics of a surface"
     if may_merge and last.patches < first.patches / 2:
         yield f"patches merge: {first.patches} {when}, {last.patches} at last"
+
+
+def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
+    """Which edges a scan was given, and why."""
+    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
+        return ()
+    if rough.edges == "free":
+        return ("edges are free: the body ends with the scan, and does not tilt",)
+    return (
+        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
+        "edges = 'free' (--edges free)",
+    )
+
+
+def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
+    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
+    if not (early := sum(0 < time < end for time in times)):
+        return ()
+    return (
+        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
+        "there the load still rises, and the area with it",
+    )
+
+
+def remarks_on_prediction(prediction: Prediction) -> tuple[str, ...]:
+    """What limits the prediction, in numbers."""
+    fraction = float(prediction.series("contact_fraction")[-1])
+    remarks = []
+    known, fit = prediction.solid.parameters, prediction.fit
+    if fit is not None and fit.assumed:
+        remarks.append(fit.assumed)
+    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
+        remarks.append("nothing grows: the solid is elastic")
+    elif np.ptp(prediction.series("contact_area")) == 0:
+        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
+        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
+    remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
+    if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
+        cause = ", which looks like noise"
+        if fit.systematic:
+            more = (
+                f"{fit.finer:g} branches per decade miss it by less than half"
+                if fit.finer
+                else ("its errors depend on each other, or branches are too few")
+            )
+            cause = f" in waves, so that the band has no noise of the table: {more}"
+        remarks.append(f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}")
+    return tuple(remarks)

@@ -35,7 +35,8 @@ from asperity.creep import PARAMETERS_OF_LAWS, Eyring
 from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
-from asperity.relaxation import Fit, PronySeries
+from asperity.relaxation import Fit, Material, PronySeries
+from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
 from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
@@ -165,10 +166,8 @@ class Prediction(views.InNotebooks):
     dataset
         The history in SI units, with maps at times from the first to the last. Its attribute ``prediction``
         holds the assumptions, as JSON.
-    fit
-        Of the relaxation table, shifted to the temperature of the contact; None without a table.
-    solid
-        The half-space.
+    material
+        The half-space, with the fit of its relaxation table or draws of its branches.
     growth
         Of the area less its rim.
     resolved
@@ -184,8 +183,7 @@ class Prediction(views.InNotebooks):
     """
 
     dataset: xr.Dataset
-    fit: Fit | None
-    solid: Solid
+    material: Material
     growth: Growth
     resolved: tuple[Resolved, ...]
     shear_strength: float | None = None
@@ -196,6 +194,16 @@ class Prediction(views.InNotebooks):
     def __repr__(self) -> str:
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
         return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
+
+    @property
+    def fit(self) -> Fit | None:
+        """Of the relaxation table, at the temperature of the contact; None without a table."""
+        return self.material.fit
+
+    @property
+    def solid(self) -> Solid:
+        """The half-space."""
+        return self.material.solid
 
     @property
     def time(self) -> Field:
@@ -230,7 +238,7 @@ class Prediction(views.InNotebooks):
     @property
     def draws(self) -> int:
         """Draws of the solid's branches whose spread is in the bands; 0 without."""
-        return cast(int, self.assumed.get("draws", 0))
+        return len(self.material.draws)
 
     @property
     def load(self) -> float:
@@ -277,9 +285,7 @@ class Prediction(views.InNotebooks):
     @property
     def relaxing(self) -> PronySeries | None:
         """The contact modulus as it relaxes; None where the solid is not separable."""
-        if not self.solid.separable:
-            return None
-        return PronySeries(self.modulus, self.branches)
+        return relaxing_of(self.solid) if self.solid.separable else None
 
     @property
     def branches(self) -> Branches:
@@ -289,7 +295,7 @@ class Prediction(views.InNotebooks):
     @property
     def plateau(self) -> float:
         """Share of E* that does not relax."""
-        return PronySeries(self.modulus, self.branches).permanent
+        return relaxing_of(self.solid).permanent
 
     @property
     def beside(self) -> tuple[str, str]:

@@ -13,6 +13,7 @@ from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.relaxation.files import read
 from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.laws import fractional_zener, power_law
+from asperity.relaxation.materials import Material, material
 from asperity.relaxation.series import PronySeries, combined, from_retardation
 from asperity.relaxation.temperature import arrhenius, wlf
 from asperity.solids.branches import check_branches
@@ -21,6 +22,7 @@ __all__ = [
     "Creep",
     "Dynamic",
     "Fit",
+    "Material",
     "Measured",
     "PronySeries",
     "Relaxation",
@@ -30,6 +32,7 @@ __all__ = [
     "fit",
     "fractional_zener",
     "from_retardation",
+    "material",
     "power_law",
     "read",
     "wlf",

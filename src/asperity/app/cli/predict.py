@@ -12,7 +12,6 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import (
-    OF_TABLES,
     Columns,
     Flags,
     Out,
@@ -21,7 +20,6 @@ from asperity.app.cli.flags import (
     Whole,
     flags_for,
     given,
-    in_flags,
 )
 from asperity.app.cli.options import Results, flags_of_fields
 
@@ -113,11 +111,6 @@ def predict(
     flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
-    if material is not None and material.suffix != ".toml":  # mistakes in it are told before all is imported
-        from asperity.relaxation import read
-
-        with in_flags(OF_TABLES):
-            read(material, **{name: asked for name in OF_TABLES if (asked := vars(wanted)[name]) is not None})
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)

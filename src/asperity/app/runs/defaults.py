@@ -10,11 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from asperity.base.words import counted
+from asperity.analysis.predicting import USUAL_MAPS
 from asperity.errors import InputError
-from asperity.lattice import Field
-
-USUAL_MAPS = 6
 
 
 def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:
@@ -44,15 +41,6 @@ def _modest(name: str, value: float, of_what: str) -> float:
     return float(f"{value:.3g}")
 
 
-def hold_times(*, first: float, last: float, per_decade: int) -> Field:
-    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included.
-
-    Where the range is no whole number of steps, the steps are stretched or shrunk a little.
-    """
-    steps = max(1, round(math.log10(last / first) * per_decade))
-    return np.geomspace(first, last, steps + 1)
-
-
 def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, ...]:
     """Pick times at which a history is worth a map: 0, the last, and others spread between.
 
@@ -71,13 +59,3 @@ def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, .
     # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
     chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
     return (0.0, *chosen)
-
-
-def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
-    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
-    if not (early := sum(0 < time < end for time in times)):
-        return ()
-    return (
-        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
-        "there the load still rises, and the area with it",
-    )

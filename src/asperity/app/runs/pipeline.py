@@ -3,61 +3,41 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from asperity.aging.legs import check_slides
+from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.plausible import remarks_on_contact
+from asperity.analysis.plausible import remark_on_loading, remarks_on_contact, remarks_on_edges
+from asperity.analysis.predicting import USUAL_MAPS, hold_times
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.models import Independent
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import defaults
-from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
+from asperity.app.runs.defaults import map_times
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.contact import Carried, Contact
 from asperity.contact.bodies import bodies_of
 from asperity.contact.response import check_half_space
-from asperity.errors import ConvergenceError, InputError, Remark
+from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
-from asperity.lattice import Field, Lattice
+from asperity.lattice import Field
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
 from asperity.results import Checkpoint, History
-from asperity.simulate import age, press, relax
+from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
-
-_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 225, 360, 115, 56, 16
-"""Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
-first, that each map adds, and each branch in it after the first.
-
-Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six;
-for branches on half-spaces of 512 x 512 with one, three and six of them, held and unloaded: at most 390, 590
-and 990 with two maps.
-"""
-
-_LOCAL, _SHARED = 400, 720
-"""The same by local creep on a half-space, and where a share of that is permanent.
-
-Measured: 431 and 704 with one map of 512 x 512 sites, 760 with a hardness, 778 with six maps.
-"""
-
-_HELD, _HELD_BRANCH = 340, 85
-"""The same of a separable solid under a load that stays, and what each branch adds; of a map, 8 for each.
-
-Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
-"""
 
 _IN_RAMP = 12
 """Times recorded in a ramp, evenly spread."""
@@ -125,22 +105,6 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
-def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool, held: bool = False) -> int:
-    """Bytes of memory a site that a run needs; a load that is held asks less of a separable solid."""
-    # Sites on which a contact is computed, for each site of the surface.
-    embedding = Lattice(tuple(shape), edges="free").embedding.shape if free else shape
-    embedded = math.prod(embedding) / math.prod(shape)
-    springs, branches = solid.springs, len(solid.branches)
-    if held and solid.separable:
-        return round((_HELD + branches * _HELD_BRANCH) * embedded) + 8 * branches * maps
-    more = max(branches - 1, 0)
-    cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
-    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
-    if springs is None and solid.creep is not None:
-        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
-    return round(needed * embedded) + maps * (_MAP + _MAPPED_BRANCH * more)
-
-
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     """Refuse numbers with units where nothing else has any."""
     if solid.in_lengths and rough.has_lengths:
@@ -185,10 +149,7 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
 
 def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    with warnings.catch_warnings():  # it is among the remarks on the history
-        warnings.filterwarnings("ignore", message="the mean contact pressure", category=Remark)
-        # Load on filled pixels is remarked at the end, of all maps.
-        contact: Contact = press(replace(rough, filled=None), solid, **config.contact.model_dump())
+    contact = pressed(rough, solid, **config.contact.model_dump())
     if contact.area == 0:
         expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
         got = config.contact.separation
@@ -247,18 +208,6 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         "output": config.output.model_copy(update={"maps_at": maps_at}),
     }
     return config.model_copy(update=completed), remarks
-
-
-def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
-    """Which edges a scan was given, and why."""
-    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
-        return ()
-    if rough.edges == "free":
-        return ("edges are free: the body ends with the scan, and does not tilt",)
-    return (
-        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
-        "edges = 'free' (--edges free)",
-    )
 
 
 def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
