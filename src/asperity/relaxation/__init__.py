@@ -1,11 +1,10 @@
 """Viscoelastic relaxation: laws and measured data as branches of a generalized Maxwell solid.
 
-A law or a measured table becomes a `PronySeries`, of which the branches make a solid::
+A table, a law or a half-space becomes a `Material`, for `asperity.predict`::
 
-    data   = asp.relaxation.read("relaxation.csv")
-    series = asp.relaxation.fit(data).series
-    solid  = asp.solids.half_space(modulus=asp.solids.contact_modulus(series.modulus, 0.37),
-                                   branches=series.branches)
+    polymer = asp.relaxation.material("relaxation.csv", poisson=0.37)
+
+`read` and `fit` are its steps one by one; a law or a fit is a `PronySeries`.
 """
 
 from asperity.base.calls import answered as _answered
