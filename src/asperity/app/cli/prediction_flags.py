@@ -14,6 +14,7 @@ from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
+from asperity.app.config.solids import OF_TABLES as TABLE_KEYS
 from asperity.app.config.solids import POISSON, BesideTable
 from asperity.app.predict import predict_config
 from asperity.base import units
@@ -71,10 +72,12 @@ def _scan(flags: Sections) -> MeasuredSurface:
 
 def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sections:
     """The flags as keys of a run's configuration, where there is no relaxation table."""
-    for name, value in wanted.items():
-        if value is not None:
-            expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
-            raise InputError(flag(name), expected=expected, got=got)
+    about = [flag(name) for name, value in wanted.items() if value is not None]
+    if path is None:
+        about += [flag_of("solid", key) for key in flags.get("solid", {}) if key in TABLE_KEYS.values()]
+    if about:
+        expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
+        raise InputError(about[0], expected=expected, got=got)
     if path is not None:
         return flags
     _one_load(flags)
@@ -112,7 +115,9 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> tuple[dict[str, Any],
                 got="both",
                 advice="--young 3GPa in place of the table",
             )
-    of_table = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
+    arguments = {key: name for name, key in TABLE_KEYS.items()}
+    asked = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
+    of_table = {arguments.get(key, key): value for key, value in asked.items()}
     if "poisson" in of_table:
         of_table["poisson"] = of_table["poisson"][0]
     of_table |= {name: value for name, value in wanted.items() if value is not None}

@@ -53,7 +53,7 @@ _HARDNESS = "Pressure under which the rough surface yields; on the lattice of sp
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
-_OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
+OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
     name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
 }
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
@@ -159,9 +159,7 @@ ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
 OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
 """Keys of local laws of creep."""
 
-PREDICTED = OF_LAWS | {
-    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
-}
+PREDICTED = {*OF_LAWS, *OF_TABLES.values(), "young", "poisson", "branches", "creep", "permanent", "hardness"}
 """Keys of a half-space that a prediction takes as flags."""
 
 if TYPE_CHECKING:
@@ -297,7 +295,7 @@ class Continuum(SolidSection):
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        others = [key for key in _OF_TABLES.values() if getattr(self, key) is not None]
+        others = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
         if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
         if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
@@ -311,7 +309,7 @@ class Continuum(SolidSection):
             try:
                 _ = self.fit
             except InputError as error:
-                asked = error.name if error.name in _OF_TABLES.values() else "relaxation"
+                asked = error.name if error.name in OF_TABLES.values() else "relaxation"
                 raise ValueError(f"{asked}: {error}") from None
         return self
 
@@ -322,7 +320,7 @@ class Continuum(SolidSection):
             return None
         path = expanded(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        how = {name: getattr(self, key) for name, key in _OF_TABLES.items()}
+        how = {name: getattr(self, key) for name, key in OF_TABLES.items()}
         how |= {"modulus": self.modulus or self.table_modulus}
         how |= {name: value[0] for name in ("young", "poisson") if (value := getattr(self, name))}
         asked = ((name, tuple(one) if isinstance(one, list) else one) for name, one in how.items())
@@ -382,7 +380,7 @@ class Continuum(SolidSection):
         """The same solid with the branches and the modulus that a table gives."""
         if self.relaxation is None:
             return self
-        numbers: dict[str, object] = dict.fromkeys(("relaxation", *_OF_TABLES.values()))
+        numbers: dict[str, object] = dict.fromkeys(("relaxation", *OF_TABLES.values()))
         numbers["branches"] = self.maxwell
         if self.modulus is None and self.young is None:
             numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
@@ -465,14 +463,19 @@ class HalfSpace(Creeping, Continuum):
         return {**super().numbers, "poisson": None, "permanent": self.permanent or None, "creep": self.law}
 
 
-class BesideTable(Section):
-    """Keys of a half-space that a prediction takes beside a relaxation table."""
-
-    poisson: OnePoisson | None = None
-    per_decade: PerDecade | None = None
-    extrapolate: Plateau | None = None
-    hardness: Pressure | None = None
-    temperature: Temperature | None = None
+_BESIDE: dict[str, Any] = {
+    name: (field.annotation, field)
+    for name, field in HalfSpace.model_fields.items()
+    if name in (*OF_TABLES.values(), "hardness", "temperature")
+}
+BesideTable = create_model(
+    "BesideTable",
+    __base__=Section,
+    poisson=(OnePoisson | None, None),
+    modulus=(TableModulus | None, None),
+    **_BESIDE,
+)
+"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 class Layer(Continuum):
