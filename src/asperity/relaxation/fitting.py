@@ -22,7 +22,7 @@ from scipy.special import ndtri, stdtrit
 from asperity.base import checks, views
 from asperity.base.checks import Floats
 from asperity.base.positive_sums import log_times
-from asperity.errors import LARGEST, InputError
+from asperity.errors import InputError
 from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
 from asperity.relaxation.series import PronySeries
 
@@ -194,26 +194,12 @@ class Fit(views.InNotebooks):
         x = np.geomspace(x[x > 0][0], x[-1], points)
         return x, self.data.predicted(self.series, x)
 
-    def require(self, first: float, last: float) -> None:
-        """Refuse to extrapolate: `InputError` unless the data span these times."""
-        first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
-        last = checks.number("last", last, least=first, expected=f"a time not before the first, {first:g}")
-        begin, end = self.series.span
-        if first < begin * (1 - 1e-9) or last > end * (1 + 1e-9):
-            raise InputError(
-                "times",
-                expected=f"times that the data span, {begin:.3g} to {end:.3g} s ({self.decades:.1f} decades)",
-                got=f"{first:.3g} to {last:.3g} s ({math.log10(last / first):.1f} decades)",
-                advice="fewer times, data of another temperature, shifted, or extrapolate='plateau'",
-            )
-
 
 def fit(
     data: Measured,
     *,
     per_decade: float | None = None,
     branches: int | None = None,
-    over: tuple[float, float] | None = None,
     extrapolate: Extrapolate | None = None,
 ) -> Fit:
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
@@ -237,8 +223,6 @@ def fit(
         them follow the noise of the data.
     branches
         In its place: how many free relaxation times.
-    over
-        First and last time, s, that the fit will be used for; refused where the data do not reach.
     extrapolate
         "plateau": the last modulus, or compliance, is assumed to stay after the last time, and is fitted too,
         by as many points as there are over two decades. No time before the first is known all the same.
@@ -246,10 +230,9 @@ def fit(
     Raises
     ------
     InputError
-        It is no data, `per_decade` or `branches` is out of its range, the data do not span the times in
-        `over`, or a plateau is asked of a `Dynamic`.
+        It is no data, `per_decade` or `branches` is out of its range, or a plateau is asked of a `Dynamic`.
     """
-    data = _measured(data)
+    _refuse_others(data)
     if extrapolate is not None:
         if isinstance(data, Dynamic):
             expected = "none beside storage and loss moduli, which have no last modulus"
@@ -257,20 +240,14 @@ def fit(
         data = replace(data, extrapolate=extrapolate)
     alone = data if data.extrapolate is None else replace(data, extrapolate=None)
     found = _found(alone, per_decade, branches)
-    if data.extrapolate is not None:  # the plateau has no say in how many times there are
-        times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
-        found = _with(data, times, found.per_decade, found.beyond)
-    if over is not None:
-        try:
-            start, end = over
-        except (TypeError, ValueError) as error:
-            raise InputError("over", expected="a first and a last time", got=checks.shown(over)) from error
-        found.require(start, end)
-    return found
+    if data.extrapolate is None:
+        return found
+    # The plateau has no say in how many times there are.
+    times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
+    return _with(data, times, found.per_decade, found.beyond)
 
 
 def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fit:
-    """The fit of these data alone."""
     if branches is not None:
         if per_decade is not None:
             expected = "none beside a number per decade"
@@ -340,7 +317,6 @@ def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
 
 
 def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
-    """The times that fit best, from these on."""
     low, high = np.log(data.reach(beyond))
     found = least_squares(
         functools.partial(_deviations, data),
@@ -383,8 +359,7 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond
     return replace(found, series=replace(data.continued(series), span=span, error=series.error))
 
 
-def _measured(data: object) -> Measured:
+def _refuse_others(data: object) -> None:
     if not isinstance(data, Measured):
-        expected = "a Relaxation, Creep or Dynamic"
-        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
-    return data
+        expected, advice = "a Relaxation, Creep or Dynamic", "relaxation.read(path)"
+        raise InputError("data", expected=expected, got=checks.kind_of(data), advice=advice)

@@ -5,22 +5,23 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from asperity.analysis import Prediction, predict
 from asperity.app.cli.flags import OF_TABLES, check_unit, in_flags, keys_for
-from asperity.app.config import MeasuredSurface
+from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import OF_TABLES as TABLE_KEYS
 from asperity.app.config.solids import POISSON, BesideTable
-from asperity.app.predict import predict_config
 from asperity.base import units
-from asperity.contact import Carried
 from asperity.errors import InputError
+from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
+
+if TYPE_CHECKING:
+    from asperity.analysis import Prediction
 
 
 def flag(name: str) -> str:
@@ -46,13 +47,13 @@ def prediction_asked(
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
-        asked, compute = repr((config, loading)), functools.partial(predict_config, config)
+        asked, compute = repr((config, loading)), functools.partial(_of_config, config)
     else:
         scan, of_table, how = _scan(flags), *_arguments(flags, wanted)
         asked = repr((material, scan, of_table, how, loading))
         with in_flags(_OF_MATERIAL):
             table = material_of(material, **of_table)
-        compute = lambda **more: predict(table, scan.build(), **how, **more)  # noqa: E731
+        compute = functools.partial(_of_table, table, scan, how)
 
     def of_flags_alone(**more: Any) -> Prediction:
         keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
@@ -60,6 +61,20 @@ def prediction_asked(
             return compute(ramp=loading, **more)
 
     return asked, of_flags_alone
+
+
+def _of_config(config: RunConfig, **more: Any) -> Prediction:
+    from asperity.app.predict import predict_config  # takes a second: mistakes are told before
+
+    return predict_config(config, **more)
+
+
+def _of_table(table: Material, scan: MeasuredSurface, how: dict[str, Any], **more: Any) -> Prediction:
+    from asperity.analysis import predict  # likewise
+    from asperity.contact import Carried
+
+    carried = Carried(**how["carried"]) if "carried" in how else None
+    return predict(table, scan.build(), **{**how, "carried": carried}, **more)
 
 
 def _scan(flags: Sections) -> MeasuredSurface:
@@ -134,7 +149,7 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> tuple[dict[str, Any],
         elif not isinstance(found, CarriedSection):
             how |= found.model_dump(exclude_unset=True)
         elif (carried := found.asked([of_table.get("poisson", POISSON)])) is not None:
-            how["carried"] = Carried(**carried)
+            how["carried"] = carried
     return of_table, how
 
 
