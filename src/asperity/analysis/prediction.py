@@ -1,18 +1,15 @@
 r"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
 
 It grows by A(last)/A(first); per decade by the slope of A(t)/A(first) against log10 t by least squares.
-Their 95 % bands hold what is known of two spreads, each found by drawing anew with replacement (B. Efron,
-Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552):
+Their 95 % bands come from two spreads, each drawn anew with replacement (B. Efron, Ann. Stat. 7, 1 (1979),
+DOI 10.1214/aos/1176344552):
 
-    table   deviations of the relaxation table from its fit, if they are noise; each draw is fitted anew. A
-            separable solid under a constant pressure p has the contact of an elastic one at p J(t), so that A
-            as a function of J, which the history has sampled, gives the curve of every draw. With a hardness
-            this holds nearly, see docs/predict.md. Each draw has a part, from none to twice, of what is
-            assumed before the first time. A solid that is given in numbers has no such spread but that of
-            draws of its branches, if these come with it.
-    scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
-            give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
-            load that they bear. Tiles are few, so that the deviations are widened as Student's t is.
+    table   `Material.spread`. A separable solid under a constant pressure p has the contact of an elastic one
+            at p J(t): A as a function of J, which the history has sampled, gives the curve of every draw.
+            With a hardness this holds nearly, see docs/predict.md.
+    scan    tiles of the scan: what another scan of this size would give. Load passes from tile to tile, so
+            the area of the tiles drawn is divided by the load that they bear. Tiles are few: deviations are
+            widened as Student's t is.
 """
 
 from __future__ import annotations
@@ -80,12 +77,11 @@ class Growth:
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone; the first is also of draws of a solid's branches, and the slope,
-        twice, without a table and draws, and where the deviations of the table from its fit are no noise.
+        The band that each would give alone; the first is the slope, twice, for a material without spread.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
     straight
-        Whether the slope changes by no more than a quarter of itself; None where that cannot be told.
+        Whether the slope changes by at most a quarter of itself; None where that cannot be told.
     """
 
     ratio: float
@@ -246,7 +242,7 @@ class Prediction(views.InNotebooks):
         return float(self.dataset["load"][-1])
 
     def between(self, name: str) -> str:
-        """A quantity at the last time over that at the first, such as ``A(1 ks)/A(1 s)``."""
+        """A quantity at the last time over that at the first: ``A(1 ks)/A(1 s)``."""
         first, last = (f"{name}({written(float(self.time[place]), 's')})" for place in (0, -1))
         return f"{last}/{first}"
 
@@ -351,18 +347,15 @@ class Prediction(views.InNotebooks):
 def growth_of(
     dataset: xr.Dataset, series: Sequence[PronySeries] = (), *, ramp: float = 0.0, seed: int = 0
 ) -> Growth:
-    """Measure the growth of a history, and how sure it is; see the module.
+    """Measure the growth of a history with maps, under a load put on within a ramp; see the module.
 
-    The history, with maps, is under a load that was put on within a ramp, or at once, and held. The series
-    are that of its solid, and then those that may be in its place: none where no such spread is known. The
-    seed is that of the draws of tiles.
+    The series are `Material.spread`; the seed is that of the draws of tiles.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     moments, tiles = _of_tiles(dataset, np.random.default_rng(seed))
     tables = _of_series(time, area, series, ramp)
 
     def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
-        """A measure of growth with its bands: of table and scan, and of each alone."""
         value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
         of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
         both = of_table * np.resize(of_scan, of_table.size)
@@ -449,7 +442,6 @@ def _in_tiles(maps: Field) -> Field:
 
 
 def _slope(time: Field, area: Field) -> float:
-    """Slope of the area over the first against the decimal logarithm of time."""
     slope = float(np.polyfit(np.log10(time), area / area[0], 1)[0])
     return slope if abs(slope) > _ROUNDING else 0.0
 
@@ -468,7 +460,6 @@ def _continued(at: Field, x: Field, y: Field) -> Field:
 
 
 def _by_decade(time: Field, area: Field) -> tuple[tuple[float, float, float], ...]:
-    """Begin, end and growth per decade of each decade."""
     span = math.log10(time[-1] / time[0])
     ends = np.append(np.arange(0, span - 1e-6), span)
     heights = np.interp(ends, np.log10(time / time[0]), area / area[0])

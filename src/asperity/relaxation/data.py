@@ -263,11 +263,6 @@ class Dynamic(_Data):
         Loss moduli, not below 0, Pa, shape (n,).
     noise
         Largest relative fall that is taken for noise.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the storage modulus falls with frequency.
     """
 
     frequency: Floats

@@ -56,16 +56,11 @@ def power_law(
     time
         Time of reference, above 0.
     first, last
-        Times between which the series stands for the law.
+        Times between which the series stands for the law: its `span`.
     accuracy
         Largest relative error of G between them, from 1e-6 to 0.5. It does not bound the creep compliance J,
         and so the area under a load: within a decade of `first` they were found off by up to 0.9 %, for the
         series has no past before it.
-
-    Returns
-    -------
-    PronySeries
-        With the error that it has, and the times as its `span`.
 
     Raises
     ------

@@ -83,28 +83,14 @@ class PronySeries:
         return share if share > ROUNDING else 0.0
 
     def modulus_at(self, time: ArrayLike) -> Floats:
-        """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
-
-        Parameters
-        ----------
-        time
-            Times, not below 0; any shape.
-
-        Returns
-        -------
-        ndarray
-            In the unit of the modulus; the shape of `time`.
-        """
+        """Relaxation modulus G(t): stress over a strain imposed at time 0, at times >= 0 of any shape."""
         t = checks.not_negative("time", time)[..., None]
         shares, times = self._columns
         with np.errstate(over="ignore"):
             return np.asarray(self.modulus * (self.permanent + (shares * np.exp(-t / times)).sum(-1)))
 
     def compliance_at(self, time: ArrayLike) -> Floats:
-        """Creep compliance J(t): strain over a stress that was imposed at time 0. Exact, see the module.
-
-        In the inverse of the modulus' unit; times and shape are as for `modulus_at`.
-        """
+        """Creep compliance J(t): strain over a stress imposed at time 0, in 1/unit of the modulus; exact."""
         t = checks.not_negative("time", time)
         strengths, times, fluidity = self.retardation
         with np.errstate(over="ignore"):
@@ -126,7 +112,7 @@ class PronySeries:
             return np.asarray(self.modulus * (shares / (x + 1 / x)).sum(-1))
 
     def shifted(self, factor: float) -> PronySeries:
-        """Multiply every time by a factor, such as `arrhenius` and `wlf` give for another temperature."""
+        """Multiply every time by a factor, such as that of `arrhenius` or `wlf`."""
         factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
         branches = tuple((share, factor * time) for share, time in self.branches)
         first, last = self.span
@@ -137,21 +123,14 @@ class PronySeries:
 
             effective(t) = G0 integral J(t - s) dF(s)
 
-        The load F is 0 before the first time, linear between the times, and may jump: at the first time,
-        and where a time stands twice. The integral is exact. The contact of a separable viscoelastic solid
-        is that of the elastic one at this load as long as F has never fallen.
+        The load F is 0 before the first time, linear between the times, and jumps at the first and where a
+        time stands twice. The integral is exact. The contact of a separable viscoelastic solid is that of
+        the elastic one at this load as long as F has never fallen.
 
         Parameters
         ----------
-        times
-            Times that do not fall, shape (n,).
-        loads
-            Loads F at these times, shape (n,); just before and just after a jump.
-
-        Returns
-        -------
-        ndarray
-            Effective loads at the same times, shape (n,).
+        times, loads
+            Times that do not fall, and the loads F at these; shape (n,), as that of the result.
 
         Raises
         ------
@@ -188,9 +167,9 @@ class PronySeries:
         return interlacing.retardation(shares, times, self.permanent)
 
     @property
-    def _columns(self) -> tuple[Floats, Floats]:
-        columns = np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
-        return columns[0], columns[1]
+    def _columns(self) -> Floats:
+        """Shares and times, shape (2, branches)."""
+        return np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
 
 
 def of_weights(weights: Floats, times: Floats) -> PronySeries:

@@ -20,13 +20,13 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
     Parameters
     ----------
     branches
-        Pairs of a share of the instantaneous modulus, above 0, and the relaxation time of that share,
-        above 0: a list of pairs or an array of shape (n, 2). The shares add up to 1 at most.
+        Pairs of a share of the instantaneous modulus and its relaxation time, both above 0: a list or an
+        array of shape (n, 2). The shares add up to 1 at most.
 
     Returns
     -------
     tuple of (float, float)
-        The same pairs, in the order of their times.
+        In the order of their times.
 
     Raises
     ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,7 +24,7 @@ from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
-from asperity.contact import Carried, Contact
+from asperity.contact import Carried
 from asperity.contact.bodies import bodies_of
 from asperity.contact.response import check_half_space
 from asperity.errors import ConvergenceError, InputError
@@ -31,7 +32,7 @@ from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
-from asperity.results import Checkpoint, History
+from asperity.results import Checkpoint
 from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
@@ -82,20 +83,42 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
-    contact = _press(rough, solid, config, progress)
+    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
+    contact = pressed(rough, solid, **config.contact.model_dump())
+    if contact.area == 0:
+        expected, advice = (
+            f"one at which the solids touch, below {contact.heights.max():.6g}",
+            "a smaller one, or a load",
+        )
+        raise InputError("separation", expected=expected, got=config.contact.separation, advice=advice)
     if config.output.instrument:
         observe(contact, **config.output.instrument)  # refuses before hours have passed
-    history = _age(contact, config, progress, checkpoint)
-    dataset = _observed(history.dataset, config)
+    times = recorded_times(config)
+    progress.stage("aging", times=times.tolist())
+    history = age(
+        contact,
+        times,
+        protocol=config.legs or None,
+        hold=config.aging.hold,
+        rtol=config.aging.rtol,
+        fields_at=config.output.maps_at or (),
+        progress=progress.reached,
+        checkpoint=checkpoint,
+        carried=carried_by(config),
+    )
+    dataset = _observed(history.dataset, config.output.instrument)
     remarks += remarks_on_contact(rough, solid, dataset)
     if law is not None:
         dataset = add_friction(dataset, law)
     if config.protocol:
         return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
     progress.stage("finding the relaxed state")
-    dataset, late_remarks = _with_limit(dataset, contact, config)
+    try:
+        dataset = with_limit(dataset, relax(contact, hold=config.aging.hold))
+    except (InputError, ConvergenceError) as error:  # the history is worth keeping all the same
+        remarks += (f"no relaxed state: {error}",)
     dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
+    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks)
 
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
@@ -145,16 +168,6 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
         for name, value, unit, low, high in dict.fromkeys(told)
         if value is not None and not isinstance(value, InUnits) and value != 0 and not low <= value <= high
     )
-
-
-def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
-    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact = pressed(rough, solid, **config.contact.model_dump())
-    if contact.area == 0:
-        expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
-        got = config.contact.separation
-        raise InputError("separation", expected=expected, got=got, advice="a smaller one, or a load")
-    return contact
 
 
 def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
@@ -253,30 +266,13 @@ def _map_times(config: RunConfig) -> list[float]:
     return [switches[index] for index in chosen]
 
 
-def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
-    times = recorded_times(config)
-    progress.stage("aging", times=times.tolist())
-    return age(
-        contact,
-        times,
-        protocol=config.legs or None,
-        hold=config.aging.hold,
-        rtol=config.aging.rtol,
-        fields_at=config.output.maps_at or (),
-        progress=progress.reached,
-        checkpoint=checkpoint,
-        carried=carried_by(config),
-    )
-
-
 def carried_by(config: RunConfig) -> Carried | None:
     """What to record of what the contact carries."""
     return None if config.carries is None else Carried(**config.carries)
 
 
-def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:
     """Add the area that the instrument sees on each map, if there is one."""
-    instrument = config.output.instrument
     if not instrument:
         return dataset
     maps = (dataset.isel(field_time=number) for number in range(dataset.sizes["field_time"]))
@@ -294,13 +290,3 @@ def _shear_strength(config: RunConfig) -> ShearStrength | None:
     law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
     law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
     return law
-
-
-def _with_limit(
-    dataset: xr.Dataset, contact: Contact, config: RunConfig
-) -> tuple[xr.Dataset, tuple[str, ...]]:
-    """Add the relaxed state; where there is none to be had, the history is worth keeping all the same."""
-    try:
-        return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
-    except (InputError, ConvergenceError) as error:
-        return dataset, (f"no relaxed state: {error}",)
