@@ -69,8 +69,8 @@ def predict(
         From `asperity.relaxation.material`; or what that makes one of by itself, such as the file of a
         relaxation table, or a half-space.
     surface
-        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. One
-        that is made of a scan and its mirror images is taken as that scan with reflecting edges.
+        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. Of a
+        scan and its mirror images the scan is taken, with reflecting edges.
     load, pressure
         Normal load, N; or in its place load over nominal area, Pa. It stays once it is put on.
     ramp
@@ -89,8 +89,7 @@ def predict(
         Arguments ``pixel``, ``blur`` and ``threshold`` of `asperity.observe`, through which to look at the
         contact; the threshold is 0.5 by default.
     resolution_study
-        Whether to predict the same from the scan without its short waves, 4, 8, 16 and 32 pixels, too:
-        `Prediction.bands` then says which of the results a finer scan would change.
+        Whether to predict the same without waves below 4, 8, 16 and 32 pixels, too: see `Prediction.bands`.
     progress
         True for a bar, in notebooks as on terminals; or who is told how far it has come.
     checkpoint
@@ -215,10 +214,7 @@ def positive_quantity(name: str, given: object, unit: str) -> float:
 
 
 def hold_times(*, first: float, last: float, per_decade: int) -> Field:
-    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included.
-
-    Where the range is no whole number of steps, the steps are stretched or shrunk a little.
-    """
+    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included."""
     steps = max(1, round(math.log10(last / first) * per_decade))
     return np.geomspace(first, last, steps + 1)
 

@@ -253,7 +253,7 @@ class Prediction(views.InNotebooks):
     @property
     def modulus(self) -> float:
         """Contact modulus E* at once, Pa."""
-        return cast(float, self.solid.parameters["modulus"])
+        return relaxing_of(self.solid).modulus
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -286,7 +286,7 @@ class Prediction(views.InNotebooks):
     @property
     def branches(self) -> Branches:
         """Shares of E* and the times in which they relax, s."""
-        return cast(Branches, self.solid.parameters.get("branches") or ())
+        return relaxing_of(self.solid).branches
 
     @property
     def plateau(self) -> float:

@@ -56,7 +56,7 @@ class Fit(views.InNotebooks):
     per_decade
         How many of them are in each decade; None where they were free.
     beyond
-        Decades that they may lie beyond the data, where these know of them.
+        Decades that they may lie beyond the data.
     """
 
     series: PronySeries
@@ -105,10 +105,9 @@ class Fit(views.InNotebooks):
 
     @functools.cached_property
     def alternatives(self) -> tuple[PronySeries, ...]:
-        """Series that may be in its place: of the noise of the data, and of what they do not tell.
+        """Series that may be in its place: `resampled`, or copies of this one.
 
-        They are `resampled`, or copies of this one, each with a part from 0 to 2 of what precedes the first
-        time if relaxation goes on with its slope.
+        Each has a part from 0 to 2 of what precedes the first time if relaxation goes on with its slope.
         """
         drawn = self.resampled or (self,) * _DRAWS
         parts = 2 * np.random.default_rng(1).random(len(drawn))
@@ -176,10 +175,7 @@ class Fit(views.InNotebooks):
 
     @property
     def intervals(self) -> Floats | None:
-        """95 % intervals of the shares and times of free branches, shape (branches, 2, 2); None if not known.
-
-        The last axis has the lower and the upper end. They are those of `resampled`.
-        """
+        """95 % intervals of shares and times of free branches, shape (branches, 2, 2); None if not known."""
         shape = np.shape(self.series.branches)
         alike = [one.series.branches for one in self.resampled if np.shape(one.series.branches) == shape]
         if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
@@ -280,7 +276,6 @@ def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
 
 
 def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
-    """A fit of so many times in each decade, and so many decades beyond the data."""
     first, last = data.span
     decades = math.log10(last / first)
     density_used = max(1, round(density * decades)) / decades
@@ -340,7 +335,6 @@ def _deviations(data: Measured, logarithms: Floats) -> Floats:
 
 
 def _residuals(data: Measured, series: PronySeries) -> tuple[Floats, ...]:
-    """Relative deviations of data from a series, of each of the quantities."""
     x, values = data.columns
     predicted = data.predicted(series, x)
     return tuple((v - p) / s for v, p, s in zip(values, predicted, scales(data), strict=True))

@@ -47,7 +47,7 @@ class Material:
     fit
         Of the relaxation table, at the temperature of the contact; None without a table.
     draws
-        Series of E* that may be in place of that of the solid; empty where none are given.
+        Series of E* that may be in place of that of the solid.
     span
         Times of which it is known, s.
     facts

@@ -15,10 +15,7 @@ from asperity.errors import InputError
 
 
 def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:
-    """Load that brings a Gaussian surface near 1 % contact when k1/k0 = 3: 0.005 (k0 + k1) rms sites.
-
-    It has three significant digits. `InputError` if the surface is flat, so that there is no such load.
-    """
+    """Load that brings a Gaussian surface near 1 % contact when k1/k0 = 3: 0.005 (k0 + k1) rms sites."""
     return _modest("load", 0.005 * (k0 + k1) * rms * sites, "rms height")
 
 
@@ -28,13 +25,12 @@ def modest_pressure(*, modulus: float, slope: float) -> float:
     While little of it touches, the contact fraction of a self-affine surface is about 2 p / (E* rms slope)
     (S. Hyun, L. Pei, J.-F. Molinari, M. O. Robbins, Phys. Rev. E 70, 026117 (2004)). On a layer that is
     thin beside the distances of contacts less touches.
-
-    It has three significant digits. `InputError` if the surface is flat.
     """
     return _modest("pressure", 0.005 * modulus * slope, "rms slope")
 
 
 def _modest(name: str, value: float, of_what: str) -> float:
+    """The value to three digits; `InputError` if the surface is flat."""
     if not value > 0:
         expected = f"a {name}, as the {of_what} of the surface is 0 and suggests none"
         raise InputError(name, expected=expected, got="none", advice=f"a {name} of your own")
