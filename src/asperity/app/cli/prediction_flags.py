@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asperity.app.cli.flags import OF_TABLES, check_unit, in_flags, keys_for
+from asperity.app.cli.flags import check_unit, in_flags, keys_for
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
-from asperity.app.config.solids import OF_TABLES as TABLE_KEYS
-from asperity.app.config.solids import POISSON, BesideTable
+from asperity.app.config.solids import OF_TABLES, POISSON, BesideTable
 from asperity.base import units
 from asperity.errors import InputError
 from asperity.relaxation import Material
@@ -29,14 +28,18 @@ def flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-_OF_MATERIAL = OF_TABLES | {
-    name: flag(name)
-    for name in (
-        *("branches", "extrapolate", "poisson", "hardness"),
-        *("temperature", "reference", "activation_energy", "wlf"),
-    )
-}
-_OF_MATERIAL["per_decade"] = "--branches-per-decade"
+_ARGUMENTS = {key: name for name, key in OF_TABLES.items()}
+"""Arguments of `asperity.relaxation.material` by keys of another name."""
+
+
+def _named(wanted: Iterable[str], *sections: str) -> dict[str, str]:
+    """Flags by the arguments that they stand for, of some sections or of all."""
+    named = {
+        _ARGUMENTS.get(key.name, key.name): flag_of(section, key.name)
+        for section, key in keys_for("prediction")
+        if section in sections or not sections
+    }
+    return named | {name: flag(name) for name in (*wanted, "extrapolate")}
 
 
 def prediction_asked(
@@ -51,13 +54,12 @@ def prediction_asked(
     else:
         scan, of_table, how = _scan(flags), *_arguments(flags, wanted)
         asked = repr((material, scan, of_table, how, loading))
-        with in_flags(_OF_MATERIAL):
+        with in_flags(_named(wanted, "solid") | {"units": "--unit"}):
             table = material_of(material, **of_table)
         compute = functools.partial(_of_table, table, scan, how)
 
     def of_flags_alone(**more: Any) -> Prediction:
-        keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
-        with in_flags(keys | {name: flag(name) for name in ("surface", "extrapolate", "ramp")}):
+        with in_flags(_named(("surface", "ramp"))):
             return compute(ramp=loading, **more)
 
     return asked, of_flags_alone
@@ -89,7 +91,7 @@ def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sec
     """The flags as keys of a run's configuration, where there is no relaxation table."""
     about = [flag(name) for name, value in wanted.items() if value is not None]
     if path is None:
-        about += [flag_of("solid", key) for key in flags.get("solid", {}) if key in TABLE_KEYS.values()]
+        about += [flag_of("solid", key) for key in flags.get("solid", {}) if key in _ARGUMENTS]
     if about:
         expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
         raise InputError(about[0], expected=expected, got=got)
@@ -130,9 +132,8 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> tuple[dict[str, Any],
                 got="both",
                 advice="--young 3GPa in place of the table",
             )
-    arguments = {key: name for name, key in TABLE_KEYS.items()}
     asked = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
-    of_table = {arguments.get(key, key): value for key, value in asked.items()}
+    of_table = {_ARGUMENTS.get(key, key): value for key, value in asked.items()}
     if "poisson" in of_table:
         of_table["poisson"] = of_table["poisson"][0]
     of_table |= {name: value for name, value in wanted.items() if value is not None}
