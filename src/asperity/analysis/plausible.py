@@ -42,40 +42,36 @@ def remarks_on_contact(
     return (*on_filled, *_beyond_theory(rough, solid, dataset), *limits)
 
 
-def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
+def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
     """Remark on a contact many times that of random heights, when the largest load is just on."""
-    load = np.asarray(dataset["load"])
+    load, at = np.asarray(dataset["load"]), _loaded(dataset["load"])
     elastic = solid.kind == "half_space" and solid.separable and not solid.yields
-    measured = "kind" not in rough.provenance and rough.heights.ndim == 2
-    if not (elastic and measured and dataset.attrs.get("si")):
-        return ()
+    measured = "kind" not in rough.provenance and rough.heights.ndim == 2 and dataset.attrs.get("si")
+    if not (elastic and measured and load[at] > 0 and (slope := rough.describe().rms_slope) > 0):
+        return
     heights, spacing = rough.in_meters()
-    at = _loaded(load)
-    nominal, slope = heights.size * math.prod(spacing), rough.describe().rms_slope
-    if not (load[at] > 0 and slope > 0):
-        return ()
-    series = relaxing_of(solid)
+    nominal, series = heights.size * math.prod(spacing), relaxing_of(solid)
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
     expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
     found = float(dataset["contact_area_corrected"][at]) / nominal
     if found <= _BEYOND * expected:
-        return ()
-    return (
+        return
+    yield (
         f"{100 * found:.2g} % of the surface touches under the full load; random heights of its rms slope "
         f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
-        "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)",
+        "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)"
     )
 
 
-def _loaded(load: Field) -> int:
+def _loaded(load: xr.DataArray) -> int:
     """Number of the first time at which the largest load is on."""
-    return int(np.argmax(load >= (1 - _STILL) * load.max()))
+    return int(np.argmax(load.values >= (1 - _STILL) * load.values.max()))
 
 
 def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None) -> Iterator[str]:
     """What limits a contact of a continuum under a surface with units, in numbers."""
     load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
-    pressed = _loaded(load)
+    pressed = _loaded(dataset["load"])
     pressure = float(dataset["mean_contact_pressure"][pressed])
     strain = pressure / float(dataset.attrs["modulus"])
     if maps is None:
@@ -138,27 +134,22 @@ def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> 
     )
 
 
-def remarks_on_prediction(prediction: Prediction) -> tuple[str, ...]:
+def remarks_on_prediction(prediction: Prediction) -> Iterator[str]:
     """What limits the prediction, in numbers."""
-    fraction = float(prediction.series("contact_fraction")[-1])
-    remarks = []
-    known, fit = prediction.solid.parameters, prediction.fit
+    solid, fit, last = prediction.solid, prediction.fit, float(prediction.time[-1])
     if fit is not None and fit.assumed:
-        remarks.append(fit.assumed)
-    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
-        remarks.append("nothing grows: the solid is elastic")
+        yield fit.assumed
+    if solid.creep is None and not solid.branches:
+        yield "nothing grows: the solid is elastic"
     elif np.ptp(prediction.series("contact_area")) == 0:
-        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
-        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
-    remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
+        begun = solid.creep is None or prediction.series("contact_fraction")[-1] == 1
+        yield f"the contact does not grow by {written(last, 's')}{'' if begun else ': creep has not begun'}"
+    yield from remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
     if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
         cause = ", which looks like noise"
         if fit.systematic:
-            more = (
-                f"{fit.finer:g} branches per decade miss it by less than half"
-                if fit.finer
-                else ("its errors depend on each other, or branches are too few")
-            )
+            more = "its errors depend on each other, or branches are too few"
+            if fit.finer:
+                more = f"{fit.finer:g} branches per decade miss it by less than half"
             cause = f" in waves, so that the band has no noise of the table: {more}"
-        remarks.append(f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}")
-    return tuple(remarks)
+        yield f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}"

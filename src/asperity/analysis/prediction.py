@@ -29,7 +29,6 @@ from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
 from asperity.creep import PARAMETERS_OF_LAWS, Eyring
-from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
 from asperity.relaxation import Fit, Material, PronySeries
@@ -80,8 +79,6 @@ class Growth:
         The band that each would give alone; the first is the slope, twice, for a material without spread.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
-    straight
-        Whether the slope changes by at most a quarter of itself; None where that cannot be told.
     """
 
     ratio: float
@@ -91,7 +88,6 @@ class Growth:
     of_table: Interval
     of_scan: Interval
     decades: tuple[tuple[float, float, float], ...]
-    straight: bool | None
 
     @property
     def range(self) -> Interval:
@@ -108,8 +104,8 @@ class Resolved:
     ----------
     patches
         Patches of contact.
-    largest, mean
-        Pixels of the largest patch, and of a patch on average.
+    mean
+        Pixels of a patch on average.
     in_small
         Part of the area that lies in patches of fewer than ten pixels.
     rim
@@ -117,7 +113,6 @@ class Resolved:
     """
 
     patches: int
-    largest: int
     mean: float
     in_small: float
     rim: float
@@ -160,8 +155,7 @@ class Prediction(views.InNotebooks):
     Attributes
     ----------
     dataset
-        The history in SI units, with maps at times from the first to the last. Its attribute ``prediction``
-        holds the assumptions, as JSON.
+        The history in SI units, with maps. Its attribute ``prediction`` holds the assumptions, as JSON.
     material
         The half-space, with the fit of its relaxation table or draws of its branches.
     growth
@@ -310,9 +304,8 @@ class Prediction(views.InNotebooks):
     def theory(self) -> tuple[str, Field] | None:
         """Name of the theory that has an area for such a contact, and that area, m^2; None without one.
 
-        Of a separable solid: Persson's, for the rms slope of the scan and the effective load, under which an
-        elastic half-space of E* has this contact. Of one that creeps by Eyring's law with nothing beside it:
-        contacts that flow, through the last area.
+        Of a separable solid Persson's, for the rms slope of the scan and the effective load; of one that
+        creeps by Eyring's law alone that of contacts that flow, through the last area.
         """
         load = self.series("load")
         if (effective := self.effective_load) is not None:
@@ -371,7 +364,6 @@ def growth_of(
         of_table=of_table,
         of_scan=of_scan,
         decades=_by_decade(time, area),
-        straight=growth_rate(time, area, initial=float(area[0])).straight,
     )
 
 
@@ -386,7 +378,6 @@ def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
         said.append(
             Resolved(
                 patches=found.count,
-                largest=found.largest,
                 mean=found.mean_size,
                 in_small=float(found.sizes[found.sizes < _FEW].sum() / max(touching.sum(), 1)),
                 rim=1 - corrected / counted if counted else 0.0,

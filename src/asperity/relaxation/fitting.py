@@ -200,15 +200,14 @@ def fit(
 ) -> Fit:
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
 
-    Unless the number of branches or their density is given, the smallest number of free relaxation times is
-    taken, five at most, whose deviations look like noise: they are not `Fit.systematic`, and their rms is at
-    most a quarter more than that of log-spaced times. Where no number is so, as for broad spectra, those are
-    taken: one or two in each decade, within the times of the data or up to a decade beyond, by Akaike's
-    criterion, AICc.
+    By default it takes the smallest number of free relaxation times, five at most, whose deviations look like
+    noise: they are not `Fit.systematic`, and their rms is at most a quarter more than that of log-spaced
+    times. Else, as for broad spectra, it takes these: one or two in each decade, within the times of the data
+    or up to a decade beyond, by Akaike's criterion, AICc.
 
-    Only losses, and a value at time 0, tell of times before the first. A load that is put on at time 0 feels
-    these: where J(first) changes by one percent or more, log-spaced times go on there, with the slope of
-    the first decade, as one branch more. See `Fit.alternatives`.
+    Only losses, and a value at time 0, tell of times before the first. Where relaxation there, with the slope
+    of the first decade, changes J(first) by 1 % or more, one branch more stands for it. See
+    `Fit.alternatives`.
 
     Parameters
     ----------

@@ -43,16 +43,11 @@ class PronySeries:
     modulus
         Instantaneous modulus G0, above 0: of any kind, in any unit. J is in its inverse, loads in theirs.
     branches
-        Pairs of a share of G0 and a relaxation time, see `check_branches`. None: an elastic solid.
+        Pairs of a share of G0 and a relaxation time, see `check_branches`; none for an elastic solid.
     span
         Times between which it stands for a law or for data.
     error
         Largest relative error with which it does so; 0 where it is itself the law.
-
-    Raises
-    ------
-    InputError
-        The modulus is not above 0, the branches are wrong, or the span is none.
     """
 
     modulus: float
@@ -192,14 +187,9 @@ def from_retardation(
     compliance
         Instantaneous compliance J0, above 0.
     delayed
-        Pairs of a compliance J_k, above 0, and its retardation time theta_k, above 0; or none.
+        Pairs of a compliance J_k and its retardation time theta_k, both above 0.
     fluidity
         Rate of flow f under unit stress, compliance per time; 0 for a solid.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range.
     """
     J0 = checks.number("compliance", compliance, least=1 / LARGEST, expected="a finite compliance > 0")
     f = checks.number("fluidity", fluidity, least=0) / J0
