@@ -17,7 +17,7 @@ from asperity.errors import ConfigError, Remark
 from asperity.figures.page import prediction_page
 from tests.refusals import refuses
 
-SURFACE = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
+SURFACE: dict[str, Any] = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
 MODULUS = asp.solids.contact_modulus(3.3e9, 0.35)
 LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
 SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}
@@ -285,27 +285,27 @@ def test_single_decades_and_yielding_are_told():
 def test_what_python_refuses():
     springs = asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0)
     weak = asp.solids.half_space(modulus="3 GPa", creep=asp.solids.Eyring("1 nm/s", "1 kPa"))
-    for name, solid, how in (
-        ("first", solids()["eyring"], {}),
-        ("material", springs, SPAN),
-        ("creep", weak, SPAN),
+    for name, got, solid, how in (
+        ("first", "none", solids()["eyring"], {}),
+        ("material", "spring_lattice", springs, SPAN),
+        ("creep", "3.66e+08", weak, SPAN),
     ):
-        with refuses(name):
+        with refuses(name, got):
             asp.predict(solid, rough(0), pressure=1e7, **how)
 
 
 @pytest.mark.parametrize(
-    ("name", "draws"),
+    ("name", "got", "draws"),
     [
-        *(("draws", draws) for draws in ([], [BRANCHES], 3, "x")),
-        ("draws[1]: share of branch 1", [BRANCHES, [(0.0, 1.0)]]),
-        ("draws[1]: relaxation time of branch 1", [BRANCHES, [(0.2, "1 m")]]),
-        ("draws[1]: branches", [BRANCHES, [(0.7, 1.0), (0.7, 2.0)]]),
-        ("draws[1]: branches", [BRANCHES, "abc"]),
+        *(("draws", draws, draws) for draws in ([], [BRANCHES], 3, "x")),
+        ("draws[1]: share of branch 1", 0.0, [BRANCHES, [(0.0, 1.0)]]),
+        ("draws[1]: relaxation time of branch 1", "1 m", [BRANCHES, [(0.2, "1 m")]]),
+        ("draws[1]: branches", "1.4 together", [BRANCHES, [(0.7, 1.0), (0.7, 2.0)]]),
+        ("draws[1]: branches", "abc", [BRANCHES, "abc"]),
     ],
 )
-def test_draws_that_are_none(name, draws):
-    with refuses(name):
+def test_draws_that_are_none(name, got, draws):
+    with refuses(name, got):
         asp.relaxation.material(half_space(BRANCHES), draws=draws)
 
 

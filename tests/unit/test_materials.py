@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.errors import CallError
 from asperity.relaxation import PronySeries, Relaxation, material
 from asperity.relaxation.materials import relaxing_of
 from tests.refusals import refuses
@@ -15,6 +16,7 @@ from tests.refusals import refuses
 TIME = np.geomspace(1e-2, 1e3, 21)
 SERIES = PronySeries(2e9, ((0.3, 0.1), (0.4, 10.0)))
 DATA = Relaxation(TIME, SERIES.modulus_at(TIME))
+WARM = {"temperature": 300, "reference": 290}
 SOLID = asp.solids.half_space(modulus="3 GPa", branches=[(0.2, 3.0)])
 
 
@@ -73,35 +75,63 @@ def test_a_solid_a_file_and_draws(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "source", "how"),
+    ("name", "got", "source", "how"),
     [
-        ("material", 3.5, {}),
-        ("modulus and young", None, {}),
-        ("shift", None, {"young": 1e9, "shift": 2.0}),
-        ("draws", DATA, {"draws": [[(0.1, 1.0)]] * 2}),
-        ("columns", DATA, {"columns": "0 1"}),
-        ("poisson", SOLID, {"poisson": 0.3}),
-        ("branches", SERIES, {"branches": 2}),
-        ("draws", material(young=1.0).solid, {"draws": [[(0.1, 1.0)]] * 2}),
-        ("modulus", DATA, {"modulus": "bulk"}),
-        ("poisson", DATA, {"modulus": "contact", "poisson": 0.6}),
-        ("reference", DATA, {"temperature": "20 degC"}),
-        ("activation_energy", DATA, {"temperature": "20 degC", "reference": "0 degC"}),
-        ("activation_energy", DATA, {"temperature": 300, "reference": 290, "wlf": (1, 50), "shift": 2}),
-        ("solid.toml", "solid.toml", {}),
+        ("material", "float", 3.5, {}),
+        ("modulus and young", "none", None, {}),
+        ("shift", "2.0", None, {"young": 1e9, "shift": 2.0}),
+        ("draws", "(0.1, 1.0)", DATA, {"draws": [[(0.1, 1.0)]] * 2}),
+        ("columns", "0 1", DATA, {"columns": "0 1"}),
+        ("poisson", "0.3", SOLID, {"poisson": 0.3}),
+        ("branches", "2", SERIES, {"branches": 2}),
+        ("draws", "none", material(young=1.0).solid, {"draws": [[(0.1, 1.0)]] * 2}),
+        ("modulus", "'bulk'", DATA, {"modulus": "bulk"}),
+        ("poisson", "0.6", DATA, {"modulus": "contact", "poisson": 0.6}),
+        ("reference", "none", DATA, {"temperature": "20 degC"}),
+        ("activation_energy", "neither", DATA, {"temperature": "20 degC", "reference": "0 degC"}),
+        (
+            "activation_energy",
+            "both",
+            DATA,
+            {"temperature": 300, "reference": 290, "wlf": (1, 50), "shift": 2},
+        ),
+        ("solid.toml", "No such file", "solid.toml", {}),
     ],
 )
-def test_what_is_no_material(name, source, how):
-    with refuses(name):
+def test_what_is_no_material(name, got, source, how):
+    with refuses(name, got):
         material(source, **how)
 
 
-def test_a_file_of_something_else(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("text", "name", "got"),
+    [
+        ("[solid", "a.toml", "TOMLDecodeError"),
+        ('[solid]\nkind = "layer"', "a.toml: [solid] kind", "'layer'"),
+    ],
+)
+def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for text, name in (("[solid", "a.toml"), ('[solid]\nkind = "layer"', "a.toml: [solid] kind")):
-        Path("a.toml").write_text(text)
-        with refuses(name):
-            material("a.toml")
+    Path("a.toml").write_text(text)
+    with refuses(name, got):
+        material("a.toml")
+
+
+@pytest.mark.parametrize(
+    ("moved", "there"),
+    [
+        *(
+            (name, f"asperity.relaxation.material(..., {name}=...)")
+            for name in ("poisson", "hardness", "draws")
+        ),
+        ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
+        ("pixel", "instrument={'pixel': ...}"),
+        ("protocol", "asperity.age"),
+    ],
+)
+def test_arguments_that_moved_are_refused_with_their_place(moved, there):
+    with refuses("predict", repr(moved), advice=there, kind=CallError):
+        asp.predict("table.csv", "scan.opd", **{moved: 1.0})
 
 
 def test_predict_takes_about_a_dozen_arguments():
