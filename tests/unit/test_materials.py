@@ -85,6 +85,7 @@ def test_a_solid_a_file_and_draws(tmp_path):
         ("poisson", "0.3", SOLID, {"poisson": 0.3}),
         ("branches", "2", SERIES, {"branches": 2}),
         ("draws", "none", material(young=1.0).solid, {"draws": [[(0.1, 1.0)]] * 2}),
+        ("modulus", "shape (2,)", DATA, {"modulus": np.array([1e9, 2e9])}),
         ("modulus", "'bulk'", DATA, {"modulus": "bulk"}),
         ("poisson", "0.6", DATA, {"modulus": "contact", "poisson": 0.6}),
         ("reference", "none", DATA, {"temperature": "20 degC"}),

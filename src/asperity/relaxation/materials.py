@@ -24,7 +24,7 @@ from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.series import PronySeries
 from asperity.relaxation.temperature import arrhenius
 from asperity.relaxation.temperature import wlf as by_wlf
-from asperity.solids import Solid, contact_modulus, half_space
+from asperity.solids import Solid, half_space
 from asperity.solids.branches import Branches, check_branches
 from asperity.solids.continua import checked_poisson
 
@@ -33,7 +33,7 @@ POISSON = 0.35
 
 _READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
-_AT_ONCE = ("modulus", "young", "poisson")
+_AT_ONCE, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +147,7 @@ def material(
         solid = source.with_hardness(hardness)
         return Material(solid, draws=_draws(draws, solid))
     factor = _shift(**{name: given[name] for name in _SHIFT if name in given})
-    measured: Any = modulus if modulus in get_args(Modulus) else None
+    measured: Any = modulus if isinstance(modulus, str) and modulus in _WORDS else None
     found: Fit | None = None
     series: PronySeries | None = None
     if isinstance(source, PronySeries):
@@ -158,7 +158,7 @@ def material(
         found = fit(table.shifted(factor), **{name: given[name] for name in _FITTING if name in given})
         series, measured = found.series, measured or found.data.measured
     at_once, of = _at_once(series, measured, given)
-    solid = half_space(modulus=at_once, branches=series.branches if series else ()).with_hardness(hardness)
+    solid = half_space(**at_once, branches=series.branches if series else (), hardness=hardness)
     span = series.span if series else (0.0, math.inf)
     if found is None:
         return Material(solid, draws=_draws(draws, solid), span=span)
@@ -209,22 +209,21 @@ def _shift(
     return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
 
 
-def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -> tuple[float, str]:
-    """E* at once, and what gives it: a number, or what series are of."""
+def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The modulus at once, as `half_space` takes it, and what gives it: a number, or what series are of."""
     ratio = checked_poisson("poisson", given.get("poisson", POISSON))
-    young, modulus = given.get("young"), given.get("modulus")
-    if modulus in get_args(Modulus):
-        modulus = None
-    elif isinstance(modulus, str) and not has_unit(modulus):
+    at_once = {name: given[name] for name in ("modulus", "young") if name in given}
+    if isinstance(at_once.get("modulus"), str) and at_once["modulus"] in _WORDS:
+        del at_once["modulus"]
+    elif isinstance(at_once.get("modulus"), str) and not has_unit(at_once["modulus"]):
         expected = "'young', 'shear' or 'contact', or E* at once, such as '3 GPa'"
-        raise InputError("modulus", expected=expected, got=checks.shown(modulus))
-    if young is not None or modulus is not None or series is None:
-        made = half_space(modulus=modulus, young=young, poisson=None if young is None else ratio)
-        return cast(float, made.parameters["modulus"]), "shares"
+        raise InputError("modulus", expected=expected, got=checks.shown(at_once["modulus"]))
+    if at_once or series is None:
+        return at_once | ({"poisson": ratio} if "young" in at_once else {}), "shares"
     if measured == "contact":
-        return series.modulus, measured
-    of_young = series.modulus * (2 * (1 + ratio) if measured == "shear" else 1)
-    return contact_modulus(of_young, ratio), measured or "young"
+        return {"modulus": series.modulus}, measured
+    factor = 2 * (1 + ratio) if measured == "shear" else 1
+    return {"young": series.modulus * factor, "poisson": ratio}, measured or "young"
 
 
 def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
