@@ -179,12 +179,7 @@ def predicted(
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
         dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
-        name, amount = next(iter(held.items()))
-        if error.name != "load" or name != "pressure" or not solid.yields:
-            raise
-        expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
-        got, advice = written(amount, "Pa"), "a lower pressure, or a greater hardness"
-        raise InputError(name, expected=expected, got=got, advice=advice) from None
+        raise _of_pressure(error, held, solid) from None
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
@@ -204,8 +199,17 @@ def predicted(
         bands=bands,
     )
     on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
-    remarks = *scan.remarks, *remarks_on_edges(scan), *on_contact
-    return replace(prediction, remarks=(*remarks, *remarks_on_prediction(prediction)))
+    remarks = *scan.remarks, *remarks_on_edges(scan), *on_contact, *remarks_on_prediction(prediction)
+    return replace(prediction, remarks=remarks)
+
+
+def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
+    """The same error, in terms of the pressure where that was given and is too large for the hardness."""
+    if error.name != "load" or "pressure" not in held or not solid.yields:
+        return error
+    expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
+    got, advice = written(held["pressure"], "Pa"), "a lower pressure, or a greater hardness"
+    return InputError("pressure", expected=expected, got=got, advice=advice)
 
 
 def positive_quantity(name: str, given: object, unit: str) -> float:
