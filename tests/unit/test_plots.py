@@ -229,19 +229,6 @@ def test_every_entry_is_drawn_once(name):
     figure.draw_without_rendering()
 
 
-def test_both_sides_of_a_jump_are_joined():
-    data = legged("steps after holds")
-    numbers, load = data["leg"].values, data["load"].values
-    axes = history_figure(data).axes[0]
-    (jumps,) = (line for line in axes.lines if line.get_linestyle() == "--")
-    y = np.asarray(jumps.get_ydata()).reshape(-1, 3)
-    first, last = (int(np.flatnonzero(numbers == leg)[0]) for leg in (1, 4))
-    np.testing.assert_array_equal(y[:, :2], [load[[first - 1, first]], load[[last - 1, last]]])
-    assert np.isnan(y[:, 2]).all()
-    joined = next(line for line in axes.lines if line.get_linestyle() == "-")
-    assert np.isnan(np.asarray(joined.get_ydata())).sum() == 2  # no curve through the jumps
-
-
 def test_each_leg_has_its_own_time():
     data = legged("steps after holds")
     figure = history_figure(data)
@@ -276,16 +263,6 @@ def test_heads_say_what_happens():
     assert "16 × 16 sites, load 10 at first, k0 = 1, k1 = 3, R = 1" in many.get_suptitle()
 
 
-def test_many_legs_and_cycles_share_a_linear_axis():
-    for name in ("cycles", "many legs"):
-        data = legged(name)
-        figure = history_figure(data)
-        places, _ = panels(figure)["load"][0]
-        np.testing.assert_array_equal(np.sort(places), data["time"].values)
-        assert figure.axes[-1].get_xscale() == "linear"
-        assert figure.axes[-1].get_xlabel().startswith("time $t$")
-
-
 def test_the_shade_of_a_slide_is_explained_and_friction_that_does_not_change_is_flat() -> None:
     still = press(uncorrelated(16), spring_lattice(k0=1.0, k1=3.0, R=0.0), load=80.0)
     series = age(still, [2.0], protocol=[Slide(distance=2.0, velocity=1.0)]).dataset
@@ -309,15 +286,6 @@ def test_a_fall_after_a_jump_is_pointed_at():
         if arrows:
             assert arrows[0].xy[1] == 8
             assert arrows[0].xy[0] in panels(figure)["load"][0][0]
-
-
-def test_a_plot_of_a_protocol_has_a_column_for_each_leg():
-    data = legged("steps after holds")
-    ax = plot_history(data, axes())
-    ((points, _),) = panels(ax.get_figure()).values()
-    np.testing.assert_array_equal(np.sort(points[1]), np.sort(data["area"]))
-    assert any("load 10" in text.get_text() and "4" in text.get_text() for text in ax.texts)
-    assert "each leg" in ax.get_xlabel()
 
 
 def test_each_frame_is_a_map_and_its_time(aged):
@@ -379,9 +347,3 @@ def test_what_cannot_be_animated_is_refused(aged, tmp_path, monkeypatch: pytest.
     with refuses("path", "aging.mp4"):
         aged.animate("aging.mp4")
     assert not plt.get_fignums()
-
-
-@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg is installed")
-def test_an_mp4_is_written(aged, tmp_path):
-    aged.animate(tmp_path / "aging.mp4")
-    assert (tmp_path / "aging.mp4").read_bytes()[4:8] == b"ftyp"
