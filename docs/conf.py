@@ -27,6 +27,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "generated",
+    "numbers_of_studies",
 ]
 if os.environ.get("INTERSPHINX"):
     extensions.append("sphinx.ext.intersphinx")
@@ -90,7 +91,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
-html_sidebars = {"start": [], "explore": []}  # they have no pages below them
+html_sidebars = {"start": []}  # it has no pages below it
 html_theme_options = {
     "logo": {"text": "Asperity"},
     "navigation_with_keys": False,
