@@ -172,5 +172,3 @@ def test_asperity_answers_through_its_worker(house, tmp_path):
         assert worker.ask(request, 60)["iterations"] == reply["iterations"]
     finally:
         worker.close()
-
-
