@@ -172,3 +172,14 @@ def test_asperity_answers_through_its_worker(house, tmp_path):
         assert worker.ask(request, 60)["iterations"] == reply["iterations"]
     finally:
         worker.close()
+
+
+def test_tolerances_tighten_by_half_decades(house, monkeypatch, tmp_path):
+    tolerances = house("tolerances")
+    monkeypatch.setattr(tolerances, "STORED", tmp_path / "tolerances.json")
+    assert tolerances.known("numpi", "a") == tolerances.LOOSEST
+    tolerances.keep("a", {"numpi": 1e-6})
+    tolerances.keep("b", {"numpi": 1e-9})
+    assert tolerances.known("numpi", "b") == 1e-9
+    assert tolerances.known("numpi", "c") == 1e-6
+    assert [tolerances.tighter(one) for one in (1e-6, 3.2e-7, 2e-15)] == [3.2e-7, 1e-7, None]

@@ -260,6 +260,16 @@ def test_forces_of_springs_are_kept_and_follow_from_the_fields_where_they_are_no
     np.testing.assert_allclose(asp.analysis.patch_table(before)["load"], with_them["load"], rtol=1e-8)
 
 
+def test_histories_without_forces_and_gaps_are_shown(tmp_path: Path) -> None:
+    dataset = HISTORIES["sites"].dataset
+    asp.results.save(dataset.drop_vars(["force", "rms_gap"]), tmp_path / "old.zarr")
+    asp.results.save(dataset, tmp_path / "new.zarr")
+    recordings: list[Any] = [open_entry(tmp_path, name).recording for name in ("old.zarr", "new.zarr")]
+    assert "rms_gap" not in recordings[0].scene["columns"]
+    old, new = (recording.maps[0].arrays["pressure"] for recording in recordings)
+    np.testing.assert_array_equal(old, new)
+
+
 def test_the_page_on_notation_has_every_quantity_with_its_symbol() -> None:
     page = (Path(__file__).parents[2] / "docs" / "notation.md").read_text(encoding="utf-8")
     symbols: dict[str, set[str]] = {}
