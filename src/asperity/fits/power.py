@@ -79,16 +79,9 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
 def local_exponent(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     """Running exponent d ln y/d ln x between neighbors.
 
-    Parameters
-    ----------
-    x, y
-        Values above 0, shape (n,), in any order; values of y at one x count as their geometric mean.
-
-    Returns
-    -------
-    middle, exponent
-        Geometric middles of neighboring x, increasing, and the exponents there; shape (m - 1,) for m
-        different x.
+    Values are above 0, shape (n,), in any order; values of y at one x count as their geometric mean. Returned
+    are geometric middles of neighboring x, increasing, and the exponents there: shape (m - 1,) for m
+    different x.
     """
     series = _positive(x, y, None)
     different, which, counts = np.unique(series.x, return_inverse=True, return_counts=True)

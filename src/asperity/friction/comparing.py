@@ -122,14 +122,9 @@ def compare_state_laws(
 ) -> StateLaws:
     """Fit the aging and the slip law, and say which the data prefer.
 
-    Parameters
-    ----------
-    records
-        One record; or several of different surfaces, with the same times and velocities. The friction of
-        several is averaged, and uncertainties follow from their scatter.
-    a, V_0, events, stiffness
-        As in `rate_and_state`, with its errors; a stiffness is for one record, and where it is given it is
-        fitted as well.
+    The friction of several records, of different surfaces with the same times and velocities, is averaged,
+    and uncertainties follow from their scatter. Other arguments and errors are those of `rate_and_state`; a
+    stiffness is for one record, and where it is given it is fitted as well.
     """
     several = list(records) if isinstance(records, Sequence) else [records]
     if not several:

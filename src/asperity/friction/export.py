@@ -32,18 +32,12 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
 
     Parameters
     ----------
-    found
-        From `compare_state_laws`.
     path
         A file to write or replace. ``.toml``: the parameters of one law, both laws beside each other, the
-        verdict and the origin; ``.csv``: a line for each law, the preferred one first.
+        verdict and the origin; ``.csv``: a line for each law, the preferred one first. `InputError` for
+        another suffix.
     law
         The law to prefer; by default that of the verdict or, where it is undecided, the one that fits better.
-
-    Raises
-    ------
-    InputError, OutputError
-        The name has another suffix; the disk refused.
     """
     from asperity.results.store import whole_file  # late, as it brings the solvers
 

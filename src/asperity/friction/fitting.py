@@ -70,12 +70,10 @@ def rate_and_state(
     events: Events = "all",
     stiffness: float | str | None = None,
 ) -> RateAndStateFit:
-    """Fit rate-and-state friction to a record.
+    """Fit rate-and-state friction to a record, measured or simulated.
 
     Parameters
     ----------
-    record
-        What was measured or simulated.
     law
         How the state evolves: ``"aging"`` or ``"slip"``.
     a

@@ -26,12 +26,8 @@ def record_of(
 ) -> Record:
     """Take the record of a history in which the contact slid.
 
-    Parameters
-    ----------
-    history
-        A `History`, its dataset, or the folder where one is saved.
-    shear_strength
-        As in `add_friction`; needed where the dataset has no series ``friction`` yet.
+    It is a `History`, its dataset, or the folder where one is saved. The shear strength of `add_friction` is
+    needed where there is no series ``friction`` yet.
 
     Friction at rest is the strength. `InputError` if the contact never slid, or the strength is missing.
     """

@@ -270,25 +270,17 @@ def infer(
         Time, s, within which the load was put on in proportion to time; times count from its beginning.
     seed, rng
         Seed of the random numbers; or a numpy generator, which draws one, or its seed.
-    walkers
-        In each of four ensembles.
-    effective
-        Effective draws that are enough.
-    workers
-        Processes that share the ensembles.
+    walkers, effective, workers
+        Walkers in each of four ensembles; effective draws that are enough; processes for the ensembles.
     progress
         True for a line for each stage; or who is told.
     checkpoint
         File in which the ensembles are kept after each stage; the same call goes on from it.
 
-    Returns
-    -------
-    Inference
-
     Raises
     ------
-    AsperityError
-        Something given is wrong; the priors exclude the data; the ensembles do not agree.
+    InputError, ConvergenceError
+        The priors exclude the data; the ensembles do not agree.
     """
     libraries()
     loading = float(units.number("ramp", ramp, "s", least=0))

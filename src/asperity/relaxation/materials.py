@@ -247,7 +247,7 @@ def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid
 
 
 def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float, float] | None]:
-    """The half-space of a file, with a modulus that it may lack; draws of its branches; times of their data."""
+    """The half-space of a file, with a modulus that it may lack; draws; times of the data of its branches."""
     try:
         keys = tomllib.loads(content_of(path).decode())["solid"]
         kind, draws = keys.pop("kind"), keys.pop("draws", None)

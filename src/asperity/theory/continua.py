@@ -95,10 +95,8 @@ def westergaard_area(
 
     Parameters
     ----------
-    pressure
-        Load over nominal area (force / length^2), not below 0.
-    modulus
-        Contact modulus E* (force / length^2), above 0.
+    pressure, modulus
+        Load over nominal area, not below 0, and contact modulus E*, above 0 (force / length^2).
     amplitude, wavelength
         Of the wave (length), above 0.
 
@@ -124,12 +122,7 @@ def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -
     distribution is taken to diffuse as roughness of ever shorter waves is added, and to be absorbed at 0.
     At light loads it is sqrt(8/pi) p / (E* slope), somewhat less than what computations give.
 
-    Parameters
-    ----------
-    slope
-        Rms slope of the surface: root of the mean square gradient, above 0.
-
-    Other arguments are those of `westergaard_area`.
+    The slope is the root of the mean square gradient; other arguments are those of `westergaard_area`.
 
     References
     ----------

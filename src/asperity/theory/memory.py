@@ -37,11 +37,8 @@ def response(x2: ArrayLike, force: ArrayLike, x1: float, viscous: float = 0.0, d
     force
         At these times, shape (n,); any sign.
 
-    Returns
-    -------
-    ndarray
-        k0 u, a force, at these times: shape (n,). Its instantaneous part, f(t) G(0), is the one that Eq.
-        (vt) leaves out.
+    The depth k0 u is a force, of shape (n,). Its instantaneous part, f(t) G(0), is the one that Eq. (vt)
+    leaves out.
     """
     return _march(x2, force, x1, viscous, dimension)[0]
 
