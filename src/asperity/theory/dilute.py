@@ -87,14 +87,8 @@ def contacts_at_start(
 ) -> Floats:
     """Return N(0) = F / (rms k_eff): contacts of exponential heights before any creep, in the dilute theory.
 
-    Parameters
-    ----------
-    load
-        F, the load on the whole surface (force), above 0.
-    rms
-        1/gamma of the paper's P(xi) (length), above 0: see `ExponentialHeights`.
-    k0
-        Stiffness between neighbors (force per length), above 0.
+    F is the load on the whole surface (force), rms = 1/gamma of the paper's P(xi) (length), see
+    `ExponentialHeights`, and k0 the stiffness between neighbors (force per length), all above 0.
 
     It holds while it is small against the number of sites, which is not an argument. The mean over surfaces
     is larger by one contact, because one site touches at no load.

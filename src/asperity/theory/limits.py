@@ -85,14 +85,8 @@ def static_friction(area: ArrayLike, load: ArrayLike, shear_strength: ArrayLike)
     Contacts yield in shear at a force proportional to the real contact area (F. P. Bowden and D. Tabor, *The
     Friction and Lubrication of Solids*, Oxford, 1950; paper, Summary).
 
-    Parameters
-    ----------
-    area
-        Real contact area A, not below 0: in any unit of area; in sites, say.
-    load
-        Normal load F_N (force), above 0.
-    shear_strength
-        sigma_S (force per area, in the same unit of area), not below 0.
+    The real contact area A and sigma_S (force per area) are not below 0, in one unit of area; in sites, say.
+    The load F_N (force) is above 0.
     """
     touching, force, strength = broadcast(
         area=not_negative("area", area),
