@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,19 @@ from asperity.friction.loading import STEP, Drive, drive_of, drive_of_slip
 
 RUN_IN, HOLD, STEPPED = 0, 1, 2
 """Kinds of events."""
+
+
+class About(TypedDict, total=False):
+    """Other facts of a record."""
+
+    strength_at_rest: bool
+    a: float | None
+    si: bool
+    normal_stress: float | None
+    normal_force: float | None
+    source: str
+    read: str
+    units: tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +97,7 @@ class Record(views.Brief):
         time: ArrayLike,
         displacement: ArrayLike,
         friction: ArrayLike,
-        **about: Any,
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
@@ -129,7 +142,7 @@ class Record(views.Brief):
         *,
         load_point: ArrayLike | None = None,
         slip: ArrayLike | None = None,
-        **about: Any,
+        **about: Unpack[About],
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
 
