@@ -96,7 +96,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
         "[surface] seed: expected a whole number, got 1.5",
         "[solid] k0: expected a number, got 'one'",
         "[aging] hold: expected one of 'load' or 'separation', got 'laod'; did you mean 'load'?",
-        "[output] figures: expected one of 'png', 'pdf' or 'svg', got 'jpg'",
+        "[output] figures: expected one of 'png', 'pdf' or 'svg', got 'jpg'; did you mean 'png'?",
     ]
 
 
