@@ -156,20 +156,23 @@ def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: s
 
 
 def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of a section; keys that came, or may come, as flags are named so."""
+    """One line for a mistake of a section; keys that came, or may come, as flags are named so.
+
+    Its keys stand before a colon, or are marked; advice has arguments of the library.
+    """
     given = flags.get(section, {})
 
     def named(found: re.Match[str]) -> str:
-        key = found[1] or found[2] or found[3]
+        key, values = next(filter(None, found.groups())), found[0].partition("=")[2].strip("[]")
+        key = "table_kind" if key == "kind" else key
         if key in given or (given and path is None):
-            return flag_of(section, key) + (f" {found[4].replace(',', '')}" if found[4] else "")
-        return found[0].strip("`")
+            return f"{flag_of(section, key)} {values.replace(',', '')}".rstrip() + " " * found[0].endswith(
+                "="
+            )
+        return re.sub("=", " = ", found[0]).strip("`") if "=" in found[0] else key
 
-    said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
-    # Advice on how to read a table, which is in the words of Python.
-    keys = {"kind": "table_kind", "columns": "columns", "units": "units", "noise": "noise"}
-    key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{keys[key[1]]} = ")
-    said = re.sub(rf'\b({"|".join(keys)})=(?=["\d])', key_or_flag, said)
+    head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said).partition("; try ")
+    said = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from asperity.analysis import AgingSummary
     from asperity.app.config import RunConfig
-    from asperity.app.config.models import SurfaceSection
+    from asperity.app.config.surfaces import SurfaceSection
     from asperity.app.runs import Outcome
 
 _ELECTRONVOLT = 1.602176634e-19

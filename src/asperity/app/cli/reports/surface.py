@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
 from asperity.app.cli.reports.run import described
-from asperity.app.config.models import MeasuredSurface, SurfaceSection
+from asperity.app.config.surfaces import MeasuredSurface, SurfaceSection
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
