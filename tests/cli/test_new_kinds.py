@@ -79,7 +79,8 @@ flags = flags_for("surface", "solid")(
     surface_kind="stripes", surface_amplitude="0.5", surface_period="16", solid_kind="bed", solid_rigidity="3"
 )
 laid = read_config("run.toml", given(flags))
-Path("plan.toml").write_text(Path("run.toml").read_text() + "[sweep]\\nperiod = [8, 16]\\nrigidity = [2.0, 3.0]\\n")
+sweep = "[sweep]\\nperiod = [8, 16]\\nrigidity = [2.0, 3.0]\\n"
+Path("plan.toml").write_text(Path("run.toml").read_text() + sweep)
 plan = read_plan("plan.toml")
 mistakes = []
 for surface, solid in (({"amplitude": -1.0}, {}), ({"perod": 3}, {}), ({}, {"rigidity": "2 m"})):

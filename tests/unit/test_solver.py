@@ -106,12 +106,12 @@ def test_gives_up_with_advice(limit):
 
 def test_settings_and_array_libraries_are_checked():
     for wrong in ({"reduction": 1.5}, {"patience": -1}):
-        with refuses(next(iter(wrong))):
+        with refuses(*next(iter(wrong.items()))):
             ActiveSet(**wrong)
     problem = half_space_problem(correlated(8), 0.05)
     with pytest.raises(MissingExtraError, match="arrays='nowhere' needs the library nowhere"):
         ActiveSet(arrays="nowhere").solve(problem, None, TOLERANCE)
-    with refuses("arrays"):
+    with refuses("arrays", "'json'"):
         ActiveSet(arrays="json").solve(problem, None, TOLERANCE)
 
 

@@ -35,6 +35,7 @@ Shape = Annotated[
         "sites along each axis", dimension="sites", more=": 200 200, or 4096 for a line.", usual=(200, 200)
     ),
 ]
+Rng = int | np.random.Generator | None
 Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights")]
 Rms = Annotated[float, Gt(0), Quantity("rms height", dimension="height unit")]
 PixelSize = Annotated[

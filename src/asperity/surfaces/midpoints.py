@@ -28,7 +28,7 @@ from asperity.base import checks
 from asperity.base.parameters import Also, Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.making import MOST_SITES, Seed, in_unit
+from asperity.surfaces.making import MOST_SITES, Rng, Seed, in_unit
 
 
 def power_of_two(name: str, value: int) -> int:
@@ -51,7 +51,9 @@ Delta = Annotated[float, Gt(0), Quantity("roughness at the scale of the lattice"
 
 
 @in_unit("delta")
-def self_affine(size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Seed = 0) -> Field:
+def self_affine(
+    size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Seed = 0, rng: Rng = None
+) -> Field:
     """Make a periodic self-affine surface by successive random midpoints.
 
     Parameters
@@ -63,9 +65,7 @@ def self_affine(size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Se
     delta
         Roughness at the scale of the mesh, Delta: the width of the random values at l = 1, in the
         unit that the heights shall have.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
-    unit, pixel_size
+    seed, rng, unit, pixel_size
         As in `gaussian`.
 
     Returns
@@ -83,11 +83,11 @@ def self_affine(size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Se
     expected = "a number above 0 and up to 1"
     exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
     width = checks.number("delta", delta, above=0)
-    rng = np.random.default_rng(checks.seed(seed))
+    random = checks.generator(seed, rng)
 
     def noise(distance: float) -> Field:
         """Random values for new centers at this distance from their corners: width l^H delta."""
-        return rng.normal(scale=distance**exponent * width, size=corners.shape)
+        return random.normal(scale=distance**exponent * width, size=corners.shape)
 
     xi = np.zeros((length, length))
     step = length  # side of the squares whose corners are known

@@ -35,7 +35,7 @@ from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import checked_spacing
-from asperity.surfaces.making import PixelSize, Seed, Shape, Unit, in_unit
+from asperity.surfaces.making import PixelSize, Rng, Seed, Shape, Unit, in_unit
 from asperity.surfaces.spectrum_files import read_spectrum
 
 _USUAL_CUTOFF = 8
@@ -103,6 +103,7 @@ def spectral(
     unit: Unit = None,
     spacing: ArrayLike | None = None,
     seed: Seed = 0,
+    rng: Rng = None,
 ) -> Field:
     """Make a periodic self-affine surface of a given power spectrum, with random phases.
 
@@ -124,10 +125,8 @@ def spectral(
         pixels, the curvature in that over its square.
     pixel_size
         Distance between sites: one number, or one an axis; by default 1. Or `spacing`, the same.
-    unit
-        Of all lengths, as in `gaussian`.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
+    unit, seed, rng
+        As in `gaussian`.
 
     Returns
     -------
@@ -156,7 +155,7 @@ def spectral(
     q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
     power, roughness = _roughness(rms_height, rms_slope, rms_curvature, len(lengths))
-    phases = _phases(lengths, seed)
+    phases = _phases(lengths, checks.generator(seed, rng))
     kept = (q > 0) & (q <= 2 * math.pi / shortest * (1 + _ROUNDING))
     if not kept.any():
         expected = "a lattice on which a wave as long as the cut-off has room"
@@ -181,6 +180,7 @@ def from_spectrum(
     pixel_size: PixelSize = 1.0,
     unit: Unit = None,
     seed: Seed = 0,
+    rng: Rng = None,
 ) -> Field:
     r"""Make a periodic surface of a power spectrum of one's own, with random phases.
 
@@ -195,7 +195,7 @@ def from_spectrum(
         unit of the pixel size, C in the squared unit of the heights times the squared unit of the pixel size;
         of a profile, times that unit.
     pixel_size
-        Distance between sites; unit, seed and result are those of `spectral`.
+        Distance between sites; unit, seed, rng and result are those of `spectral`.
 
     Raises
     ------
@@ -230,13 +230,15 @@ def from_spectrum(
     if not power.any():
         known = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
         raise InputError("spectrum", expected=f"power between wave numbers of {known}", got="none")
-    modes = _phases(lengths, seed) * np.sqrt(power * (math.prod(lengths) / math.prod(sides)))
+    modes = _phases(lengths, checks.generator(seed, rng)) * np.sqrt(
+        power * (math.prod(lengths) / math.prod(sides))
+    )
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
 
-def _phases(shape: tuple[int, ...], seed: int) -> NDArray[np.complex128]:
+def _phases(shape: tuple[int, ...], random: np.random.Generator) -> NDArray[np.complex128]:
     """Numbers of magnitude 1 with random phases, for each mode of the half spectrum of a real field."""
-    noise = scipy.fft.rfftn(np.random.default_rng(checks.seed(seed)).normal(size=shape))
+    noise = scipy.fft.rfftn(random.normal(size=shape))
     return np.asarray(noise / np.abs(noise))
 
 

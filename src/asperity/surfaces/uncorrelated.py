@@ -8,15 +8,13 @@ is simplest: the ratio A(t)/A(0) does not depend on the load.
 
 from __future__ import annotations
 
-import numpy as np
-
 from asperity.base import checks
 from asperity.lattice import Field
-from asperity.surfaces.making import Rms, Seed, Shape, in_unit
+from asperity.surfaces.making import Rms, Rng, Seed, Shape, in_unit
 
 
 @in_unit("rms")
-def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0) -> Field:
+def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent Gaussian heights of mean 0.
 
     Parameters
@@ -27,6 +25,8 @@ def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0) -> Field:
         Standard deviation of the heights, in the unit that the heights shall have.
     seed
         Seed of the random numbers; the same seed gives the same surface.
+    rng
+        In place of the seed: a numpy generator, which advances, or its seed.
     unit
         Unit of all lengths, such as ``"um"``; they may then be texts with a unit, such as ``"50 nm"``.
     pixel_size
@@ -43,15 +43,15 @@ def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0) -> Field:
         seed is not an integer of 0 or more.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
-    return np.random.default_rng(checks.seed(seed)).normal(scale=width, size=lengths)
+    return checks.generator(seed, rng).normal(scale=width, size=lengths)
 
 
 @in_unit("rms")
-def exponential(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0) -> Field:
+def exponential(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 
     Their standard deviation is `rms`, and so is their mean: the mean is not removed. Arguments, result and
     errors are those of `gaussian`.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
-    return np.random.default_rng(checks.seed(seed)).exponential(scale=width, size=lengths)
+    return checks.generator(seed, rng).exponential(scale=width, size=lengths)
