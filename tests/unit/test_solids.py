@@ -31,7 +31,7 @@ def test_what_is_no_solid_is_refused():
         *((name, partial(make, **wrong)) for name, make, wrong in made),
         got=(
             "-1.0 | -1.0 | -1.0 | -1.0 | both 0 | 0.0 | '1' | -1.0 | 1.1 together | 1 branches | 0.0 | "
-            "0.0 | 0.6 | 2"
+            "0.0 | 0.6 | 1"
         ),
     )
 
