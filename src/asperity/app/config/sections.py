@@ -195,7 +195,7 @@ def _also(fact: Also) -> Callable[[Any], Any]:
 
 
 def sentence(error: InputError) -> str:
-    """What an error of the library says, for `asperity.app.config.mistakes`."""
+    """What an error of the library says, with its advice."""
     advice = f"; try {error.advice}" if error.advice else ""
     return f"{error.name}: expected {error.expected}, got {error.got}{advice}".removeprefix(": ")
 

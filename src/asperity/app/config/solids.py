@@ -67,9 +67,10 @@ KEYS_OF_LAWS: dict[str, list[set[str]]] = {
     name: [{f"creep_{of}" for of in parameters_of(law)}] for name, law in LAWS.items()
 }
 _ACTIVATED = {
-    name if name == "temperature" else f"creep_{name}": one.optional
-    for name, one in parameters_of(Eyring.activated).items()
+    **{f"creep_{name}": one.optional for name, one in parameters_of(Eyring.activated).items()},
+    "temperature": parameters_of(Eyring.activated)["temperature"].optional,
 }
+del _ACTIVATED["creep_temperature"]
 KEYS_OF_LAWS["eyring"].append(set(_ACTIVATED))
 """Keys that state each law of creep, in one way or another."""
 
