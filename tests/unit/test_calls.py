@@ -134,7 +134,7 @@ def test_a_unit_makes_a_surface_of_the_same_heights(make, first, numbers, texts)
     if waves:
         assert np.array_equal(make(first, **numbers, spacing=0.5), plain)
     told = inspect.signature(make)  # as help and editors show it
-    assert (told.parameters["unit"].annotation, told.return_annotation) == ("Unit", "Field | Surface")
+    assert (told.parameters["unit"].annotation, told.return_annotation) == ("str | None", "Field | Surface")
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ Unit = Annotated[
     Quantity("unit of the spacing and of all heights and wavelengths"),
 ]
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
-_ADDED = {"unit": "Unit", "pixel_size": "ArrayLike | str | None"}
+_ADDED = {"unit": "str | None", "pixel_size": "ArrayLike | str | None"}
 """Arguments that are added, and what they may be."""
 
 
@@ -95,8 +95,9 @@ def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
             size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
             return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        parameters = [*signature.parameters.values(), *more]
-        whole = signature.replace(parameters=parameters, return_annotation="Field | Surface")
+        known = signature.parameters.values()
+        parameters = [one.replace(annotation=_ADDED.get(one.name, one.annotation)) for one in known]
+        whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
         call.__signature__ = whole  # type: ignore[attr-defined]
         return cast(Maker[_P], call)
 

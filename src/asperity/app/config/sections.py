@@ -103,27 +103,19 @@ def any_of(words: Iterable[str]) -> str:
     return f"{', '.join(some)} or {last}" if some else last
 
 
-Several = Annotated[list[_T], Field(min_length=1), BeforeValidator(listed)]
 OneOrTwo = Annotated[list[_T], Field(min_length=1, max_length=2), BeforeValidator(listed)]
 """One of two bodies or axes, or of each."""
 Share = Annotated[float, Field(ge=0, le=1)]
-Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
-Constant = Annotated[float, Field(ge=0, le=1e30)]
-"""A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
 Time = Annotated[float, Field(ge=0, le=1e30), InUnit("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), InUnit("s")]
 FirstForce = Annotated[float, Field(ge=0, le=LARGEST), InUnit("N")]
 """A load at the beginning, from which a ramp may go up."""
 Force = Annotated[float, Field(gt=0, le=LARGEST), InUnit("N")]
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), InUnit("Pa")]
-Modulus = Annotated[float, Field(gt=0, le=1e30), InUnit("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
-Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), InUnit("N/m")]
-Energy = Annotated[float, Field(gt=0, le=LARGEST), InUnit("J")]
-Volume = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m^3")]
 Resistivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("ohm m")]
 Conductivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("W/m/K")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
@@ -245,9 +237,3 @@ def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
     return found
 
 
-Branch = Annotated[tuple[Share, Duration], BeforeValidator(_paired)]
-"""A share of the modulus, and a relaxation time."""
-Place = Annotated[tuple[Position, Position], BeforeValidator(_paired)]
-"""A place on the lattice."""
-Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]
-"""A mobility, and the power of the wave number with which it goes."""
