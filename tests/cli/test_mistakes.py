@@ -174,9 +174,10 @@ def python(*words):
     return subprocess.run([sys.executable, *words], check=False, capture_output=True, text=True, timeout=120)
 
 
-def test_help_does_not_wait_for_the_engine_and_the_command_is_a_module():
+def test_help_and_mistakes_do_not_wait_for_the_engine_and_the_command_is_a_module():
     code = (
         "import sys\nfrom asperity.app.cli import main\nmain(['run', '--help'])\n"
+        "main(['run', '--out', '.'])\n"
         "sys.exit(any(m in sys.modules for m in ('scipy.fft', 'numba', 'xarray', 'matplotlib')))"
     )
     assert python("-c", code).returncode == 0

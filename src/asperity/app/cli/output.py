@@ -10,11 +10,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
-from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
-from asperity.base.files import Standing, standing
+from asperity.base.files import Standing
 from asperity.base.tables import with_unit
-from asperity.errors import InputError
 from asperity.figures import (
     aging_curve,
     carried_figure,
@@ -32,50 +30,8 @@ if TYPE_CHECKING:
 
     from asperity.app.runs import Outcome
 
-_SIGNS = (
-    {"history.zarr", "config.toml", "summary.txt"},
-    {"history.zarr", "prediction.html", "summary.txt"},
-    {"friction.toml", "friction.csv"},
-    {"inference.html", "verdicts.csv", "summary.txt"},
-)
-"""Files by which the folder of a run, a prediction, a fit of friction and an inference is known."""
-
-_FILES = set().union(*_SIGNS) - {"friction.toml", "friction.csv"} | {"solid.toml", "priors.toml"}
-_STEMS = {
-    *("aging", "history", "sliding", "contacts", "patches", "carried", "growth", "pressure", "relaxation"),
-    *("observed", "friction", "resolution", "curve", "parameters", "corner", "posterior"),
-}
-"""Files and pictures that may be replaced."""
-
 _MOST_MAPS = 24
 """Maps that one figure shows."""
-
-
-def check_free(out: Path, *, overwrite: bool) -> Standing:
-    """Make sure, before anything is computed, that the results can be written; give what they may replace."""
-    folder = out.resolve()
-    if folder == Path.cwd() or folder in Path.cwd().parents:
-        raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
-    if out.exists() and not out.is_dir():
-        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    if found := {path.name for path in out.iterdir()} if out.exists() else set():
-        foreign = sorted(name for name in found - _FILES if Path(name).stem not in _STEMS)
-        expected, held, advice = "a new folder", "", "another name"
-        if not any(signs <= found for signs in _SIGNS):
-            held = "something else than a run"
-        elif not overwrite:
-            held, advice = "a run", "another name, or --overwrite"
-        elif foreign:
-            expected, held = "a run's folder with nothing else in it", f"{foreign[0]} too"
-            advice = "another name, or moving that away"
-        if held:
-            got = f"{out}, which holds {held} and is kept"
-            raise InputError("--out", expected=expected, got=got, advice=advice)
-    ground = folder.parent
-    while not ground.exists():
-        ground = ground.parent
-    try_writing("--out", out, ground)
-    return standing(out) if overwrite else frozenset()
 
 
 def write_run(outcome: Outcome, folder: Path) -> list[str]:

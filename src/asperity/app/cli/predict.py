@@ -23,6 +23,7 @@ from asperity.app.cli.flags import (
     given,
     in_flags,
 )
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -118,6 +119,7 @@ def predict(
 
         with in_flags(OF_TABLES):
             read(material, **{name: asked for name in OF_TABLES if (asked := vars(wanted)[name]) is not None})
+    replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
@@ -133,4 +135,5 @@ def predict(
         write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
         results=results,
+        replaceable=replaceable,
     )
