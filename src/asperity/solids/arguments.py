@@ -110,9 +110,7 @@ K1 = Annotated[
     Quantity("stiffness of the springs to the bulk", dimension="stiffness unit", usual=3.0),
 ]
 Mobility = Annotated[
-    float,
-    *(Ge(0), _LARGEST),
-    Quantity("mobility of creep that conserves the mean", dimension="R unit"),
+    float, *(Ge(0), _LARGEST), Quantity("mobility of creep that conserves the mean", dimension="R unit")
 ]
 ViscousMobility = Annotated[
     float, *(Ge(0), _LARGEST), Quantity("mobility of viscous creep", dimension="R unit")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
@@ -13,7 +13,7 @@ from annotated_types import Ge, Gt, Len, Lt
 from numpy.typing import NDArray
 
 from asperity.base import checks
-from asperity.base.parameters import Quantity
+from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
@@ -21,20 +21,14 @@ from asperity.surfaces.files import Length
 from asperity.surfaces.levelling import Lines, Tilt
 from asperity.surfaces.surface import Provenance, Surface
 
-Undefined = Literal["fill", "refuse"]
 Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
-Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
-CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
 
 _Path = Annotated[
     str | Path,
-    Quantity(
-        "surface file",
-        more="; the last flags of this group prepare it. For spectrum its table.",
-    ),
+    Quantity("surface file", more="; the last flags of this group prepare it. For spectrum its table."),
 ]
 _Undefined = Annotated[
-    Undefined,
+    Literal["fill", "refuse"],
     Quantity("what is done about undefined pixels", more=": fill (from their rims) or refuse."),
 ]
 _MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
@@ -47,16 +41,13 @@ _UndefinedValue = Annotated[
     ),
 ]
 _Tilt = Annotated[
-    Tilt,
-    Quantity("what is removed from the heights", more="; quadratic also the bow of a scanner."),
+    Tilt, Quantity("what is removed from the heights", more="; quadratic also the bow of a scanner.")
 ]
 _Despike = Annotated[
-    bool,
-    Quantity("pixels more than 6 robust standard deviations above the median height are filled"),
+    bool, Quantity("pixels more than 6 robust standard deviations above the median height are filled")
 ]
 _Lines = Annotated[
-    Lines,
-    Quantity("how the offsets of lines are levelled", more=". median: subtract it from each row."),
+    Lines, Quantity("how the offsets of lines are levelled", more=". median: subtract it from each row.")
 ]
 _Periodic = Annotated[
     Periodic,
@@ -67,7 +58,7 @@ _Periodic = Annotated[
     ),
 ]
 _Unit = Annotated[
-    Unit | None,
+    Literal[Length, "rms"] | None,
     Quantity(
         "unit of the heights",
         more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit of "
@@ -89,7 +80,7 @@ _Crop = Annotated[
     ),
 ]
 _CropUnit = Annotated[
-    CropUnit | None,
+    Literal["pixel", Length] | None,
     Quantity("unit of length in which the part is given", more=", in place of pixels."),
 ]
 _Longest = Annotated[
@@ -102,9 +93,7 @@ _Longest = Annotated[
     ),
 ]
 _Shortest = Annotated[
-    float | None,
-    Gt(0),
-    Quantity("shortest wavelength kept", dimension="length unit", more=", likewise."),
+    float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
 ]
 _FileUnit = Annotated[Length | None, Quantity("unit of the heights in a file that does not say")]
 _PixelSize = Annotated[
@@ -222,17 +211,16 @@ def read(
         If an option is none of the above, or the unit cannot be converted; if there are not two of the
         larger pixels along the other axis; or if more pixels are spikes than undefined ones are filled.
     """
-    for option, value, choices in (
-        ("undefined", undefined, get_args(Undefined)),
-        ("tilt", tilt, get_args(Tilt)),
-        ("lines", lines, get_args(Lines)),
-        ("periodic", periodic, get_args(Periodic)),
-        ("unit", unit, (None, *get_args(Unit))),
-        ("crop_unit", crop_unit, (None, *get_args(CropUnit))),
-        ("file_unit", file_unit, (None, *get_args(Length))),
-        ("length_unit", length_unit, (None, *get_args(Length))),
-    ):
-        checks.choice(option, value, choices)
+    words: dict[str, str | None] = {
+        "undefined": undefined,
+        "tilt": tilt,
+        "lines": lines,
+        "periodic": periodic,
+        "unit": unit,
+    }
+    words |= {"crop_unit": crop_unit, "file_unit": file_unit, "length_unit": length_unit}
+    for name, value in words.items():
+        parameters_of(read)[name].checked(name, value)
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)

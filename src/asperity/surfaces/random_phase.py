@@ -57,9 +57,7 @@ Cutoff = Annotated[
     float | None,
     Gt(0),
     Quantity(
-        "shortest wavelength",
-        dimension="length unit",
-        more=". By default eight times the larger spacing.",
+        "shortest wavelength", dimension="length unit", more=". By default eight times the larger spacing."
     ),
 ]
 RmsHeight = Annotated[

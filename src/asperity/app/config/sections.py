@@ -235,5 +235,3 @@ def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
             value = value[0] if len(value) == 1 else tuple(value)
         found[name] = not value if isinstance(value, bool) and parameter.quantity.key else value
     return found
-
-

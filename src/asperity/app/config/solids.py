@@ -86,8 +86,7 @@ PREDICTED = OF_LAWS | {
 _CREEP: dict[str, Any] = {
     "creep": (
         Annotated[
-            Literal[(*LAWS, "none")] | None,
-            AfterValidator(lambda word: None if word == "none" else word),
+            Literal[(*LAWS, "none")] | None, AfterValidator(lambda word: None if word == "none" else word)
         ],
         usual(
             None,
