@@ -47,7 +47,8 @@ _Despike = Annotated[
     bool, Quantity("pixels more than 6 robust standard deviations above the median height are filled")
 ]
 _Lines = Annotated[
-    Lines, Quantity("how the offsets of lines are levelled", more=". median: subtract it from each row.")
+    Lines,
+    Quantity("how the offsets of lines are levelled", more=". median: subtract its median from each row."),
 ]
 _Periodic = Annotated[
     Periodic,
@@ -69,7 +70,7 @@ _Channel = Annotated[
     str | int | None,
     Quantity("channel of the surface file", more=", by name or number. By default the file's."),
 ]
-_Resample = Annotated[bool, Quantity("pixels that are not square are averaged")]
+_Resample = Annotated[bool, Quantity("pixels that are not square are averaged to the larger spacing")]
 _Crop = Annotated[
     Sequence[float] | None,
     Len(2, 4),

@@ -115,7 +115,7 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
         """What `asperity.surfaces.read` is to do about the edges."""
         if self.edges == "periodic":
-            return "wrap" if self.periodic == "reflect" else self.periodic
+            return "wrap" if self.periodic in ("reflect", "free") else self.periodic
         return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
 
     @property
