@@ -15,7 +15,7 @@ from annotated_types import Ge, Gt
 
 from asperity import solids, surfaces
 from asperity.base.parameters import Quantity
-from asperity.solids import CreepBranch, FixedRate, LaplacianSpectrum, Solid
+from asperity.solids import CreepBranch, LaplacianSpectrum, Solid
 from asperity.surfaces.making import Shape
 
 Amplitude = Annotated[float, Gt(0), Quantity("amplitude of the stripes", dimension="height unit")]
@@ -30,9 +30,9 @@ def stripes(shape: Shape, *, amplitude: Amplitude = 1.0, period: Period = 8):
 
 
 def bed(*, rigidity: Stiffness, wait: Wait = 10.0):
-    law = LaplacianSpectrum(uniform=rigidity / 2)
-    branch = CreepBranch(law, FixedRate(1 / wait, law))
-    return Solid(law, (branch,), {"rigidity": rigidity, "wait": wait}, kind="bed")
+    law, mobility = (LaplacianSpectrum(uniform=value) for value in (rigidity / 2, 2 / (rigidity * wait)))
+    told = {"rigidity": rigidity, "wait": wait}
+    return Solid(permanent=law, branches=(CreepBranch(law, mobility),), parameters=told, kind="bed")
 
 
 surfaces.stripes, solids.bed = stripes, bed
