@@ -128,10 +128,9 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
         key, values = next(filter(None, found.groups())), found[0].partition("=")[2].strip("[]")
         key = "table_kind" if key == "kind" else key
         if key in given or (given and path is None):
-            return f"{flag_of(section, key)} {values.replace(',', '')}".rstrip() + " " * found[0].endswith(
-                "="
-            )
-        return re.sub("=", " = ", found[0]).strip("`") if "=" in found[0] else key
+            flag = flag_of(section, key)
+            return f"{flag} {values.replace(',', '')}" if "=" in found[0] else flag
+        return found[0].replace("=", " = ") if "=" in found[0] else key
 
     head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said).partition("; try ")
     said = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
