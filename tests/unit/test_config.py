@@ -20,15 +20,14 @@ from asperity.app.config.keys import Key, sections
 from asperity.app.config.mistakes import ORDER, models_of
 from asperity.app.config.models import (
     LEGS,
-    SOLIDS,
-    SURFACES,
     Aging,
     Output,
     RunConfig,
 )
 from asperity.app.config.python import to_python
 from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
-from asperity.app.config.solids import HalfSpace
+from asperity.app.config.solids import SOLIDS, HalfSpace
+from asperity.app.config.surfaces import SURFACES
 from asperity.app.runs import Progress, execute, recorded_times
 from asperity.base.words import has_unit, numbers, written_with_units
 from asperity.errors import ConfigError, InputError
@@ -37,10 +36,10 @@ from asperity.solids import Solid
 from asperity.theory import ExponentialHeights, GaussianHeights
 from tests.refusals import refuses
 
-Gaussian, Exponential, SelfAffine, Spectral = map(
-    SURFACES.__getitem__, ("gaussian", "exponential", "self_affine", "spectral")
+KINDS: Any = SURFACES | SOLIDS
+Gaussian, Exponential, SelfAffine, Spectral, SpringLattice, Layer = map(
+    KINDS.get, ("gaussian", "exponential", "self_affine", "spectral", "spring_lattice", "layer")
 )
-SpringLattice, Layer = SOLIDS["spring_lattice"], SOLIDS["layer"]
 
 
 def written(folder: Path, text: str) -> Path:

@@ -36,7 +36,7 @@ _PixelSize = Annotated[
 ]
 _Position = Annotated[Length, Quantity("position", "m")]
 _Places = Annotated[
-    Sequence[tuple[_Position, _Position]] | NDArray[np.float64],
+    Sequence[tuple[_Position, _Position]] | Sequence[Sequence[Length]] | NDArray[np.float64],
     Len(1),
     Quantity("places of the balls", "m", more=": pairs y x, counted from the first site, in m."),
 ]

@@ -62,10 +62,10 @@ class Maker(Protocol[_P]):
     """Makes heights, or with a unit a surface."""
 
     @overload
-    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
+    def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...  # type: ignore[overload-overlap]
 
     @overload
-    def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...
+    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
 
 
 def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
