@@ -9,10 +9,10 @@ import pytest
 import asperity as asp
 import asperity.app.runs.pipeline as pipeline
 from asperity.app.cli.flags import flags_for, given
-from asperity.app.cli.reports.run import _solid
 from asperity.app.config import config_from, to_toml
 from asperity.app.config.models import RunConfig
 from asperity.app.config.python import to_python
+from asperity.app.runs.words import _solid
 from asperity.base.parameters import parameters_of
 from asperity.contact import local_creep
 from asperity.contact.lattice_creep import LatticeCreep
@@ -102,7 +102,9 @@ def test_a_step_on_springs_lacks_no_more_than_is_allowed(R, load):
     solver = LatticeCreep(system.mechanics.springs, law, contact.lattice, ROUGH)
     u, before = contact.u - system.datum, contact.anchors[0] - system.datum
     for allowed in (1e-3, 1e-5, 1e-7):
-        end, _ = solver.solve(Stage(tau, before, load, 0.0), LocalState(u, 3.0 * (u - before), 0.0), allowed)
+        end = solver.solve(
+            Stage(tau, before, load, 0.0), LocalState(u, 3.0 * (u - before), 0.0), allowed
+        ).state()
         lacking = end.u - end.position - before - end.force / 3 - tau * solver.velocity(end.force)
         own = 1 + 3 * tau * (law.velocity(end.force)[1] + 4 * R)
         assert np.sqrt(np.mean((lacking / own) ** 2)) <= allowed

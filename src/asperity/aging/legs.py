@@ -2,7 +2,7 @@
 
 Contacts grow like the logarithm of the time since the last switch, so the length of the steps and the
 guesses of where contacts will be begin anew with each leg. While the rough surface slides, each shift is such
-a switch; there the first step is as long as the march after the shift before found it could be.
+a switch.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
-from asperity.aging.frames import Frame, Midway, Pace
+from asperity.aging.frames import Frame, Midway
 from asperity.aging.march import creep
-from asperity.contact.controls import Control, control_from
+from asperity.contact.contact import Contact, control_of
+from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact, control_of
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.protocols import Leg, Schedule, Shifts
 from asperity.solids import Solid
@@ -30,18 +32,18 @@ from asperity.solids import Solid
 class LegMidway:
     """State from which a history resumes within a leg, to identical results.
 
-    ``begun``, ``control`` and ``approach`` are those at the beginning of the march in the leg, whose times
-    are since then; ``shifts`` says how often the rough surface was shifted in this leg, and ``pace`` how the
-    march began, where it slides.
+    ``begun`` and ``approach`` are those at the beginning of the march in the leg, whose times are since then;
+    ``control`` is what was prescribed at the beginning of the leg, and ``level`` the separation at which the
+    approach was 0; ``shifts`` says how often the rough surface was shifted in this leg.
     """
 
     leg: int
     begun: float
     control: Control
+    level: float
     approach: float
     midway: Midway
     shifts: int = 0
-    pace: Pace | None = None
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
@@ -87,7 +89,7 @@ def follow(
         elif shifts is not None:
             yield from way.slide(leg, shifts, number, span, here)
         elif leg.jumps:
-            pressed = pressed_anew(way.now.contact, _target(way.now, leg), solver)
+            pressed = pressed_anew(way.now.contact, way.target(leg), solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
             if here is not None:
@@ -134,7 +136,7 @@ class _Way:
     ) -> Iterator[Frame]:
         """Shift, creep until the next shift, and so on."""
         begun, end = span
-        lasting, start, pace = shifts.length / leg.speed, self.now, None
+        lasting, start = shifts.length / leg.speed, self.now
         for n in range(0 if here is None else here.shifts - 1, shifts.count):
             last, since = n + 1 == shifts.count, begun + n * lasting
             moved = replace(_moved(start, shifts, n + 1), leg=number, velocity=leg.speed)
@@ -147,39 +149,31 @@ class _Way:
                 self.resume()
             if lasting > 0:
                 span = since, end if last else begun + (n + 1) * lasting
-                pace = yield from self.creep(leg, number, span, here, n + 1, pace)
+                yield from self.creep(leg, number, span, here, n + 1)
             here = None
 
     def creep(
-        self,
-        leg: Leg,
-        number: int,
-        span: tuple[float, float],
-        here: LegMidway | None,
-        shifts: int = 0,
-        pace: Pace | None = None,
-    ) -> Generator[Frame, None, Pace | None]:
-        """March through a span of time; returns what it tells of the length of steps."""
-        now, (begun, end) = self.now, span
+        self, leg: Leg, number: int, span: tuple[float, float], here: LegMidway | None, shifts: int = 0
+    ) -> Iterator[Frame]:
+        """March through a span of time."""
+        now, (begun, end), deformation = self.now, span, 0.0
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
+        start, level = (self.start(leg), self.level) if here is None else (here.control, here.level)
+        control = self.prescribed(leg, start, level, end - begun)
         if here is not None:
-            begun, control = here.begun, here.control
+            begun, control = here.begun, control.after((here.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
-        else:
-            control = _control(now, leg, end - begun)
-            if control.rate and not now.contact.load and now.contact.has_not_crept:
-                begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
-                stops = stops[stops > begun]
-                if not stops.size:
-                    return pace
+        elif control.course and not now.contact.load and now.contact.has_not_crept:
+            begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
+            stops = stops[stops > begun]
+            if not stops.size:
+                return
         approach = self.now.approach if here is None else here.approach
-        told = None if here is None else here.pace
 
-        def keep(pace: Pace, midway: Callable[[], Midway]) -> None:
-            nonlocal told
-            told = Pace(pace.length if told is None else told.length, pace.deformation)
+        def keep(midway: Callable[[], Midway]) -> None:
             if self.after_step is not None:
-                self.after_step(lambda: LegMidway(number, begun, control, approach, midway(), shifts, told))
+                where = number, begun, start, level, approach
+                self.after_step(lambda: LegMidway(*where, midway(), shifts))
 
         frames = creep(
             self.now.contact,
@@ -189,7 +183,7 @@ class _Way:
             rtol=self.rtol,
             solver=self.solver,
             exact=self.exact,
-            pace=pace,
+            deformation=deformation,
             midway=None if here is None else here.midway,
             after_step=keep,
         )
@@ -207,52 +201,89 @@ class _Way:
                 at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now
-        return told
 
     def touch(
         self, control: Control, leg: Leg, number: int, begun: float, stops: Field
-    ) -> Generator[Frame, None, tuple[float, Control, Pace | None]]:
-        """Go, from where nothing is deformed, to where a march can begin: its time, control and pace.
+    ) -> Generator[Frame, None, tuple[float, Control, float]]:
+        """Go, from where nothing is deformed, to where a march can begin: its time, control and deformation.
 
         Without a deformation there is none that errors could be relative to. So errors until the first time
         with contact are relative to the deformation there, and what is prescribed within ``rtol`` of the way
         to that time is put on at once; what creeps before is half the square of rtol of that at the first
         state.
         """
-        now, touching, rate = self.now, begun, control.rate * leg.mobility
-        if not control.load_controlled:
-            touching += (float(now.contact.heights.max()) - control.value) / rate if rate < 0 else math.inf
+        now, pace, top = self.now, leg.mobility, float(self.now.contact.heights.max())
+        times, touching = _resolved(control, begun, float(stops[-1]), pace), begun
 
         def at(time: float) -> Control:
-            return control.at((time - begun) * leg.mobility)
+            return control.at((time - begun) * pace)
 
+        near = 1
+        if not control.load_controlled:
+            near = next((n for n, time in enumerate(times) if at(time).value < top), 0)
+            way = times[near - 1 : near + 1]
+            touching = _root(lambda time: at(time).value - top, *way) if near else math.inf
         for time in stops[stops <= touching].tolist():
             apart = pressed_anew(now.contact, at(time), self.solver)
             yield self.at_once(apart, replace(now, time=time, leg=number))
         if not (stops > touching).any():
-            return math.inf, control, None
-        reached = float(stops[stops > touching][0])
+            return math.inf, control, 0.0
+        reached = min(float(stops[stops > touching][0]), times[near])
         first, begun_at = pressed_anew(now.contact, at(reached), self.solver), touching
         begun_at += self.rtol * (reached - touching)
         start = pressed_anew(now.contact, at(begun_at), self.solver, least_force=first.residual_scale)
         self.at_once(start, now)
-        return begun_at, replace(at(begun_at), rate=control.rate), Pace(0.0, float(first.u.std()))
+        return begun_at, control.after((begun_at - begun) * pace), float(first.u.std())
+
+    @property
+    def level(self) -> float:
+        """Separation at which the approach was 0: under viscous creep the body is not at the mean of u0."""
+        return self.now.contact.separation + self.now.approach
+
+    def start(self, leg: Leg) -> Control:
+        """What is prescribed when a leg begins."""
+        contact = self.now.contact
+        if not leg.target:
+            return control_of(contact, leg.hold)
+        if leg.moves_the_body:
+            return Separation(contact.separation)
+        return contact.control if contact.control.load_controlled else control_of(contact, "load")
+
+    def target(self, leg: Leg) -> Control:
+        """What a leg prescribes at once."""
+        kind, zero, unit = self.measured(leg, self.level)
+        return kind(zero + unit * leg.value(0.0, math.nan))
+
+    def measured(self, leg: Leg, level: float) -> tuple[type[Control], float, float]:
+        """What a leg prescribes, with the zero and the unit of its values."""
+        units = {"load": 1.0, "pressure": self.contact.nominal_area}
+        if leg.target in units:
+            return Load, 0.0, units[leg.target]
+        return (Separation, level, -1.0) if leg.target == "approach" else (Separation, 0.0, 1.0)
+
+    def prescribed(self, leg: Leg, start: Control, level: float, lasting: float) -> Control:
+        """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
+        if not leg.target:
+            return start
+        _, zero, unit = self.measured(leg, level)
+        first, pace = (start.value - zero) / unit, leg.duration / (lasting * leg.mobility)
+
+        def at(time: float) -> float:
+            return zero + unit * leg.value(time * pace, first)
+
+        if abs(at(0.0) - start.value) > 1e-9 * max(abs(zero), abs(start.value)):
+            expected, got = f"legs that begin at what is prescribed, {start.value:g}", f"{at(0.0):g}"
+            raise InputError("protocol", expected=expected, got=got, advice="a Step before it")
+        return replace(start, course=Course(at, min(leg.longest, leg.duration) / pace, leg.rises(first)))
 
 
-def _control(now: Frame, leg: Leg, lasting: float) -> Control:
-    """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
-    if not leg.target:
-        return control_of(now.contact, leg.hold)
-    target = _target(now, leg)
-    start, control = now.contact.separation, now.contact.control
-    if target.load_controlled:
-        start = control.value if control.load_controlled else control_of(now.contact, "load").value
-    return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
+def _resolved(control: Control, begin: float, end: float, pace: float) -> list[float]:
+    """Times between which what is prescribed is followed."""
+    count = max(1, math.ceil((end - begin) * pace / control.longest))
+    return [begin + (end - begin) * n / count for n in range(count)] + [end]
 
 
-def _target(now: Frame, leg: Leg) -> Control:
-    if leg.target == "approach":  # under viscous creep the mean of u0 is not where the body was put
-        return control_from(None, now.contact.separation + now.approach - leg.end)
-    if leg.target == "separation":
-        return control_from(None, leg.end)
-    return control_from(leg.load_on(now.contact.nominal_area), None)
+def _root(function: Callable[[float], float], begin: float, end: float) -> float:
+    """Where a function is 0 between times at which its signs differ, to the last digits."""
+    eps = float(np.finfo(float).eps)
+    return float(brentq(function, begin, end, xtol=eps**2 * (end - begin), rtol=4 * eps))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.contact.controls import Control
-from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
+from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -47,7 +47,7 @@ class System:
 
     def at(self, time: float) -> System:
         """Return the system with what is prescribed at a time, constant from there."""
-        return replace(self, control=self.control.at(time)) if self.control.rate else self
+        return replace(self, control=self.control.at(time)) if self.control.course else self
 
     def above(self, heights: Field) -> System:
         """Return the system above other heights."""
@@ -89,8 +89,12 @@ class System:
 
     @property
     def drift(self) -> float:
-        """Velocity at which a moving rigid body carries the anchors along; 0 under load control."""
+        """Velocity at which a rigid body that moves carries the anchors along at time 0; 0 under a load."""
         return 0.0 if self.control.load_controlled else self.control.rate
+
+    def moved(self, since: float, time: float) -> float:
+        """How far a moving rigid body carries the anchors along from a time to another; 0 under a load."""
+        return 0.0 if self.control.load_controlled else self.control.change(since, time)
 
     @property
     def free_mean(self) -> bool:
@@ -117,12 +121,12 @@ class System:
         assert self.load is not None
         return moved - self.load / (self.sites * mechanics.mean_stiffness)
 
-    def problem(self, step: ImplicitStep, anchors: Field | float) -> ContactProblem:
-        """The contact problem of an implicit step from anchors v_b: fields, or the level of flat ones."""
+    def problem(self, step: ImplicitStep, anchors: Field) -> ContactProblem:
+        """The contact problem of an implicit step from anchors v_b."""
         return step.problem(self.heights, anchors, self.held())
 
     def stretch(
-        self, step: ImplicitStep, solution: Solution, anchors: Field | float, position: float
+        self, step: ImplicitStep, solution: Solution, anchors: Field, position: float
     ) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after a step, and where the rigid body then is."""
         if solution.stretch is not None:
@@ -146,16 +150,6 @@ class System:
         if self.mechanics.hangs_on_one_branch:
             return float(np.mean(anchors[0]))
         return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
-
-    def creep_rate(self, stretch: Field) -> Field:
-        """Rate d u0 / dt on the lattice of springs; under load control the load decides its mean."""
-        assert isinstance(self.mechanics, SpringMechanics)
-        rate = self.mechanics.creep_rate(stretch)
-        if self.control.load_controlled:
-            rate -= rate.mean()
-        elif self.drift:
-            rate += self.drift
-        return rate
 
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""

@@ -16,17 +16,16 @@ from numpy.typing import NDArray
 
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
-from asperity.aging.frames import Counts, Midway, Pace
+from asperity.aging.frames import Counts, Midway
 from asperity.aging.legs import LegMidway
 from asperity.aging.tr_bdf2 import Origin
 from asperity.base import checks
 from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
-from asperity.contact.carried import Carried
-from asperity.contact.controls import Load, Separation
+from asperity.carried import Carried
+from asperity.contact import Contact, Load, Separation
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact
 from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.protocols import Schedule
@@ -162,10 +161,10 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for index, one in enumerate(facts["snapshots"])
     ]
     here = facts["here"]
-    area, pace = here["midway"]["area"], here["pace"]
+    area = here["midway"]["area"]
     midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
     parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
     midway |= {name: part(**midway[name]) for name, part in parts.items()}
     kind = Load if facts["control"] == Load.name else Separation
-    restored = {"control": kind(**here["control"]), "midway": Midway(**midway), "pace": pace and Pace(**pace)}
+    restored = {"control": kind(**here["control"]), "midway": Midway(**midway)}
     return Place(LegMidway(**here | restored), facts["rows"], snapshots)

@@ -8,15 +8,16 @@ from pathlib import Path
 import xarray as xr
 
 from asperity.base import checks, views
+from asperity.contact import Contact, Load, Separation
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
-from asperity.contact.controls import Load, Separation
 from asperity.contact.instantaneous import above_anchors
-from asperity.contact.problem import Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.problem import Guess, Solution
+from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
-from asperity.results.dataset import attributes_of, coordinates_of, describe, recorded
+from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe
 from asperity.results.quantities import had_by
 from asperity.results.store import load
 from asperity.solids import Solid
@@ -65,7 +66,7 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
         raise InputError("path", expected=expected, got=f"{path}, which holds none", advice=advice)
     checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     facts = data.attrs
-    own = {"solid": solid.kind} | {name: recorded(value) for name, value in solid.parameters.items()}
+    own = attributes_of_solid(solid)
     if wrong := [name for name, value in own.items() if facts.get(name) != value]:
         expected = ", ".join(f"{name} {facts.get(name, 'none')}" for name in wrong)
         got = ", ".join(f"{name} {own[name]}" for name in wrong)
@@ -77,10 +78,14 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     kind = Load if facts["held"] == Load.name else Separation
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
-    surface, anchors = (data[name].values - system.datum for name in ("u", "anchors"))
+    # The gap has digits that u has lost beside a large datum; so have anchors, which a load puts in place.
+    surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
     whole = lattice.embedding
     if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
-        near = whole.extended(surface, position) + system.datum, whole.extended(touching, beyond=False)
+        near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
+    if system.load:
+        moved = system.displacement(surface, anchors, position)
+        anchors, position = anchors + moved, position + moved
     solution = Solution(surface, touching, int(data["iterations"]), 0)
-    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)
+    return contact_from(system, solution, AnchorFields(anchors), position, bodies=bodies)

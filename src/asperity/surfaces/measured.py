@@ -25,7 +25,7 @@ Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
 
 _Path = Annotated[
     str | Path,
-    Quantity("surface file", more="; the last flags of this group prepare it. For spectrum its table."),
+    Quantity("surface file", more="; the other settings of this group prepare it. For spectrum its table."),
 ]
 _Undefined = Annotated[
     Literal["fill", "refuse"],

@@ -10,7 +10,7 @@ from asperity.app.config.models import RunConfig
 from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.parameters import parameters_of
 from asperity.base.version import __version__
-from asperity.contact import Carried
+from asperity.carried import Carried
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.protocols import Leg

@@ -46,7 +46,7 @@ from asperity.base import checks
 from asperity.base.columns import Chosen, Units
 from asperity.base.files import content_of, expanded
 from asperity.base.machine import require
-from asperity.contact import Carried
+from asperity.carried import Carried
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
@@ -345,7 +345,7 @@ def _predicted(
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     scan.in_meters()
     plain = replace(scan, filled=None)  # load on filled pixels is remarked at the end, of all maps
-    if solid.kind != "half_space":
+    if not solid.half_space:
         raise no_half_space("material", solid.kind)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)

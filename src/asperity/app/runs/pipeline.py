@@ -21,9 +21,9 @@ from asperity.app.runs import defaults
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
-from asperity.contact import Carried, Contact
+from asperity.carried import Carried, check_half_space
+from asperity.contact import Contact
 from asperity.contact.bodies import bodies_of
-from asperity.contact.response import check_half_space
 from asperity.errors import ConvergenceError, InputError, Remark
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field, Lattice
@@ -136,7 +136,7 @@ def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool, h
     cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
     needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
     if springs is None and solid.creep is not None:
-        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
+        needed = _SHARED if solid.permanent_share > 0 else _LOCAL
     return round(needed * embedded) + maps * (_MAP + _MAPPED_BRANCH * more)
 
 
