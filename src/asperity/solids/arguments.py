@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le, Len
 
 from asperity.base.parameters import Also, Quantity
-from asperity.relaxation import check_branches
+from asperity.solids.branches import check_branches
 
 _LARGEST = Le(1e30)
 """Products of stiffnesses and mobilities are taken in single precision, which ends at 3e38."""

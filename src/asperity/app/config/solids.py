@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
 from asperity.app.config.sections import (
     OneOrTwo,
-    Pressure,
     Section,
-    Temperature,
     any_of,
     arguments_of,
     field_of,
@@ -33,7 +32,7 @@ from asperity.solids import KINDS, Solid
 from asperity.solids.arguments import Branches
 
 if TYPE_CHECKING:
-    from asperity.relaxation import Fit
+    from asperity.relaxation import Fit, Material
 
 Plateau = Literal["plateau"]
 TableModulus = Literal["young", "shear", "contact"]
@@ -77,11 +76,6 @@ KEYS_OF_LAWS["eyring"].append(set(_ACTIVATED))
 ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
 OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
 """Keys of local laws of creep."""
-
-PREDICTED = OF_LAWS | {
-    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
-}
-"""Keys of a half-space that a prediction takes as flags."""
 
 _CREEP: dict[str, Any] = {
     "creep": (
@@ -140,11 +134,13 @@ class OfTable(Section):
     )
 
 
-_OF_TABLES = [name for name in OfTable.model_fields if name != "relaxation"]
-READING = {"kind": "table_kind", "modulus": "table_modulus"} | {
-    name: name for name in ("columns", "units", "noise")
+OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
+    name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
 }
-"""Keys that are arguments of `asperity.relaxation.read`, by the names of these."""
+"""Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
+
+PREDICTED = {*OF_LAWS, *OF_TABLES.values(), "young", "poisson", "branches", "creep", "permanent", "hardness"}
+"""Keys of a half-space that a prediction takes as flags."""
 
 
 class SolidSection(Section):
@@ -254,7 +250,7 @@ class Continuum(SolidSection):
         if self.table is None:
             if self.modulus is None and self.young is None:
                 raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
-            if others := [key for key in _OF_TABLES if getattr(self, key) is not None]:
+            if others := [key for key in OF_TABLES.values() if getattr(self, key) is not None]:
                 raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
             return
         if self.branches:
@@ -262,10 +258,12 @@ class Continuum(SolidSection):
         if len(listed(self.young) or []) > 1:  # type: ignore[arg-type]
             raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
         try:
-            _ = self.fit
+            measured = "" if (found := self.of_table) is None else found.facts["measured"]
         except InputError as error:
-            asked = error.name if error.name in _OF_TABLES else "relaxation"
+            asked = error.name if error.name in OF_TABLES.values() else "relaxation"
             raise ValueError(f"{asked}: {error}") from None
+        if self.modulus is None and self.poisson is None and measured != "contact":
+            raise ValueError(f"poisson: expected one for each of 1 in young, got 0; try poisson={POISSON}")
 
     @property
     def table(self) -> Path | None:
@@ -274,31 +272,37 @@ class Continuum(SolidSection):
         return None if path is None else expanded(path)
 
     @property
-    def fit(self) -> Fit | None:
-        """The table, fitted."""
+    def of_table(self) -> Material | None:
+        """What the table gives, and what it is taken for."""
         if (path := self.table) is None:
             return None
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        how = {name: getattr(self, key) for name, key in READING.items()}
-        reading = tuple(
-            (name, tuple(value) if isinstance(value, list) else value)
-            for name, value in how.items()
-            if value is not None
-        )
-        return _fitted(path, reading, self.per_decade, self.extrapolate, changed)
+        how = {name: getattr(self, key) for name, key in OF_TABLES.items()}
+        how |= {"modulus": self.modulus or how["modulus"]}
+        how |= {name: one for name, one in self._of_one_body.items() if one is not None}
+        asked = ((name, tuple(one) if isinstance(one, list) else one) for name, one in how.items())
+        return _material(path, tuple((name, one) for name, one in asked if one is not None), changed)
+
+    @property
+    def _of_one_body(self) -> dict[str, float | None]:
+        found = {"young": self.young, "poisson": self.poisson}
+        return {name: one[0] if isinstance(one, list) else one for name, one in found.items()}
+
+    @property
+    def fit(self) -> Fit | None:
+        """The table, fitted."""
+        return None if (made := self.of_table) is None else made.fit
 
     @property
     def _of_table(self) -> dict[str, Any]:
         """Arguments that the table gives: branches, and a modulus where no other is given."""
-        if (fit := self.fit) is None:
+        if (made := self.of_table) is None or made.fit is None:
             return {}
-        facts: dict[str, Any] = {"branches": list(fit.series.branches)}
-        ratio = next(iter(listed(self.poisson) or []), None)  # type: ignore[call-overload]
+        facts: dict[str, Any] = {"branches": list(made.fit.series.branches)}
         if self.modulus is not None or self.young is not None:
             return facts
-        if ratio is not None:
-            return facts | {"young": contact_modulus_of(fit, ratio, fit.data.measured) * (1 - ratio**2)}
-        return facts | {"modulus" if fit.data.measured == "contact" else "young": fit.series.modulus}
+        contact, ratio = cast(float, made.solid.modulus), self._of_one_body["poisson"]
+        return facts | ({"modulus": contact} if ratio is None else {"young": contact * (1 - ratio**2)})
 
     @property
     def given(self) -> dict[str, Any]:
@@ -320,7 +324,7 @@ class Continuum(SolidSection):
     @property
     def contact_modulus(self) -> float:
         """Contact modulus at once."""
-        return cast(float, self.build().parameters["modulus"])
+        return cast(float, self.build().modulus)
 
     @property
     def times(self) -> list[float]:
@@ -384,6 +388,14 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
             raise ValueError(f"draws: expected branches beside it, got {next(others, 'none')}")
 
     @property
+    def material(self) -> Material:
+        """What a prediction is of."""
+        from asperity.relaxation import material
+
+        table, solid = self.of_table, self.build()
+        return material(solid, draws=self.draws) if table is None else replace(table, solid=solid)
+
+    @property
     def unused(self) -> str:
         """See `SolidSection`."""
         return "" if self.draws is None else "a run does not use [solid] draws; asperity predict does"
@@ -394,35 +406,25 @@ SOLIDS: dict[str, type[SolidSection]] = {
 }
 
 
-class BesideTable(Section):
-    """Keys of a half-space that a prediction takes beside a relaxation table."""
-
-    poisson: Annotated[OneOrTwo[float], Field(max_length=1)] | None = None
-    per_decade: PerDecade | None = None
-    extrapolate: Plateau | None = None
-    hardness: Pressure | None = None
-    temperature: Temperature | None = None
-
-
-def contact_modulus_of(fit: Fit, poisson: float, measured: TableModulus | None) -> float:
-    """E* of a table of E, of G = E/2(1 + nu), or of E* itself."""
-    from asperity.solids import contact_modulus
-
-    if measured == "contact":
-        return fit.series.modulus
-    return contact_modulus(fit.series.modulus * (2 * (1 + poisson) if measured == "shear" else 1), poisson)
+_BESIDE: dict[str, Any] = {
+    name: (field.annotation, field)
+    for name, field in HalfSpace.model_fields.items()
+    if name in (*OF_TABLES.values(), "hardness", "temperature")
+}
+BesideTable = create_model(
+    "BesideTable",
+    __base__=Section,
+    poisson=(Annotated[OneOrTwo[float], Field(max_length=1)] | None, None),
+    modulus=(TableModulus | None, None),
+    **_BESIDE,
+)
+"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(
-    path: Path,
-    how: tuple[tuple[str, Any], ...],
-    per_decade: float | None,
-    extrapolate: Plateau | None,
-    changed: int,
-) -> Fit:
-    """A table, fitted; ``changed`` tells one state of the file from another."""
-    from asperity.relaxation import fit, read
+def _material(path: Path, how: tuple[tuple[str, Any], ...], changed: int) -> Material:
+    """What a table gives; ``changed`` tells one state of the file from another."""
+    from asperity.relaxation import material
 
     del changed
-    return fit(read(path, **dict(how)), per_decade=per_decade, extrapolate=extrapolate)
+    return material(path, **dict(how))
