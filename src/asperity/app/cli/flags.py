@@ -185,10 +185,11 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
+    from asperity.app.config.creep import FORMULAS
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
     from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
-    from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
     from asperity.app.config.surfaces import MeasuredSurface
 
     words = {

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from asperity.app.config.creep import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.app.config.mistakes import Sections, spelled
 from asperity.app.config.models import KINDS, RunConfig
-from asperity.app.config.solids import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml

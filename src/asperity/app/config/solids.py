@@ -9,8 +9,9 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
+from asperity.app.config.creep import ACTIVATED, ACTIVATION, CREEP, KEYS_OF_LAWS, OF_LAWS, marked
 from asperity.app.config.sections import (
     OneOrTwo,
     Section,
@@ -52,48 +53,6 @@ def _as_words(value: object) -> object:
     return (
         [str(word) if isinstance(word, int) else word for word in value] if isinstance(value, list) else value
     )
-
-
-def _marked(keys: set[str]) -> str:
-    """Keys for a message, marked, so that where they came as flags it can name these."""
-    return ", ".join(f"`{key}`" for key in sorted(keys))
-
-
-FORMULAS = any_of(f"{name}, {law.formula}" for name, law in LAWS.items())
-"""Laws of creep in words."""
-
-KEYS_OF_LAWS: dict[str, list[set[str]]] = {
-    name: [{f"creep_{of}" for of in parameters_of(law)}] for name, law in LAWS.items()
-}
-_ACTIVATED = {
-    **{f"creep_{name}": one.optional for name, one in parameters_of(Eyring.activated).items()},
-    "temperature": parameters_of(Eyring.activated)["temperature"].optional,
-}
-del _ACTIVATED["creep_temperature"]
-KEYS_OF_LAWS["eyring"].append(set(_ACTIVATED))
-"""Keys that state each law of creep, in one way or another."""
-
-ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
-OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
-"""Keys of local laws of creep."""
-
-_CREEP: dict[str, Any] = {
-    "creep": (
-        Annotated[
-            Literal[(*LAWS, "none")] | None, AfterValidator(lambda word: None if word == "none" else word)
-        ],
-        usual(
-            None,
-            f"Local law of creep: {FORMULAS}; s is the pressure, "
-            "or on the lattice of springs the force of a spring to the bulk.",
-        ),
-    ),
-    **{
-        f"creep_{name}": field_of(parameter.optional)
-        for law in LAWS.values()
-        for name, parameter in parameters_of(law).items()
-    },
-}
 
 
 class OfTable(Section):
@@ -187,7 +146,7 @@ class SolidSection(Section):
         """Refuse keys of a law of creep that are not those of one law, with `ValueError`."""
         keys, creep = type(self).model_fields, getattr(self, "creep", None)
         given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
-        told = _marked(given) or "none"
+        told = marked(given) or "none"
         ways = [way for way in KEYS_OF_LAWS.get(creep or "", []) if way <= keys.keys()]
         if creep is None and given:
             laws = [name for name, ways in KEYS_OF_LAWS.items() if given <= set().union(*ways)]
@@ -195,7 +154,7 @@ class SolidSection(Section):
             advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
             raise ValueError(f"creep: expected {any_of(laws or LAWS)} beside {told}, got none{advice}")
         if creep is not None and given not in ways:
-            raise ValueError(f"creep: expected {' or '.join(map(_marked, ways))} beside {creep}, got {told}")
+            raise ValueError(f"creep: expected {' or '.join(map(marked, ways))} beside {creep}, got {told}")
 
     @property
     def span(self) -> tuple[float, float]:
@@ -358,10 +317,10 @@ def _section_of(kind: str) -> type[SolidSection]:
     base: type[SolidSection] = SolidSection
     keys = keys_of_maker(make)
     if "creep" in signature(make).parameters:
-        keys |= _CREEP
+        keys |= CREEP
     if "modulus" in keys:
         base = Continuum
-        keys |= {name: field_of(one) for name, one in _ACTIVATED.items() if "creep" in keys}
+        keys |= {name: field_of(one) for name, one in ACTIVATED.items() if "creep" in keys}
     if "branches" in keys:
         keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
     return made(f"{kind.title().replace('_', '')}Solid", __name__, base, kind, keys)
