@@ -54,7 +54,7 @@ def test_the_level_of_the_heights_does_not_matter(held, creep):
     solid, found = spring_lattice(k0=1.0, k1=1.0), []
     raised = uncorrelated(32) + 1e6
     for heights in (raised, raised - raised.max()):
-        (name, value), top = *held.items(), heights.max()
+        [(name, value)], top = held.items(), heights.max()
         contact = press(heights, solid, **{name: value + (top if name == "separation" else 0.0)})
         found.append(age(contact, [1.0]).final if creep else contact)
         assert_equilibrium(found[-1], k0=1.0, k1=1.0, load=held.get("load"))
