@@ -201,7 +201,8 @@ class Continuum(SolidSection):
         """Take the words shear, young, contact as modulus for what the table measures; the usual ratio."""
         if not cls.model_fields["poisson"].is_required() and isinstance(keys, dict):
             bodies = listed(keys.get("young"))
-            if isinstance(bodies, list) and keys.get("poisson") is None:
+            alone = keys.get("poisson") is None and keys.get("modulus") in (None, *get_args(TableModulus))
+            if alone and isinstance(bodies, list):
                 keys = {**keys, "poisson": [POISSON] * len(bodies)}
         if isinstance(keys, dict) and keys.get("modulus") in get_args(TableModulus):
             return {**keys, "table_modulus": keys["modulus"], "modulus": None}
