@@ -112,10 +112,8 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
         Takes times and areas and gives a dataclass of which some fields have a ``..._stderr`` beside them,
         the parameters: `saturation`, `logarithm`, `growth_rate`, `power_law`, or a function of your own,
         such as ``lambda t, A: growth_rate(t, A, first=1.0, last=1e3)``.
-    time
-        Times of all runs, shape (times,).
-    areas
-        Areas, shape (runs, times). The fit sees their mean over runs.
+    time, areas
+        Times of all runs, shape (times,); areas, shape (runs, times), of which the fit sees the mean.
 
     With one run the errors are NaN. Errors are those of `fit`.
     """

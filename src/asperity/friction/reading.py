@@ -78,10 +78,9 @@ def read_record(
     ----------
     path
         A text file with a line for each time; or a binary file of xlook.
-    columns
-        Names or numbers, from 0, of the columns to read; by default all whose names are understood.
-    units
-        Units of columns by name or number, in place of those of the table: ``{"slip": "um"}``.
+    columns, units
+        Names or numbers, from 0, of the columns to read, by default all that are understood; and their units
+        in place of those of the table: ``{"slip": "um"}``.
     strength_at_rest
         As in `Record`.
     start, stop

@@ -89,13 +89,6 @@ class ShearStrength:
 def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | str) -> xr.Dataset:
     """Add the friction force and the friction coefficient to the dataset of a history.
 
-    Parameters
-    ----------
-    dataset
-        That of a `History`, whether it slides or not.
-    shear_strength
-        A strength, or how it depends on the velocity.
-
     Returns
     -------
     Dataset
