@@ -27,7 +27,7 @@ from asperity.contact import Contact
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid import Multigrid
-from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
+from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Surface
 from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.system import System
@@ -129,7 +129,7 @@ class SpringSteps(TrBdf2):
         """See `TrBdf2`."""
         s = self.springs
         self.tau, self.weight, self.drifts = tau, tau * (WEIGHT / DIAGONAL), self.drifts[:1]
-        self.work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+        self.work.prepare(s.k1 / self.k0, tau * s.spread, tau * s.drag)
 
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`."""
@@ -193,13 +193,12 @@ class SpringSteps(TrBdf2):
 
     def settle(self, offset: float) -> None:
         """Add the corrections, and an offset to w, and prepare for steps from there."""
-        s, work = self.springs, self.work
-        springs = Springs(s.k0, s.k1, s.k1 * s.R, s.k1 * s.R_viscous)
+        work = self.work
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
         scales = Scales(self.k0 * self.unit, self.unit, self.level)
         work.backend.settle(surface, work.correction, work.bound, self.unit, offset)
         self.moments: Found = work.backend.measure(
-            surface, springs, 0.0, scales, into, work.sites, flowing=True
+            surface, self.springs, 0.0, scales, into, work.sites, flowing=True
         )
         work.known_stretch = self.moments.stretch / self.unit
 

@@ -283,7 +283,7 @@ class _Run:
         """The linear problem on the present set of contacts, in the present precision."""
         xp, lattice = self.xp, self.problem.lattice
         if self.free_sites is None and self.method.arrays == "numpy":
-            self.free_sites = line_sites(lattice, self.problem.springs, self.in_contact)
+            self.free_sites = line_sites(self.problem, self.in_contact)
         if isinstance(self.free_sites, LineSites):
             return self.free_sites
         self.single = self.single and not self.is_careful()

@@ -42,8 +42,8 @@ def first_contact(
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         anchors = AnchorFields.flat(level, system)
         return contact_from(system, touching, anchors, level, bodies=bodies)
-    step = system.mechanics.implicit_step(0.0)
-    solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
+    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
+    solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.displacement(solution.u, flat, level)

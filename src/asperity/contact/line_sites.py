@@ -1,8 +1,8 @@
 r"""The linear problem on one set of contacts of a line of springs, solved directly.
 
 The stiffness of an implicit step on the lattice of springs is S = k0 L + k1 / (lag + spread L), L being minus
-the Laplacian, but at wave vector 0, where the control sets it. A displacement d of the free sites and the
-change of the forces are
+the Laplacian and lag = 1 + drag, but at wave vector 0, where the control sets it. A displacement d of the
+free sites and the change of the forces are
 
     k0 L d + z = change,      (lag + spread L) z = k1 d - g,      mean(z) = S(0) mean(d),
 
@@ -21,23 +21,29 @@ import numpy as np
 from asperity.contact.arrays import largest
 from asperity.contact.compiled import compiled
 from asperity.contact.free_sites import Accuracy, Correction
-from asperity.contact.problem import SpringLaw
+from asperity.contact.problem import SpectralProblem
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask
+from asperity.solids import Springs
 
 
 class LineSites:
     """The free sites of one set of contacts on a line of springs of a given stiffness."""
 
-    def __init__(self, lattice: Lattice, law: SpringLaw, in_contact: Mask) -> None:
+    def __init__(self, lattice: Lattice, springs: Springs, mean: float, in_contact: Mask) -> None:
         self.in_contact, self.ring, n = in_contact, not lattice.reflecting, lattice.sites
-        scale = max(law.lag, law.spread)
-        pull = law.k1 / scale
-        self.unit = max(law.k0, pull) or 1.0
-        self.k0, self.pull = law.k0 / self.unit, pull / self.unit
+        k1, lag, spread = springs.k1, 1.0 + springs.drag, springs.spread
+        if springs.relaxed:
+            k1, lag, spread = 0.0, 1.0, 0.0
+        scale = max(lag, spread)
+        pull = k1 / scale
+        self.unit = max(springs.k0, pull) or 1.0
+        self.k0, self.pull = springs.k0 / self.unit, pull / self.unit
+        self.relaxed, self.mean = springs.relaxed, mean / self.unit
+        self.bordered = mean > 0 if self.relaxed else mean * lag != k1
         # z is in units of ``pull``; its equation is divided by what makes the blocks symmetric.
         weight = pull or self.unit
-        lag, spread = weight * law.lag / scale / self.unit, weight * law.spread / scale / self.unit
+        lag, spread = weight * lag / scale / self.unit, weight * spread / scale / self.unit
         free, closed = ~in_contact, np.ones(n)
         closed[-1] = self.ring and n > 1
         bonds = closed + np.roll(closed, 1)
@@ -58,8 +64,6 @@ class LineSites:
             raise ConvergenceError(
                 "contact solver: expected springs that hold the free sites, got none; try k0 > 0"
             )
-        self.relaxed, self.mean = law.k1 == 0, law.mean / self.unit
-        self.bordered = law.mean > 0 if self.relaxed else law.mean * law.lag != law.k1
         if self.bordered:
             nothing = np.zeros(n)
             self.even = self._solved(free, nothing) if self.relaxed else self._solved(nothing, nothing + 1.0)
@@ -100,9 +104,12 @@ class LineSites:
         return 2 * field - before - after
 
 
-def line_sites(lattice: Lattice, law: SpringLaw | None, in_contact: Mask) -> LineSites | None:
+def line_sites(problem: SpectralProblem, in_contact: Mask) -> LineSites | None:
     """The linear problem in terms of neighbors, on a line of springs; else None."""
-    return None if law is None or lattice.dimension > 1 else LineSites(lattice, law, in_contact)
+    lattice, springs = problem.lattice, problem.springs
+    if springs is None or lattice.dimension > 1:
+        return None
+    return LineSites(lattice, springs, float(problem.stiffness.flat[0]), in_contact)
 
 
 @compiled

@@ -24,7 +24,8 @@ transform. Fields of anchors and stretches have the branches as their first axis
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,10 +34,11 @@ from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
-from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
+from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
 from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
-from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
+from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
 _LEAST_CREEPING_SHARE = 1e-2
 """Least share of creeping branches in the stiffness with which anchors take up forces."""
@@ -62,6 +64,8 @@ class Mechanics:
 
     law: LocalCreep | None
     interface: Interface
+    springs: Springs | None = None
+    """Where forces and creep are stated in terms of neighbors."""
 
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
         self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
@@ -95,7 +99,7 @@ class Mechanics:
     @cached_property
     def mean_mobility(self) -> float:
         """Of a solid of one branch that hangs on it alone: M at wave vector 0."""
-        return float(self.spectra.mean_mobility[0]) if self.hangs_on_one_branch else 0.0
+        return float(self.spectra.rate[0].flat[0] / self.hanging[1]) if self.hangs_on_one_branch else 0.0
 
     @cached_property
     def greatest_stiffness(self) -> float:
@@ -156,9 +160,12 @@ class Mechanics:
 
     @property
     def creeping_share(self) -> float:
-        """Part of the stiffness that the only branch has, at the shortest wave."""
-        creeping = float(self.spectra.creeping[0].flat[-1])
-        return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
+        """Share of the stiffness that is in series with the local law; `InputError` if there is none."""
+        if self.solid.shares is None or math.isfinite(self.solid.shares[0][1]):
+            expected = "a lattice of springs, or a solid with one share of its stiffness in series with a law"
+            got = "another permanent stiffness, or other creep, beside it"
+            raise InputError("creep", expected=expected, got=got)
+        return self.solid.shares[0][0]
 
     def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
@@ -245,12 +252,16 @@ class ImplicitStep:
             stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
-        """The contact problem of a step from anchors v_b: fields, or the level at which all are flat.
+    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> ContactProblem:
+        """The contact problem of a step from anchors v_b.
 
         ``held`` is what is prescribed at its end; the maximum of the heights is 0.
         """
-        return self.spectral_problem(heights, self.modes_of(anchors), held)
+        return self.spectral_problem(heights, self.mechanics.lattice.forward(anchors), held)
+
+    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> ContactProblem:
+        """The same from anchors that are all flat, at a level."""
+        return self.spectral_problem(heights, self.flat_modes(level), held)
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
         """The same from the Fourier modes of the anchors."""
@@ -265,27 +276,15 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        of_sites = self.springs(float(stiffness.flat[0])), mechanics.interface
+        springs = mechanics.solid.springs and mechanics.solid.springs.step(self.tau)
+        of_sites = springs, mechanics.interface
         return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
 
-    def springs(self, mean: float) -> SpringLaw | None:
-        """S in terms of neighbors, on the lattice of springs; ``mean`` is S at wave vector 0."""
-        springs = self.mechanics.solid.springs
-        if springs is None:
-            return None
-        relaxed, spread, drag = self.spread_and_drag(springs)
-        return SpringLaw(springs.k0, 0.0 if relaxed else springs.k1, 1.0 + drag, spread, mean)
-
-    def spread_and_drag(self, springs: SpringConstants) -> tuple[bool, float, float]:
-        """Whether the springs relax altogether; else tau k1 R and tau k1 R_viscous."""
-        relaxed = bool(np.isinf(self.tau)) and springs.creep
-        rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
-        return relaxed, rate * springs.R, rate * springs.R_viscous
-
-    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
+    def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
-        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self.modes_of(anchors), held)
-        return self.mechanics.lattice.backward(modes), position
+        lattice = self.mechanics.lattice
+        modes, position = self.stretch_modes(lattice.forward(u), lattice.forward(anchors), held)
+        return lattice.backward(modes), position
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
         """The same in Fourier modes, in the place of the anchors."""
@@ -298,32 +297,33 @@ class ImplicitStep:
         hanging = float(mechanics.hanging[0] + springs.sum())
         surface = float(u.flat[0].real)
         if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
-            flow = np.where(mechanics.hanging[1:] > 0, mechanics.spectra.mean_mobility, np.inf)
             modes[mean] = 0.0
             if mechanics.mean_stiffness > 0:
-                modes[mean] = held.load / flow / (1 / flow).sum() / mechanics.hanging[1:]
+                rate = mechanics.spectra.rate[mean]
+                slow = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate > 0)
+                modes[mean] = held.load * slow / np.dot(mechanics.hanging[1:], slow)
             return modes, surface / sites
         pull = held.load + mechanics.hanging[0] * sites * held.position + float(np.dot(springs, before))
         modes[mean] = self.damping[mean] * (pull / hanging - before)
         return modes, held.position + (surface - pull / hanging) / sites
 
-    def modes_of(self, anchors: Field | float) -> Modes:
-        """Fourier modes of anchors."""
-        mechanics = self.mechanics
-        if isinstance(anchors, np.ndarray):
-            return mechanics.lattice.forward(anchors)
-        return np.repeat(mechanics.lattice.flat_modes(anchors)[np.newaxis], mechanics.branches, axis=0)
+    def flat_modes(self, level: float) -> Modes:
+        """Fourier modes of anchors that are all flat."""
+        flat = self.mechanics.lattice.flat_modes(level)
+        return np.repeat(flat[np.newaxis], self.mechanics.branches, axis=0)
 
 
 class SpringMechanics(Mechanics):
     """The lattice of springs in two dimensions, k1 > 0, whose surface never yields, in terms of neighbors."""
 
-    def __init__(self, solid: Solid, lattice: Lattice, springs: SpringConstants) -> None:
+    springs: Springs
+
+    def __init__(self, solid: Solid, lattice: Lattice, springs: Springs) -> None:
         super().__init__(solid, lattice)
         self.springs, self.interface = springs, RIGID
-        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
+        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.drag / springs.k1
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
-        self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
+        self.fastest_creep = 8 * springs.spread + springs.drag
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
@@ -343,9 +343,8 @@ class SpringMechanics(Mechanics):
 
     def creep_rate(self, stretch: Field) -> Field:
         """Rates d u_b / dt = M_b C_b w_b."""
-        k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
         w, mirrored = stretch[0], self.lattice.reflecting
-        return lattice_force(w, w, k1 * R, k1 * R_viscous, mirrored=mirrored)[np.newaxis]
+        return lattice_force(w, w, self.springs.spread, self.springs.drag, mirrored=mirrored)[np.newaxis]
 
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
         """See `Mechanics`."""
@@ -372,14 +371,21 @@ class SpringImplicitStep(ImplicitStep):
 
     mechanics: SpringMechanics
 
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
+    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
-        springs, mirrored = self.mechanics.springs, self.mechanics.lattice.reflecting
-        relaxed, spread, drag = self.spread_and_drag(springs)
-        level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
-        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
+        return self._by_neighbors(heights, anchors[0], held, lambda: self.mechanics.lattice.forward(anchors))
+
+    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> SpringProblem:
+        """See `ImplicitStep`."""
+        return self._by_neighbors(heights, level, held, lambda: self.flat_modes(level))
+
+    def _by_neighbors(
+        self, heights: Field, anchors: Field | float, held: Prescribed, modes: Callable[[], Modes]
+    ) -> SpringProblem:
+        springs, mirrored = self.mechanics.springs.step(self.tau), self.mechanics.lattice.reflecting
         return SpringProblem(
-            heights, step, lambda: self.spectral_problem(heights, self.modes_of(anchors), held)
+            *(heights, springs, anchors, held.load, mirrored),
+            lambda: self.spectral_problem(heights, modes(), held),
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:

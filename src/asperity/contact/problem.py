@@ -25,20 +25,7 @@ import numpy as np
 
 from asperity.contact.interface import RIGID, Interface
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
-
-
-@dataclass(frozen=True)
-class SpringLaw:
-    """The stiffness k0 L + k1 / (lag + spread L) away from wave vector 0, and that at wave vector 0.
-
-    Where the creeping springs have relaxed altogether, ``k1`` is 0.
-    """
-
-    k0: float
-    k1: float
-    lag: float
-    spread: float
-    mean: float
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +34,8 @@ class SpectralProblem:
 
     The maximum of the heights, the obstacle xi, is 0, which keeps rounding errors relative to the indentation
     rather than to the datum of the heights. The stiffness S is positive but, where the sum of the forces is
-    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. ``springs`` are S
-    in terms of neighbors, on a lattice of springs: on a line linear problems are solved so.
+    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. On a lattice of
+    ``springs`` S is k0 L + k1 / (1 + drag + spread L) elsewhere: on a line linear problems are solved so.
     """
 
     lattice: Lattice
@@ -56,7 +43,7 @@ class SpectralProblem:
     stiffness: Spectrum
     rhs: Modes
     load_controlled: bool
-    springs: SpringLaw | None = None
+    springs: Springs | None = None
     interface: Interface = RIGID
 
     def spectral(self) -> SpectralProblem:
@@ -69,33 +56,20 @@ class SpectralProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class SpringStep:
+class SpringProblem:
     """An implicit step of creep on the two-dimensional lattice of springs, in terms of neighbors alone.
 
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
-    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None.
-
-    ``spread`` and ``drag`` are tau k1 R and tau k1 R_viscous; ``relaxed`` stands for both infinite. The
-    anchors are a field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
+    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
     """
 
-    k0: float
-    k1: float
-    spread: float
-    drag: float
-    relaxed: bool
+    heights: Field
+    springs: Springs
     anchors: Field | float
     load: float | None
-    mirrored: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class SpringProblem:
-    """A contact problem on the lattice of springs: a step above an obstacle, also in Fourier modes."""
-
-    heights: Field
-    step: SpringStep
+    mirrored: bool
     spectral: Callable[[], SpectralProblem]
 
 

@@ -121,12 +121,12 @@ class System:
         assert self.load is not None
         return moved - self.load / (self.sites * mechanics.mean_stiffness)
 
-    def problem(self, step: ImplicitStep, anchors: Field | float) -> ContactProblem:
-        """The contact problem of an implicit step from anchors v_b: fields, or the level of flat ones."""
+    def problem(self, step: ImplicitStep, anchors: Field) -> ContactProblem:
+        """The contact problem of an implicit step from anchors v_b."""
         return step.problem(self.heights, anchors, self.held())
 
     def stretch(
-        self, step: ImplicitStep, solution: Solution, anchors: Field | float, position: float
+        self, step: ImplicitStep, solution: Solution, anchors: Field, position: float
     ) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after a step, and where the rigid body then is."""
         if solution.stretch is not None:

@@ -5,31 +5,27 @@ from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
 from asperity.solids.laws import (
-    FixedRate,
     LaplacianSpectrum,
     LayerSpectrum,
     PowerMobility,
-    Scaled,
     WaveNumberSpectrum,
 )
-from asperity.solids.solid import CreepBranch, Solid, Spectra, SpringConstants
+from asperity.solids.solid import CreepBranch, Solid, Spectra, Springs
 from asperity.solids.springs import spring_lattice
 
 __all__ = [
     "CreepBranch",
     "CreepLaw",
     "Eyring",
-    "FixedRate",
     "Garofalo",
     "LaplacianSpectrum",
     "LayerSpectrum",
     "LocalCreep",
     "Norton",
     "PowerMobility",
-    "Scaled",
     "Solid",
     "Spectra",
-    "SpringConstants",
+    "Springs",
     "WaveNumberSpectrum",
     "coated_half_space",
     "contact_modulus",

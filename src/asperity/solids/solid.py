@@ -10,20 +10,24 @@ by H and C_b there; where they vanish, as on a half-space, the load is applied f
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, field, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import checks, units, views
 from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.solids.laws import FixedRate, LaplacianSpectrum, Numbers, Scaled, SpectrumOf, WithApparatus
+from asperity.relaxation import check_branches
+from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
+
+Shares = Sequence[tuple[float, float]]
+"""Pairs of a share of the stiffness at once and the time in which it relaxes."""
 
 
 @dataclass(frozen=True)
@@ -36,90 +40,159 @@ class CreepBranch:
         C: lattice -> spectrum, force per length.
     mobility
         M: lattice -> spectrum, velocity per force.
+    time
+        Without a mobility: the time in which the branch relaxes at every wave vector, M = 1 / (time C).
     """
 
     stiffness: SpectrumOf
-    mobility: SpectrumOf
+    mobility: SpectrumOf | None = None
+    time: float = math.inf
 
 
 @dataclass(frozen=True)
 class Spectra:
-    """The spectra of a solid on one lattice; branches are the first axis.
+    """H, of shape `Lattice.spectral_shape`; C_b, and M_b C_b, the rate at which a mode of branch b creeps.
 
-    Attributes
-    ----------
-    permanent
-        H, of shape `Lattice.spectral_shape`.
-    creeping
-        C_b, shape ``(branches, *spectral_shape)``.
-    rate
-        M_b C_b, the rate at which a mode of branch b creeps at a given u; the same shape.
-    mean_mobility
-        M_b at wave vector 0, shape (branches,).
+    These have the branches as first axis.
     """
 
     permanent: Spectrum
     creeping: Spectrum
     rate: Spectrum
-    mean_mobility: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class SpringConstants(Numbers):
-    """The lattice of springs: H = k0 lam, C = k1, M = R lam + R_viscous."""
+class Springs:
+    """The lattice of springs: a force k0 L u + k1 w, and a creep of u - w at the rate spread L w + drag w.
+
+    L is minus the Laplacian, w the stretch of the springs to the bulk. ``spread`` is k1 R and ``drag`` k1
+    R_viscous: rates, or in an implicit step those times its duration.
+    """
 
     k0: float
     k1: float
-    R: float
-    R_viscous: float
+    spread: float = 0.0
+    drag: float = 0.0
 
     @property
     def creep(self) -> bool:
         """Whether anything creeps."""
-        return self.R > 0 or self.R_viscous > 0
+        return self.spread > 0 or self.drag > 0
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether the springs to the bulk have relaxed altogether, in an infinite step."""
+        return math.isinf(max(self.spread, self.drag))
+
+    def step(self, tau: float) -> Springs:
+        """What an implicit step of duration tau makes of rates; it may be infinite."""
+        spread, drag = (tau * rate if rate > 0 else 0.0 for rate in (self.spread, self.drag))
+        return Springs(self.k0, self.k1, spread, drag)
 
 
 @dataclass(frozen=True)
 class Solid(views.InNotebooks):
     """An elastic solid whose surface creeps; see the module for the equations.
 
+    Its stiffness and creep are stated in one of three ways: by ``springs``; by a ``stiffness`` and ``shares``
+    of it; or by ``permanent`` and ``branches``, which follow from the others.
+
     Parameters
     ----------
     permanent
-        H: lattice -> spectrum, force per length.
+        H: lattice -> spectrum, force per length; None where nothing is permanent.
     branches
         The creeping branches; none where nothing creeps.
     parameters
-        Numbers to record with every result.
+        Further numbers to record with every result.
+    stiffness
+        H + sum of C, the stiffness at once: lattice -> spectrum, force per length.
+    shares
+        Pairs (share, relaxation time) of branches that are shares of the stiffness K at every wave vector:
+        C_b = g_b K, and M_b C_b = 1 / tau_b. What creeps by a local law alone has an infinite time.
+    springs
+        The lattice of springs, defined on sites.
+    modulus
+        Contact modulus E* at once, of a continuum that has one.
+    half_space
+        Whether normal displacements are those of a half-space of that modulus, from which resistances and
+        tangential stiffness follow. It is ``in_lengths`` and ``loaded_from_afar``.
     loaded_from_afar
         Whether the normal load is applied evenly from far away where nothing hangs on the rigid body:
         H and all C vanish at wave vector 0.
     in_lengths
         Whether the spectra depend on the spacing of the sites: a continuum, which takes surfaces with units
         in metres. Else the solid is defined on sites, whose spacing is 1.
+    apparatus
+        Stiffness at wave vector 0 of what is loaded from afar, force per length, for it hangs on a machine.
+        Infinite stands for `asperity.solids.laws.RIGID` times the largest stiffness of a mode.
     creep
         A local law of creep of the only branch, beside its mobility; see `asperity.creep.law`.
     hardness
         Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
         the force of a site. See `Solid.with_hardness`.
     kind
-        Name of the function that built it.
+        Name of the function that built it, which is recorded.
     """
 
-    permanent: SpectrumOf
+    permanent: SpectrumOf | None = None
     branches: tuple[CreepBranch, ...] = ()
     parameters: Parameters = field(default_factory=dict, hash=False)
     loaded_from_afar: bool = False
     in_lengths: bool = False
     creep: LocalCreep | None = None
     hardness: float = math.inf
+    stiffness: SpectrumOf | None = None
+    shares: Shares | None = None
+    springs: Springs | None = None
+    modulus: float | None = None
+    half_space: bool = False
+    apparatus: float | None = None
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "branches", tuple(self.branches))
-        object.__setattr__(self, "parameters", dict(self.parameters))
-        if self.creep is not None and len(self.branches) != 1:
-            raise InputError("creep", expected="a solid of one branch", got=f"{len(self.branches)} branches")
+        if self.half_space:
+            self._set(loaded_from_afar=True, in_lengths=True)
+        parts = {"permanent": self.permanent, "branches": tuple(self.branches)}
+        if self.springs is not None:
+            k0, k1, *rates = astuple(self.springs)
+            mobility = LaplacianSpectrum(*(rate / k1 for rate in rates)) if k1 > 0 else None
+            branch = CreepBranch(LaplacianSpectrum(uniform=k1), mobility)
+            parts = {"permanent": LaplacianSpectrum(k0), "branches": (branch,)}
+        elif (law := self.stiffness) is not None:
+            shares = () if self.shares is None else self.shares
+            self._set(shares=check_branches(shares) if self.creep is None else tuple(shares))
+            branches = tuple(CreepBranch(Scaled(law, share), time=time) for share, time in self.shares or ())
+            rest = Scaled(law, self.permanent_share) if self.permanent_share else None
+            parts = {"permanent": rest, "branches": branches}
+        self._check(parts)
+        known = {
+            **({"branches": self.shares} if self.creep is None else self.creep.parameters),
+            "apparatus": self.apparatus,
+            "hardness": self.hardness if self.yields else None,
+        }
+        known = {name: value for name, value in known.items() if value is not None}
+        first = {} if self.modulus is None else {"modulus": self.modulus}
+        self._set(**parts, parameters={**first, **self.parameters, **known})
+
+    def _set(self, **values: object) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _check(self, parts: Mapping[str, Any]) -> None:
+        """Refuse what is stated in two ways, or lacks a part."""
+        for name, part in parts.items():
+            stated = getattr(self, name)
+            if stated not in (None, (), []) and (tuple(stated) if name == "branches" else stated) != part:
+                expected = "none beside springs, or a stiffness and its shares"
+                raise InputError(name, expected=expected, got="both")
+        if self.shares is not None and self.stiffness is None:
+            raise InputError("stiffness", expected="that of which the shares are", got="none")
+        if self.half_space and self.modulus is None:
+            raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
+        if self.creep is not None and len(parts["branches"]) != 1:
+            got = f"{len(parts['branches'])} branches"
+            raise InputError("creep", expected="a solid of one branch", got=got)
 
     def with_hardness(self, hardness: float | str | None = None) -> Solid:
         """Return the solid that yields plastically under a pressure.
@@ -145,8 +218,19 @@ class Solid(views.InNotebooks):
         """
         if hardness is None:
             return self
-        hardness = units.number("hardness", hardness, "Pa", above=0)
-        return replace(self, hardness=hardness, parameters={**self.parameters, "hardness": hardness})
+        return replace(self, hardness=units.number("hardness", hardness, "Pa", above=0))
+
+    def without_law(self) -> Solid:
+        """Return the solid in which every wave creeps in proportion to its force, in place of its local law.
+
+        It leads to the same limit, if the law creeps under every force.
+        """
+        linear = replace(self.branches[0], mobility=None, time=1.0)
+        if self.shares is None and self.springs is None:
+            return replace(self, creep=None, branches=(linear,))
+        springs = self.springs and replace(self.springs, drag=self.springs.k1)
+        shares = self.shares and ((self.shares[0][0], 1.0),)
+        return replace(self, creep=None, permanent=None, branches=(), springs=springs, shares=shares)
 
     def __repr__(self) -> str:
         parameters = ", ".join(_shown(name, value) for name, value in self.parameters.items())
@@ -158,30 +242,25 @@ class Solid(views.InNotebooks):
         return math.isfinite(self.hardness)
 
     @property
-    def springs(self) -> SpringConstants | None:
-        """The spring constants, if this is Jagla's lattice of springs and nothing else."""
-        match self.permanent, *self.branches:
-            case LaplacianSpectrum(k0, 0), CreepBranch(
-                LaplacianSpectrum(0, k1), LaplacianSpectrum(R, viscous)
-            ):
-                return SpringConstants(k0, k1, R, viscous)
-        return None
+    def relaxing(self) -> Shares:
+        """The shares that relax, each in its time, at every wave vector; none where a local law creeps."""
+        return tuple(self.shares or ()) if self.creep is None else ()
+
+    @property
+    def permanent_share(self) -> float:
+        """Part of the stiffness at once that is no share of a branch."""
+        rest = 1.0 - math.fsum(share for share, _ in self.shares or ())
+        return rest if rest > 1e-12 else 0.0
 
     @property
     def separable(self) -> bool:
-        """Whether relaxation does not depend on the wavelength, as far as the laws show.
+        """Whether relaxation does not depend on the wavelength, as whoever made the solid says by `shares`.
 
-        All stiffnesses are then multiples of one law, and each branch relaxes at one rate. Under a load that
-        never falls the contact is that of an elastic solid at another load (E. H. Lee, J. R. M. Radok,
-        J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech. 33, 845 (1966),
-        DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
+        Under a load that never falls the contact is then that of an elastic solid at another load (E. H. Lee,
+        J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech.
+        33, 845 (1966), DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
         """
-        if self.creep is not None or self.yields:
-            return False
-        permanent = self.permanent.law if isinstance(self.permanent, WithApparatus) else self.permanent
-        laws = [permanent, *(branch.stiffness for branch in self.branches)]
-        one = {law.law if isinstance(law, Scaled) else law for law in laws}
-        return len(one) == 1 and all(isinstance(branch.mobility, FixedRate) for branch in self.branches)
+        return self.creep is None and not self.yields and (self.shares is not None or not self.branches)
 
     def on(self, lattice: Lattice) -> Spectra:
         """Evaluate the spectra on a lattice.
@@ -192,16 +271,23 @@ class Solid(views.InNotebooks):
             A spectrum is negative or not finite, nothing carries the load at wave vector 0 (unless it comes
             from afar), or H + sum of C vanishes elsewhere.
         """
-        permanent = _checked("permanent stiffness", self.permanent, lattice)
-        shape = (len(self.branches), *lattice.spectral_shape)
-        creeping, rate, means = np.empty(shape), np.empty(shape), np.empty(shape[0])
+        permanent = np.zeros(lattice.spectral_shape)
+        if self.permanent is not None:
+            permanent = _checked("permanent stiffness", self.permanent, lattice)
+        creeping = np.empty((len(self.branches), *lattice.spectral_shape))
+        rate = np.empty_like(creeping)
         for number, branch in enumerate(self.branches):
-            which = f" of branch {number}" if shape[0] > 1 else ""
+            which = f" of branch {number}" if len(creeping) > 1 else ""
             creeping[number] = _checked(f"creeping stiffness{which}", branch.stiffness, lattice)
-            mobility = _checked(f"mobility{which}", branch.mobility, lattice)
-            np.multiply(mobility, creeping[number], out=rate[number])
-            means[number] = mobility.flat[0]
+            if branch.mobility is None:
+                rate[number] = np.where(creeping[number] > 0, 1 / branch.time, 0.0)
+            else:
+                mobility = _checked(f"mobility{which}", branch.mobility, lattice)
+                np.multiply(mobility, creeping[number], out=rate[number])
         whole = permanent + creeping.sum(axis=0)
+        if (mounted := self._mounted(lattice, float(whole.max()))) is not None:
+            hanging = permanent if self.creep is None else creeping[0]
+            whole.flat[0] = hanging.flat[0] = mounted
         if whole.flat[0] == 0 and not self.loaded_from_afar:
             raise InputError(
                 "creeping stiffness",
@@ -211,11 +297,20 @@ class Solid(views.InNotebooks):
             )
         if not whole.flat[1:].all():
             raise InputError("stiffness", expected="H + C > 0 at every wave vector but 0", got="0 at some")
-        return Spectra(permanent, creeping, rate, means)
+        return Spectra(permanent, creeping, rate)
+
+    def _mounted(self, lattice: Lattice, greatest: float) -> float | None:
+        """Stiffness of the apparatus for each site, beside the greatest of a mode; None without one."""
+        if self.apparatus is None or (lattice.body and math.isinf(self.apparatus)):
+            return None  # the position of a body from afar is known as it is
+        if lattice.body:
+            expected, advice = "no apparatus, or a rigid one, where edges are free", "apparatus=math.inf"
+            raise InputError("apparatus", expected=expected, got=f"{self.apparatus:g}", advice=advice)
+        return RIGID * greatest if math.isinf(self.apparatus) else self.apparatus / lattice.sites
 
 
 def _checked(name: str, law: SpectrumOf, lattice: Lattice) -> Spectrum:
-    values = checks.floats(name, law(lattice), expected="a finite spectrum >= 0")
+    values = np.array(checks.floats(name, law(lattice), expected="a finite spectrum >= 0"))
     if values.shape != lattice.spectral_shape:
         raise InputError(name, expected=f"shape {lattice.spectral_shape}", got=values.shape)
     if not (np.isfinite(values).all() and (values >= 0).all()):

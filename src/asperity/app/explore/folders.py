@@ -27,6 +27,7 @@ from asperity.app.runs import recorded_times
 from asperity.base import files
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import Schedule, described
+from asperity.results.dataset import attributes_of_solid
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import units_named
 
@@ -195,9 +196,7 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
         rough = config.surface.build()
         heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
         dataset = xr.Dataset({"heights": (("y", "x")[2 - heights.ndim :], heights)})
-    dataset.attrs |= finished.lattice | {"solid": config.solid.kind}
-    if config.solid.kind == "spring_lattice":
-        dataset.attrs |= config.solid.model_dump(exclude={"kind"})
+    dataset.attrs |= finished.lattice | attributes_of_solid(config.solid.build())
     series = dict(zip(QUANTITIES, finished.series, strict=True))
     if config.protocol:
         dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])

@@ -85,7 +85,7 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
         unit = "s" if dataset.attrs["si"] else "1"
         times = [f"{share:.3g} in {written(time, unit)}" for share, time in branches]
         parts += [f"{name}: {', '.join(times)}"] * bool(times)
-    return ", ".join(parts) if kind == "spring_lattice" else f"{kind}: {', '.join(parts)}"
+    return f"{kind}: {', '.join(parts)}"
 
 
 def _of(name: str, value: float, units: Units) -> str:
