@@ -476,16 +476,14 @@ KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ra
 
 
 def leg_of(values: Mapping[str, Any]) -> Leg:
-    """Make a leg of what `described` wrote; of no kind of `KINDS`, by the last class of this name and fields."""
+    """Make a leg of what `described` wrote, by `KINDS` or else the last class of this name and these fields."""
     arguments = {name: value for name, value in values.items() if name != "kind"}
     if "legs" in arguments:
         arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
-    kind = values["kind"]
-    others = (*Leg.__subclasses__(), *Change.__subclasses__())
-    own = [
-        leg for leg in others if leg.__name__.lower() == kind and set(arguments) <= set(parameters_of(leg))
-    ]
-    if not (found := [KINDS[kind]] if kind in KINDS else own):
+    kind, keys = values["kind"], set(arguments)
+    named = [leg for leg in (*Leg.__subclasses__(), *Change.__subclasses__()) if leg.__name__.lower() == kind]
+    found = [KINDS[kind]] if kind in KINDS else [leg for leg in named if keys <= set(parameters_of(leg))]
+    if not found:
         raise InputError("protocol", expected="legs whose classes are imported", got=repr(kind))
     return found[-1](**arguments)
 
