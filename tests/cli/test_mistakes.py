@@ -154,7 +154,7 @@ def test_folders_that_are_kept(refused, finished, monkeypatch):
         refused("run", "--out", folder, "--overwrite")
     refused("run", "--out", "run")
     # Found before anything is computed.
-    monkeypatch.setattr("asperity.app.runs.pipeline.press", lambda *_, **__: pytest.fail("pressed"))
+    monkeypatch.setattr("asperity.app.runs.pipeline.pressed", lambda *_, **__: pytest.fail("pressed"))
     refused("run", "--out", "thesis/text/out", status=1)
 
 

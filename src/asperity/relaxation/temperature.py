@@ -23,12 +23,7 @@ def arrhenius(activation_energy: float, temperature: float, reference: float) ->
     Returns
     -------
     float
-        Relaxation times at T over those at T_ref; below 1 where it is warmer.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the factor beyond 1e100.
+        Relaxation times at T over those at T_ref. `InputError` if it is beyond 1e100.
     """
     Q = checks.number("activation_energy", activation_energy, least=0)
     T, reference = _kelvin("temperature", temperature), _kelvin("reference", reference)

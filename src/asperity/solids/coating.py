@@ -26,10 +26,10 @@ import numpy as np
 
 from asperity.base import units
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import positive_weights
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.relaxation import check_branches
-from asperity.relaxation.positive_sums import positive_weights
+from asperity.solids.branches import check_branches
 from asperity.solids.continua import Branches, checked_apparatus, checked_modulus, checked_poisson
 from asperity.solids.solid import CreepBranch, Solid
 

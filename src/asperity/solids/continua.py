@@ -10,7 +10,7 @@ from asperity.base import checks, units
 from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
-from asperity.relaxation import check_branches
+from asperity.solids.branches import check_branches
 from asperity.solids.laws import LayerSpectrum, PowerMobility, WaveNumberSpectrum
 from asperity.solids.solid import CreepBranch, Solid
 

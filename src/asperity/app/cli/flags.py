@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from cyclopts import Group, Parameter, Token
 
@@ -208,7 +208,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
     }
     for section, model, names in (
-        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path"}),
+        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path", "unit"}),
         ("solid", HalfSpace, PREDICTED),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
@@ -218,8 +218,9 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     ):
         for name, key in keys_of(model).items():
             if name in names:
+                named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
                 said = words.get(flag_of(section, name), key.description)
-                yield section, dataclasses.replace(key, description=said)
+                yield section, dataclasses.replace(key, name=named, description=said)
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
@@ -237,7 +238,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
     parameter = Parameter(
-        name=name,
+        name=("--unit", name) if key.name == "units" and quantity == "QUANTITY" else name,
         group=group,
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
@@ -247,4 +248,5 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
-    return Annotated[(list[str] if key.several or paired else str) | None, parameter]
+    one: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
+    return Annotated[(list[str] if key.several or paired else one) | None, parameter]

@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from asperity.app.config.models import KINDS, LEGS, SECTIONS
+from asperity.app.config.solids import OF_TABLES
 from asperity.base.words import MEANT, closest, has_decimal_comma, shortened
 from asperity.errors import SHOWN_PROBLEMS
 
@@ -167,9 +168,8 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
 
     said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
     # Advice on how to read a table, which is in the words of Python.
-    keys = {"kind": "table_kind", "columns": "columns", "units": "units", "noise": "noise"}
-    key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{keys[key[1]]} = ")
-    said = re.sub(rf'\b({"|".join(keys)})=(?=["\d])', key_or_flag, said)
+    key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{OF_TABLES[key[1]]} = ")
+    said = re.sub(rf'\b({"|".join(OF_TABLES)})=(?=["\d])', key_or_flag, said)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 

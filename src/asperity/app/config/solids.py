@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, cast, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
 
@@ -36,7 +37,7 @@ from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
 
 if TYPE_CHECKING:  # these need scipy, for which the help does not wait
-    from asperity.relaxation import Fit
+    from asperity.relaxation import Fit, Material
     from asperity.solids import Solid
 
 Poisson = Annotated[float, Field(gt=-1, le=0.5)]
@@ -52,8 +53,10 @@ _HARDNESS = "Pressure under which the rough surface yields; on the lattice of sp
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
-_OF_TABLES = ("table_kind", "table_modulus", "columns", "units", "noise", "per_decade", "extrapolate")
-"""Keys about a relaxation table."""
+OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
+    name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
+}
+"""Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -156,9 +159,7 @@ ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
 OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
 """Keys of local laws of creep."""
 
-PREDICTED = OF_LAWS | {
-    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
-}
+PREDICTED = {*OF_LAWS, *OF_TABLES.values(), "young", "poisson", "branches", "creep", "permanent", "hardness"}
 """Keys of a half-space that a prediction takes as flags."""
 
 if TYPE_CHECKING:
@@ -294,7 +295,7 @@ class Continuum(SolidSection):
         if not given and self.relaxation is None:
             raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
         bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        others = [key for key in _OF_TABLES if getattr(self, key) is not None]
+        others = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
         if self.relaxation is None and others:
             raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
         if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
@@ -308,21 +309,27 @@ class Continuum(SolidSection):
             try:
                 _ = self.fit
             except InputError as error:
-                asked = error.name if error.name in _OF_TABLES else "relaxation"
+                asked = error.name if error.name in OF_TABLES.values() else "relaxation"
                 raise ValueError(f"{asked}: {error}") from None
         return self
 
     @property
-    def fit(self) -> Fit | None:
-        """The table, fitted."""
+    def of_table(self) -> Material | None:
+        """What the table gives, and what it is taken for."""
         if self.relaxation is None:
             return None
         path = expanded(self.relaxation)
         changed = path.stat().st_mtime_ns if path.exists() else 0
-        how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
-        how |= {"columns": self.columns and tuple(self.columns), "units": self.units and tuple(self.units)}
-        reading = tuple((key, value) for key, value in how.items() if value is not None)
-        return _fitted(path, reading, self.per_decade, self.extrapolate, changed)
+        how = {name: getattr(self, key) for name, key in OF_TABLES.items()}
+        how |= {"modulus": self.modulus or self.table_modulus}
+        how |= {name: value[0] for name in ("young", "poisson") if (value := getattr(self, name))}
+        asked = ((name, tuple(one) if isinstance(one, list) else one) for name, one in how.items())
+        return _material(path, tuple((name, one) for name, one in asked if one is not None), changed)
+
+    @property
+    def fit(self) -> Fit | None:
+        """The table, fitted."""
+        return None if (made := self.of_table) is None else made.fit
 
     @property
     def assumed(self) -> str:
@@ -341,8 +348,8 @@ class Continuum(SolidSection):
 
         if self.modulus is not None:
             return self.modulus
-        if self.young is None and (fit := self.fit) is not None:
-            return contact_modulus_of(fit, next(iter(self.poisson or []), POISSON), fit.data.measured)
+        if (made := self.of_table) is not None:
+            return cast(float, made.solid.modulus)
         return contact_modulus(self.young or [], self.poisson or [])
 
     @property
@@ -373,7 +380,7 @@ class Continuum(SolidSection):
         """The same solid with the branches and the modulus that a table gives."""
         if self.relaxation is None:
             return self
-        numbers: dict[str, object] = dict.fromkeys(("relaxation", *_OF_TABLES))
+        numbers: dict[str, object] = dict.fromkeys(("relaxation", *OF_TABLES.values()))
         numbers["branches"] = self.maxwell
         if self.modulus is None and self.young is None:
             numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
@@ -438,6 +445,14 @@ class HalfSpace(Creeping, Continuum):
         return self
 
     @property
+    def material(self) -> Material:
+        """What a prediction is of."""
+        from asperity.relaxation import material
+
+        table, solid = self.of_table, self.build()
+        return material(solid, draws=self.draws) if table is None else replace(table, solid=solid)
+
+    @property
     def unused(self) -> str:
         """See `SolidSection`."""
         return "" if self.draws is None else "a run does not use [solid] draws; asperity predict does"
@@ -448,14 +463,19 @@ class HalfSpace(Creeping, Continuum):
         return {**super().numbers, "poisson": None, "permanent": self.permanent or None, "creep": self.law}
 
 
-class BesideTable(Section):
-    """Keys of a half-space that a prediction takes beside a relaxation table."""
-
-    poisson: OnePoisson | None = None
-    per_decade: PerDecade | None = None
-    extrapolate: Plateau | None = None
-    hardness: Pressure | None = None
-    temperature: Temperature | None = None
+_BESIDE: dict[str, Any] = {
+    name: (field.annotation, field)
+    for name, field in HalfSpace.model_fields.items()
+    if name in (*OF_TABLES.values(), "hardness", "temperature")
+}
+BesideTable = create_model(
+    "BesideTable",
+    __base__=Section,
+    poisson=(OnePoisson | None, None),
+    modulus=(TableModulus | None, None),
+    **_BESIDE,
+)
+"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 class Layer(Continuum):
@@ -502,25 +522,10 @@ SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
 AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
 
 
-def contact_modulus_of(fit: Fit, poisson: float, measured: TableModulus | None) -> float:
-    """E* of a table of E, of G = E/2(1 + nu), or of E* itself."""
-    from asperity.solids import contact_modulus
-
-    if measured == "contact":
-        return fit.series.modulus
-    return contact_modulus(fit.series.modulus * (2 * (1 + poisson) if measured == "shear" else 1), poisson)
-
-
 @functools.lru_cache(maxsize=8)
-def _fitted(
-    path: Path,
-    how: tuple[tuple[str, Any], ...],
-    per_decade: float | None,
-    extrapolate: Plateau | None,
-    changed: int,
-) -> Fit:
-    """A table, fitted; ``changed`` tells one state of the file from another."""
-    from asperity.relaxation import fit, read
+def _material(path: Path, how: tuple[tuple[str, Any], ...], changed: int) -> Material:
+    """What a table gives; ``changed`` tells one state of the file from another."""
+    from asperity.relaxation import material
 
     del changed
-    return fit(read(path, **dict(how)), per_decade=per_decade, extrapolate=extrapolate)
+    return material(path, **dict(how))
