@@ -476,7 +476,7 @@ KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ra
 
 
 def leg_of(values: Mapping[str, Any]) -> Leg:
-    """Make a leg of what `described` wrote, by `KINDS` or else the last class of this name and these fields."""
+    """Make a leg of what `described` wrote: by `KINDS` or the last class of this name and these fields."""
     arguments = {name: value for name, value in values.items() if name != "kind"}
     if "legs" in arguments:
         arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
