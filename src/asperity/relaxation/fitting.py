@@ -16,8 +16,7 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import ndtri, stdtrit
+import scipy
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
@@ -157,7 +156,7 @@ class Fit(views.InNotebooks):
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
         found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
         free = max(x.size - found, 1)
-        wider = math.sqrt(x.size / free) * stdtrit(free, 0.975) / ndtri(0.975)
+        wider = math.sqrt(x.size / free) * scipy.special.stdtrit(free, 0.975) / scipy.special.ndtri(0.975)
         drawn = []
         for _ in range(_DRAWS):
             chosen = random.integers(0, x.size, x.size)
@@ -312,7 +311,7 @@ def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
 
 def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
     low, high = np.log(data.reach(beyond))
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         functools.partial(_deviations, data),
         np.clip(np.log(times), low, high),
         bounds=(low, high),

@@ -24,7 +24,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import expit
+import scipy
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -125,7 +125,7 @@ def mittag_leffler(exponent: float, time: Floats) -> Floats:
         return np.exp(-time)
     step = min(0.28 * n, 0.2)
     w = np.arange(-38, 38 + step, step)
-    c, rest = expit(w), expit(-w)
+    c, rest = scipy.special.expit(w), scipy.special.expit(-w)
     # sin(n pi c) = sin(pi (1 - n) + n pi (1 - c)), which is exact where c is near 1
     upper = np.where(c < 0.5, np.sin(n * math.pi * c), np.sin(math.pi * (1 - n) + n * math.pi * rest))
     lower = np.where(rest < 0.5, np.sin(n * math.pi * rest), np.sin(math.pi * (1 - n) + n * math.pi * c))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.constants import R as GAS_CONSTANT
+import scipy
 
 from asperity.base import checks
 from asperity.errors import LARGEST, InputError
@@ -27,7 +27,7 @@ def arrhenius(activation_energy: float, temperature: float, reference: float) ->
     """
     Q = checks.number("activation_energy", activation_energy, least=0)
     T, reference = _kelvin("temperature", temperature), _kelvin("reference", reference)
-    return _power_of_e(Q / GAS_CONSTANT * (1 / T - 1 / reference), T)
+    return _power_of_e(Q / scipy.constants.R * (1 / T - 1 / reference), T)
 
 
 def wlf(c1: float, c2: float, temperature: float, reference: float) -> float:

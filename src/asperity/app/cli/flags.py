@@ -155,7 +155,7 @@ def _read(written: bool | str | list[str], what: What) -> object:
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Keys of a section, with its name; of several kinds, each key with what is said of all."""
     from asperity.app.config.keys import Key, keys_of, sections
-    from asperity.app.config.models import MeasuredSurface
+    from asperity.app.config.surfaces import MeasuredSurface
 
     if section == "prediction":
         yield from _of_a_prediction()
@@ -173,7 +173,7 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     measured = kinds.pop("file", {})
     for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
         owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
-        first = next(iter(owners.values()))
+        first = next((key for key in owners.values() if key.several), next(iter(owners.values())))
         text = f"{first.description} For {', '.join(owners)}."
         for kind, key in owners.items():
             if not key.required and key.default != first.default:
@@ -185,10 +185,12 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
+    from asperity.app.config.creep import FORMULAS
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
-    from asperity.app.config.models import Aging, Carried, Contact, Friction, MeasuredSurface, Output
-    from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
+    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.surfaces import MeasuredSurface
 
     words = {
         "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",

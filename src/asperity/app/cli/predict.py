@@ -12,6 +12,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -85,6 +86,7 @@ def predict(
     flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
+    replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
@@ -101,4 +103,5 @@ def predict(
         write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
         results=results,
+        replaceable=replaceable,
     )

@@ -18,7 +18,6 @@ from asperity.analysis.predicting import USUAL_MAPS, hold_times
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
-from asperity.app.config.models import Independent
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
@@ -147,10 +146,10 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
     sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
     modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
     stresses = ("Pa", _SOFT * modulus, modulus)
-    young = next(iter(config.solid.young or []), None)
+    young = config.solid.young
     told: list[tuple[str, float | None, str, float, float]] = [
         ("modulus", config.solid.modulus, "Pa", *_MODULI),
-        ("young", young, "Pa", *_MODULI),
+        ("young", young[0] if isinstance(young, list) else young, "Pa", *_MODULI),
         ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
         ("hardness", getattr(config.solid, "hardness", None), *stresses),
         ("shear_strength", config.friction.shear_strength, *stresses),
@@ -196,7 +195,7 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'reflect' (--periodic reflect)",
         )
-    if rough.heights.ndim == 1 and isinstance(chosen, Independent):
+    if rough.heights.ndim == 1 and chosen.law is not None:
         n = rough.heights.size
         remarks += (
             f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
@@ -231,9 +230,13 @@ def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, s
         said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
         return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-    nominal = chosen.rms if isinstance(chosen, Independent) else None
+    nominal = getattr(chosen, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
-    load = defaults.modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
+    if (springs := solid.build().springs) is None:
+        raise InputError(
+            "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
+        )
+    load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=rough.heights.size)
     said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
     return ContactSection(load=load), said
 
