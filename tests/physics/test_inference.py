@@ -155,7 +155,6 @@ def test_draws_of_walkers_that_hardly_move_count_once():
 
 SBC: dict[str, Any] = {
     "relaxation": {"scale": (0.5, 2.0), "time_1": (0.1, 1e5)},
-    "relaxation of 2": {"scale": (0.5, 2.0), "time_1": (0.1, 1e2), "time_2": (1e2, 1e5)},
     "logarithm": {"scale": (0.5, 2.0), "slope": (1e-2, 0.3), "time": (0.1, 1e3)},
     "power": {
         "scale": (0.5, 2.0),
@@ -171,9 +170,7 @@ SBC: dict[str, Any] = {
 def ranks_of(model, count, walkers, steps):
     """Ranks of parameters that were drawn from the prior, among draws of the posterior of their curves."""
     time, ranks = np.geomspace(1, 1e4, 15), []
-    name, _, branches = model.partition(" of ")
-    how: dict[str, Any] = {"priors": SBC[model], "branches": int(branches or 1), "absolute": False}
-    made = of_name(name, time, np.ones_like(time), **how)
+    made = of_name(model, time, np.ones_like(time), priors=SBC[model], branches=1, absolute=False)
     error = np.full(time.size, 0.002 if model == "healing" else 0.01)
     problem = Problem(time, np.ones_like(time), error, made)
     random = np.random.default_rng(5)
@@ -181,7 +178,7 @@ def ranks_of(model, count, walkers, steps):
     for seed, truth in enumerate(truths):
         exact = made.curve(time, problem.values(truth[np.newaxis]))[0]
         here = replace(problem, value=exact + error * random.standard_normal(time.size))
-        how = {"effective": 100, "agreement": 1.05, "steps": steps}
+        how: dict[str, Any] = {"effective": 100, "agreement": 1.05, "steps": steps}
         z = sample(here, seed=seed, walkers=walkers, draws=walkers, **how).flat
         ranks.append(((z < truth).sum(0)[problem.used] + 0.5) / (len(z) + 1))
     return np.array(ranks)
