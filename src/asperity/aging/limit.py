@@ -20,7 +20,7 @@ import numpy as np
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control
 from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.problem import PUBLISHED, ContactSolver, Guess, Solution
 from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import InputError
@@ -56,7 +56,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     else:
         guess = Guess(u - system.datum, in_contact, disposable=True)
         problem = system.problem(step, before)
-        solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
+        solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     stretch, position = system.stretch(step, solution, before, position)
     return contact.become(system, solution, solution.u - stretch, position)
 

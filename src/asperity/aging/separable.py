@@ -27,9 +27,8 @@ from numpy.typing import NDArray
 
 from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
-from asperity.contact.active_set import ActiveSet
 from asperity.contact.arrays import largest
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
+from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver, Guess, SpectralProblem
 from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
@@ -107,7 +106,7 @@ class SeparableSteps(Steps):
         self.stiffness, shares, times = parts_of(system)
         self.effective = EffectiveLoad(shares, times)
         self.tried = self.u, self.loads
-        self.eager = isinstance(solver, ActiveSet) and system.mechanics.anchors_can_balance
+        self.eager = system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
@@ -184,13 +183,13 @@ class SeparableSteps(Steps):
         guess = Guess(u, disposable=True)
         lattice = system.mechanics.lattice
         rhs = lattice.flat_modes(-total / system.sites)
-        problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
-        if self.eager and isinstance(self.solver, ActiveSet):
+        problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs)
+        # Forces relax; what is left off contact and not balanced stays in the anchors, so it is to be small.
+        accuracy = Accuracy(TOLERANCE * load / total)
+        if self.eager:
             passing, allowed = aim.allowed_errors
-            settled = allowed < passing
-            solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=settled)
-        else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
-            solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
+            accuracy = Accuracy(aim.tolerances[1], allowed, settled=allowed < passing)
+        solution = self.solver.solve(problem, guess, accuracy)
         error = 0.0
         if ahead > 0:
             surprise = solution.u - self.u - ahead * (self.u - self.before)

@@ -32,9 +32,9 @@ from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.contact_sites import solved_on_contacts
-from asperity.contact.free_sites import Accuracy, FreeSites
-from asperity.contact.line_sites import LineSites, line_sites
+from asperity.contact.free_sites import Enough, FreeSites
 from asperity.contact.problem import (
+    Accuracy,
     ContactProblem,
     Guess,
     Solution,
@@ -104,41 +104,28 @@ class ActiveSet:
             object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(
-        self,
-        problem: ContactProblem,
-        guess: Guess | None,
-        tolerance: float,
-        allowed_error: float = 0.0,
-        *,
-        settled: bool = True,
-    ) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve the problem from a guess, or without one through coarser lattices.
-
-        A step of creep may stop earlier: when u is off by no more than ``allowed_error``, rms over the sites,
-        and, where the contacts are to be ``settled``, no site is on the wrong side.
 
         Raises
         ------
         ConvergenceError
-            The tolerance was not reached within ``max_iterations``.
+            The accuracy was not reached within ``max_iterations``.
         MissingExtraError
             The array library is not installed.
         """
         modes = problem.spectral()
-        if modes.springs is not None:  # few solutions, or none that may stop early
-            allowed_error = 0.0
         guess, rounds = guess or cold_start(modes, self), 0
         # Where an error is allowed few iterations are left: forces from nothing take no less time.
-        if self.arrays == "numpy" and allowed_error == 0 and not modes.interface.yields:
-            guess, rounds = solved_on_contacts(modes, guess, tolerance)
-        run = _Run(self, modes, guess, tolerance, allowed_error)
+        if self.arrays == "numpy" and accuracy.error == 0 and not modes.interface.yields:
+            guess, rounds = solved_on_contacts(modes, guess, accuracy.residual)
+        run = _Run(self, modes, guess, accuracy)
         run.iterations = rounds
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
             if bool(run.xp.any(wrong)):
-                if not settled and run.unimportant(wrong):
+                if not accuracy.settled and run.unimportant(wrong):
                     return run.solution()
                 run.exchange(wrong)
             elif run.converged():
@@ -148,16 +135,10 @@ class ActiveSet:
 class _Run:
     """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
-    def __init__(
-        self,
-        method: ActiveSet,
-        problem: SpectralProblem,
-        guess: Guess,
-        tolerance: float,
-        allowed_error: float,
-    ) -> None:
+    def __init__(self, method: ActiveSet, problem: SpectralProblem, guess: Guess, accuracy: Accuracy) -> None:
         self.method, self.problem, self.interface = method, problem, problem.interface
-        self.tolerance, self.allowed_error, self.allowed_imbalance = tolerance, allowed_error, math.inf
+        self.tolerance, self.allowed_error = accuracy.residual, accuracy.error
+        self.allowed_imbalance = math.inf
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
@@ -179,9 +160,10 @@ class _Run:
     def start(self, u: Field) -> None:
         """Begin on the present set of contacts."""
         xp = self.xp
-        if self.problem.load_controlled and not xp.any(self.in_contact):
+        load = self.problem.load
+        if load is not None and not xp.any(self.in_contact):
             # The surface sinks as it is, until the sites that it then yields on carry the load, but for one.
-            load, gap = -float(self.problem.rhs.flat[0].real), u - self.heights
+            gap = u - self.heights
             level = xp.sort(xp.reshape(gap, (-1,)))[min(int(load / self.interface.high), u.size - 1)]
             u = u - level
             self.yielding, self.in_contact = gap < level, gap == level
@@ -193,7 +175,7 @@ class _Run:
         if self.contacts == 0:
             u = xp.asarray(self.free_surface())
         self.u = xp.where(self.in_contact, self.heights, u)
-        self.free_sites: FreeSites | LineSites | None = None
+        self.free_sites: FreeSites | None = None
         self.left_over = math.inf
         self.evaluate_force()
 
@@ -230,7 +212,7 @@ class _Run:
         imbalance = float(xp.sum(off_contact))
         self.imbalance = abs(imbalance)
         self.load = abs(float(xp.sum(self.force)) - imbalance) + self.borne
-        if not self.problem.load_controlled:  # the load is what comes out
+        if self.problem.load is None:  # it is what comes out
             self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
@@ -270,8 +252,8 @@ class _Run:
             goal = min(0.3, 0.5 * acceptable / self.worst)
         if self.single:
             goal = max(goal, TUNING.digits)
-        accuracy = Accuracy(goal, left, self.allowed_error, self.allowed_imbalance)
-        correction = self.linear_problem().correct(self.force, self.worst, accuracy)
+        enough = Enough(goal, left, self.allowed_error, self.allowed_imbalance)
+        correction = self.linear_problem().correct(self.force, self.worst, enough)
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.fresh = False
@@ -279,20 +261,16 @@ class _Run:
         self.iterations += max(1, correction.iterations)
         return correction.displacement
 
-    def linear_problem(self) -> FreeSites | LineSites:
+    def linear_problem(self) -> FreeSites:
         """The linear problem on the present set of contacts, in the present precision."""
-        xp, lattice = self.xp, self.problem.lattice
-        if self.free_sites is None and self.method.arrays == "numpy":
-            self.free_sites = line_sites(lattice, self.problem.springs, self.in_contact)
-        if isinstance(self.free_sites, LineSites):
-            return self.free_sites
+        xp = self.xp
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
         if self.free_sites is None or self.free_sites.stiffness.dtype != real:
             if self.working_stiffness.dtype != real:
                 self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
             spectra = self.problem.stiffness, self.stiffest, self.working_stiffness
-            self.free_sites = FreeSites(lattice, *spectra, self.in_contact, xp)
+            self.free_sites = FreeSites(self.problem.lattice, *spectra, self.in_contact, xp)
         return self.free_sites
 
     def within_tolerance(self) -> bool:

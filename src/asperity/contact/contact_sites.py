@@ -60,10 +60,7 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
     plain = lattice.dimension == 2 and not lattice.reflecting
     if not (plain and min(_reach(lattice)) > 0 and 0 < _crowding(in_contact, lattice) <= TUNING.most):
         return guess, 0
-    stiffest, load = float(stiffness.max()), None
-    compliance = inverse(stiffness)
-    if problem.load_controlled:
-        load = -float(problem.rhs.flat[0].real)
+    stiffest, load, compliance = float(stiffness.max()), problem.load, inverse(stiffness)
     free = lattice.backward(compliance * problem.rhs) if problem.rhs.flat[1:].any() or load is None else 0.0
     kernel, close = _Kernel(lattice, stiffness, stiffest), None
     force, off, level = np.zeros(lattice.shape), heights - free, 0.0

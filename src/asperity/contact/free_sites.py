@@ -57,7 +57,7 @@ TUNING = Tuning()
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class Enough:
     """When a correction of the free sites may end.
 
     No force on them exceeds ``goal`` times the worst. It ends earlier after ``most`` iterations, or when the
@@ -159,9 +159,9 @@ class FreeSites:
         assert waves is not None
         self.waves = waves
 
-    def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
+    def correct(self, force: Field, worst: float, enough: Enough) -> Correction:
         """Displace the free sites until forces, of which ``worst`` is the largest there, are small enough."""
-        allowed_error, allowed_imbalance = accuracy.allowed_error, accuracy.allowed_imbalance
+        allowed_error, allowed_imbalance = enough.allowed_error, enough.allowed_imbalance
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
@@ -169,7 +169,7 @@ class FreeSites:
         total = xp.zeros_like(residual)
         direction, slope, iterations = None, 1.0, 0
         unit, left_over = worst / self.unit, math.inf
-        while iterations < accuracy.most:
+        while iterations < enough.most:
             estimate = self.waves.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
@@ -201,7 +201,7 @@ class FreeSites:
                     left_over = max(left_over, allowed_error * share)
                 if left_over <= allowed_error:
                     break
-            if largest(defect, xp) <= accuracy.goal:
+            if largest(defect, xp) <= enough.goal:
                 break
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)

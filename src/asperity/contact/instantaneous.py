@@ -12,7 +12,7 @@ from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.controls import Control, Load
 from asperity.contact.partial_slip import PartialSlip
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, ContactSolver, Guess, Solution
 from asperity.contact.response import check_half_space
 from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
@@ -42,7 +42,7 @@ def first_contact(
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         return contact_from(system, touching, level, level, bodies=bodies, load_may_vanish=True)
     step = system.mechanics.implicit_step(0.0)
-    solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, TOLERANCE)
+    solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.displacement(solution.u, flat, level)
@@ -144,7 +144,7 @@ def above_anchors(
     u, in_contact = near
     guess = Guess(u - system.datum, in_contact, disposable=True)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
-    solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)
+    solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(_STRICT * TOLERANCE))
     if system.load is not None:
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved

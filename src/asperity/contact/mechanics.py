@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
-from asperity.contact.problem import ContactProblem, SpectralProblem, SpringLaw, SpringProblem, SpringStep
+from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem, SpringStep
 from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
@@ -265,16 +265,7 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        of_sites = self.springs(float(stiffness.flat[0])), mechanics.interface
-        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
-
-    def springs(self, mean: float) -> SpringLaw | None:
-        """S in terms of neighbors, on the lattice of springs; ``mean`` is S at wave vector 0."""
-        springs = self.mechanics.solid.springs
-        if springs is None:
-            return None
-        relaxed, spread, drag = self.spread_and_drag(springs)
-        return SpringLaw(springs.k0, 0.0 if relaxed else springs.k1, 1.0 + drag, spread, mean)
+        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
 
     def spread_and_drag(self, springs: SpringConstants) -> tuple[bool, float, float]:
         """Whether the springs relax altogether; else tau k1 R and tau k1 R_viscous."""

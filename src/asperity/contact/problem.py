@@ -27,37 +27,25 @@ from asperity.contact.interface import RIGID, Interface
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 
 
-@dataclass(frozen=True)
-class SpringLaw:
-    """The stiffness k0 L + k1 / (lag + spread L) away from wave vector 0, and that at wave vector 0.
-
-    Where the creeping springs have relaxed altogether, ``k1`` is 0.
-    """
-
-    k0: float
-    k1: float
-    lag: float
-    spread: float
-    mean: float
-
-
 @dataclass(frozen=True, eq=False)
 class SpectralProblem:
     """A contact problem in Fourier modes.
 
     The maximum of the heights, the obstacle xi, is 0, which keeps rounding errors relative to the indentation
     rather than to the datum of the heights. The stiffness S is positive but, where the sum of the forces is
-    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. ``springs`` are S
-    in terms of neighbors, on a lattice of springs: on a line linear problems are solved so.
+    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load.
     """
 
     lattice: Lattice
     heights: Field
     stiffness: Spectrum
     rhs: Modes
-    load_controlled: bool
-    springs: SpringLaw | None = None
     interface: Interface = RIGID
+
+    @property
+    def load(self) -> float | None:
+        """The sum of the contact forces, where it is prescribed; else None."""
+        return None if self.stiffness.flat[0] > 0 else -float(self.rhs.flat[0].real)
 
     def spectral(self) -> SpectralProblem:
         """Return the problem itself."""
@@ -133,20 +121,34 @@ class Solution:
     solver: str = ""
 
 
+TOLERANCE = 1e-9
+"""The tolerance to which published states are solved; the residual they carry shows it."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How accurate a solution is to be.
+
+    No force off contact exceeds ``residual`` times the mean contact force, unless rounding forbids more. A
+    solver may stop earlier where u is off by no more than ``error``, rms over the sites; while contacts still
+    change only if they need not be ``settled``.
+    """
+
+    residual: float = TOLERANCE
+    error: float = 0.0
+    settled: bool = True
+
+
+PUBLISHED = Accuracy()
+"""That of published states."""
+
+
 class ContactSolver(Protocol):
     """What a solver offers."""
 
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """Solve from a guess or from nothing; return converged or raise `ConvergenceError`.
-
-        Converged means that no force off contact exceeds ``tolerance`` times the mean contact force, or
-        that rounding errors forbid more.
-        """
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
+        """Solve from a guess or from nothing; return a solution as accurate, or raise `ConvergenceError`."""
         ...
-
-
-TOLERANCE = 1e-9
-"""The tolerance to which published states are solved; the residual they carry shows it."""
 
 
 def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.interface import Interface
 from asperity.contact.mechanics import Prescribed
-from asperity.contact.problem import TOLERANCE, Guess
+from asperity.contact.problem import PUBLISHED, Guess
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Mask
@@ -46,7 +46,7 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
     problem = step.problem(flat, 0.0, Prescribed(1.0, 0.0)).spectral()
     problem = replace(problem, interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
-    u = ActiveSet().solve(problem, guess, TOLERANCE).u
+    u = ActiveSet().solve(problem, guess, PUBLISHED).u
     _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))
     return -1.0 / position if position < 0 else math.inf
 

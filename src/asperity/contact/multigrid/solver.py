@@ -20,7 +20,14 @@ from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem, SpringStep
+from asperity.contact.problem import (
+    Accuracy,
+    ContactProblem,
+    Guess,
+    Solution,
+    SpringProblem,
+    SpringStep,
+)
 from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -75,7 +82,7 @@ class Multigrid:
         return springs.k0 == 0 or least * springs.k0 <= springs.k1 <= most * springs.k0
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve the problem from a guess, or from a flat surface; the solution says who solved it.
 
         Raises
@@ -85,7 +92,7 @@ class Multigrid:
         ConvergenceError
             Neither cycles nor `ActiveSet` reached the tolerance.
         """
-        return First((Cycles(self), ActiveSet())).solve(problem, guess, tolerance)
+        return First((Cycles(self), ActiveSet())).solve(problem, guess, accuracy)
 
     def work_on(self, mechanics: SpringMechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
@@ -106,7 +113,7 @@ class Cycles:
 
     multigrid: Multigrid
 
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve, or raise `UnsolvedError`."""
         if not isinstance(problem, SpringProblem):
             raise InputError(
@@ -128,7 +135,7 @@ class Cycles:
         heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
         work = self.multigrid._workspace(OneField, _sites(heights, springs))
-        done, uniform, cycles = work.solve(springs, heights, u, tolerance, self.multigrid.max_cycles)
+        done, uniform, cycles = work.solve(springs, heights, u, accuracy.residual, self.multigrid.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
