@@ -4,6 +4,8 @@ It shares no loop and no layout with `asperity.contact.multigrid.processor`. Wha
 does to all sites of that color at once, as a graphics card would.
 """
 
+from dataclasses import astuple
+
 import numpy as np
 
 from asperity.contact.multigrid.loops import CoarseTwo, Two
@@ -74,7 +76,7 @@ class WholeFields:
         out[...] = restricted(field / (1 + softening * np.maximum(field - mean, 0)), sites)
 
     def measure(self, surface, springs, uniform, scales, into, sites, *, flowing):
-        (u, w, heights), (k0, k1, spread, drag) = surface, springs
+        (u, w, heights), (k0, k1, spread, drag) = surface, astuple(springs)
         force, free, rise = k0 * lap(u, sites) + k1 * w + uniform, u > heights, u - scales.level
         into.bound[...], into.b[...] = (heights - u) / scales.length, -force / scales.force
         if flowing:

@@ -12,10 +12,11 @@ from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.multigrid import solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy, empty
 from asperity.contact.multigrid.loops import Sites, rows
-from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.pins import coherent_potential, compliance
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
 from asperity.contact.problem import PUBLISHED, Guess
+from asperity.solids import Springs
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import each_refuses
 from tests.surfaces import correlated, uncorrelated
@@ -55,28 +56,29 @@ def test_restriction_is_the_transpose_of_interpolation(shape, mirrored):
     np.testing.assert_array_equal(backend.unpacked(up, sites), 1.0)
 
 
-def zone_mean(response, level, sigma, points=400):
+def zone_mean(springs, level, sigma, points=400):
     """Compliance of a site by summation over the Brillouin zone."""
     q = 2 * np.pi * (np.arange(points) + 0.5) / points
     lam = (4 - 2 * np.cos(q)[:, None] - 2 * np.cos(q)) / 1.0
     mass = 4.0**level
-    creep = 1 + response.drag + response.spread * lam / mass
-    return np.mean(1 / (lam + response.bed * mass / creep + sigma))
+    creep = 1 + springs.drag + springs.spread * lam / mass
+    return np.mean(1 / (lam + springs.k1 * mass / creep + sigma))
 
 
 @pytest.mark.parametrize(
-    "response", [Response(3.0), Response(0.1, 2.0), Response(3.0, 40.0, 0.5), Response(1.0, 0.0, 3.0)]
+    "springs",
+    [Springs(1.0, 3.0), Springs(1.0, 0.1, 2.0), Springs(1.0, 3.0, 40.0, 0.5), Springs(1.0, 1.0, 0.0, 3.0)],
 )
 @pytest.mark.parametrize(("level", "sigma"), [(0, 0.0), (0, 0.05), (1, 0.3), (3, 2.0)])
-def test_compliance_of_a_site_is_the_mean_over_the_zone(response, level, sigma):
-    assert response.compliance(level, sigma) == pytest.approx(zone_mean(response, level, sigma), rel=1e-6)
+def test_compliance_of_a_site_is_the_mean_over_the_zone(springs, level, sigma):
+    assert compliance(springs, level, sigma) == pytest.approx(zone_mean(springs, level, sigma), rel=1e-6)
 
 
 @pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.5, 0.99])
 def test_coherent_potential_solves_its_condition(fraction):
-    response = Response(0.5, 10.0)
-    sigma = response.coherent_potential(fraction)
-    assert sigma * zone_mean(response, 0, sigma) == pytest.approx(fraction, rel=0.05)
+    springs = Springs(1.0, 0.5, 10.0)
+    sigma = coherent_potential(springs, fraction)
+    assert sigma * zone_mean(springs, 0, sigma) == pytest.approx(fraction, rel=0.05)
 
 
 @pytest.mark.parametrize("contacts", [3, 300])
@@ -85,32 +87,32 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     rng = np.random.default_rng(0)
     heights = np.full((128, 128), -1.0)
     heights.flat[rng.choice(heights.size, contacts, replace=False)] = 0.0
-    response = Response(0.3)
+    springs = Springs(1.0, 0.3)
     backend = Processor()
     hierarchy = Hierarchy(Sites(128, 128, False), 1, backend)
     surface, gap = backend.packed(np.zeros_like(heights)), backend.packed(heights)
-    hierarchy.set_pins(surface, gap, contacts / heights.size, response)
+    hierarchy.set_pins(surface, gap, contacts / heights.size, springs)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
-        heights.size * response.coherent_potential(contacts / heights.size), rel=0.15
+        heights.size * coherent_potential(springs, contacts / heights.size), rel=0.15
     )
 
 
 def test_a_crowd_of_contacts_does_not_give():
     # Where all sites that share a coarse one are held, so is that, on every grid; a contact alone gives.
-    backend, response = Processor(), Response(30.0, 1.0)
+    backend, springs = Processor(), Springs(1.0, 30.0, 1.0)
     for shape, mirrored in (((64, 64), False), ((61, 63), False), ((62, 59), True)):
         hierarchy = Hierarchy(Sites(*shape, mirrored), 2, backend)
         heights = np.full(shape, -1.0)
         heights[:, :36] = heights[5, 50] = 0.0
         surface, gap = backend.packed(np.zeros(shape)), backend.packed(heights)
-        hierarchy.set_pins(surface, gap, float(np.mean(heights == 0)), response)
+        hierarchy.set_pins(surface, gap, float(np.mean(heights == 0)), springs)
         for level, grid in enumerate(hierarchy.grids[:3], start=1):
             own = backend.unpacked(grid.pins, grid.sites) / 4.0**level
             inside = slice(2, 36 // 2**level - 2)
-            assert (own[2:-2, inside] > 100 * response.bed).all()
+            assert (own[2:-2, inside] > 100 * springs.k1).all()
             outside = own[5 // 2**level, 50 // 2**level]
-            assert 0 < outside < 10 * response.bed
+            assert 0 < outside < 10 * springs.k1
 
 
 @pytest.mark.parametrize("held", [False, True])

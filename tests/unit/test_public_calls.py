@@ -108,7 +108,6 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.solids.coated_half_space, **FILM, base_modulus=8.0, base_poisson=0.5),
     call(asp.solids.contact_modulus, young=[2.0, 4.0], poisson=[0.25, 0.5]),
     call(asp.solids.PowerMobility, mobility=2.0, exponent=0.5),
-    call(asp.solids.SpringConstants, k0=1.0, k1=3.0, R=2.0, R_viscous=0.5),
     call(asp.solids.LaplacianSpectrum, laplacian=2.0, uniform=0.5),
     call(asp.solids.WaveNumberSpectrum, slope=2.0),
     call(asp.solids.FixedRate, rate=2.0, stiffness=LATTICE.permanent),

@@ -25,7 +25,7 @@ from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, Stat
 from asperity.contact.arrays import largest
 from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
-from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Springs, Surface
+from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Surface
 from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.state import Contact
@@ -112,7 +112,7 @@ class SpringSteps(TrBdf2):
             numbers = growth, self.offset, self.weight, self.weight
         else:
             self.tau, self.weight = tau, tau * (WEIGHT / DIAGONAL)
-            work.prepare(s.k1 / self.k0, tau * s.k1 * s.R, tau * s.k1 * s.R_viscous)
+            work.prepare(s.k1 / self.k0, tau * s.spread, tau * s.drag)
             _, *weights = stage.weights
             numbers = 0.0, 0.0, tau, 0.0
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
@@ -163,13 +163,12 @@ class SpringSteps(TrBdf2):
 
     def settle(self, offset: float) -> None:
         """Add the corrections, and an offset to w, and prepare for steps from there."""
-        s, work = self.springs, self.work
-        springs = Springs(s.k0, s.k1, s.k1 * s.R, s.k1 * s.R_viscous)
+        work = self.work
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, work.source.e, self.flow)
         scales = Scales(self.k0 * self.unit, self.unit, self.level)
         work.backend.settle(surface, work.correction, work.bound, self.unit, offset)
         self.moments: Found = work.backend.measure(
-            surface, springs, 0.0, scales, into, work.sites, flowing=True
+            surface, self.springs, 0.0, scales, into, work.sites, flowing=True
         )
         work.known_stretch = self.moments.stretch / self.unit
 

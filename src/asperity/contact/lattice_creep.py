@@ -19,14 +19,14 @@ import numpy as np
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
-from asperity.contact.multigrid.loops import Measured, Scales, Sites, Springs, Surface
+from asperity.contact.multigrid.loops import Measured, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
 from asperity.contact.stencils import balanced, lattice_force, tangents
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
-from asperity.solids import SpringConstants
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class LatticeCreep(ByLaw):
 
     def __init__(
         self,
-        springs: SpringConstants,
+        springs: Springs,
         law: LocalCreep,
         lattice: Lattice,
         heights: Field,
@@ -70,8 +70,8 @@ class LatticeCreep(ByLaw):
 
     def velocity(self, force: Field) -> Field:
         """See `ByLaw`."""
-        rows = np.atleast_2d(force)
-        beside = self.combined(rows, rows, self.springs.R, self.springs.R_viscous)
+        w = np.atleast_2d(self.stretch(force))
+        beside = self.combined(w, w, self.springs.spread, self.springs.drag)
         return np.asarray(self.law.velocity(force)[0] + beside.reshape(force.shape))
 
     def balanced(self, state: LocalState, load: float | None) -> Field:
@@ -110,14 +110,13 @@ class _Run(LocalRun):
         np.maximum(self.u, solver.heights, out=self.u)
         self.heights, self.yielding = solver.heights, np.zeros(self.u.shape, dtype=bool)
         self.position = float(stage.position if stage.load is None else guess.position)
-        k1, tau = springs.k1, stage.tau
-        self.springs = Springs(springs.k0, k1, tau * k1 * springs.R, tau * k1 * springs.R_viscous)
+        self.springs = springs.step(stage.tau)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
         self.unit, self.rounding = size or 1.0, ROUNDING * size
-        self.stiffness = working_stiffness(springs.k0, k1)
+        self.stiffness = working_stiffness(springs.k0, springs.k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
-            self.work.prepare(k1 / self.stiffness, self.springs.spread, self.springs.drag)
+            self.work.prepare(springs.k1 / self.stiffness, self.springs.spread, self.springs.drag)
 
     def measure(self) -> float:
         """See `LocalRun`."""

@@ -33,10 +33,10 @@ from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
-from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem, SpringStep
+from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
 from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
-from asperity.solids import LocalCreep, Solid, Spectra, SpringConstants
+from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
 _LEAST_CREEPING_SHARE = 1e-2
 """Least share of creeping branches in the stiffness with which anchors take up forces."""
@@ -267,12 +267,6 @@ class ImplicitStep:
             rhs.flat[0] = -held.load
         return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
 
-    def spread_and_drag(self, springs: SpringConstants) -> tuple[bool, float, float]:
-        """Whether the springs relax altogether; else tau k1 R and tau k1 R_viscous."""
-        relaxed = bool(np.isinf(self.tau)) and springs.creep
-        rate = self.tau * springs.k1 if springs.creep and not relaxed else 0.0
-        return relaxed, rate * springs.R, rate * springs.R_viscous
-
     def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
         modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self.modes_of(anchors), held)
@@ -309,12 +303,12 @@ class ImplicitStep:
 class SpringMechanics(Mechanics):
     """The lattice of springs in two dimensions, k1 > 0, whose surface never yields, in terms of neighbors."""
 
-    def __init__(self, solid: Solid, lattice: Lattice, springs: SpringConstants) -> None:
+    def __init__(self, solid: Solid, lattice: Lattice, springs: Springs) -> None:
         super().__init__(solid, lattice)
         self.springs, self.interface = springs, RIGID
-        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.R_viscous
+        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.drag / springs.k1
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
-        self.fastest_creep = springs.k1 * (8 * springs.R + springs.R_viscous)
+        self.fastest_creep = 8 * springs.spread + springs.drag
 
     @property
     def soft_modes(self) -> tuple[bool, bool]:
@@ -334,9 +328,8 @@ class SpringMechanics(Mechanics):
 
     def creep_rate(self, stretch: Field) -> Field:
         """Rates d u_b / dt = M_b C_b w_b."""
-        k1, R, R_viscous = self.springs.k1, self.springs.R, self.springs.R_viscous
         w, mirrored = stretch[0], self.lattice.reflecting
-        return lattice_force(w, w, k1 * R, k1 * R_viscous, mirrored=mirrored)[np.newaxis]
+        return lattice_force(w, w, self.springs.spread, self.springs.drag, mirrored=mirrored)[np.newaxis]
 
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
         """See `Mechanics`."""
@@ -365,12 +358,11 @@ class SpringImplicitStep(ImplicitStep):
 
     def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
-        springs, mirrored = self.mechanics.springs, self.mechanics.lattice.reflecting
-        relaxed, spread, drag = self.spread_and_drag(springs)
+        springs, mirrored = self.mechanics.springs.step(self.tau), self.mechanics.lattice.reflecting
         level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
-        step = SpringStep(springs.k0, springs.k1, spread, drag, relaxed, level, held.load, mirrored)
         return SpringProblem(
-            heights, step, lambda: self.spectral_problem(heights, self.modes_of(anchors), held)
+            *(heights, springs, level, held.load, mirrored),
+            lambda: self.spectral_problem(heights, self.modes_of(anchors), held),
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:

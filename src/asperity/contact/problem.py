@@ -25,6 +25,7 @@ import numpy as np
 
 from asperity.contact.interface import RIGID, Interface
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,33 +58,20 @@ class SpectralProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class SpringStep:
+class SpringProblem:
     """An implicit step of creep on the two-dimensional lattice of springs, in terms of neighbors alone.
 
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
-    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None.
-
-    ``spread`` and ``drag`` are tau k1 R and tau k1 R_viscous; ``relaxed`` stands for both infinite. The
-    anchors are a field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
+    unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
     """
 
-    k0: float
-    k1: float
-    spread: float
-    drag: float
-    relaxed: bool
+    heights: Field
+    springs: Springs
     anchors: Field | float
     load: float | None
-    mirrored: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class SpringProblem:
-    """A contact problem on the lattice of springs: a step above an obstacle, also in Fourier modes."""
-
-    heights: Field
-    step: SpringStep
+    mirrored: bool
     spectral: Callable[[], SpectralProblem]
 
 

@@ -12,7 +12,7 @@ from asperity.solids.laws import (
     Scaled,
     WaveNumberSpectrum,
 )
-from asperity.solids.solid import CreepBranch, Solid, Spectra, SpringConstants
+from asperity.solids.solid import CreepBranch, Solid, Spectra, Springs
 from asperity.solids.springs import spring_lattice
 
 __all__ = [
@@ -29,7 +29,7 @@ __all__ = [
     "Scaled",
     "Solid",
     "Spectra",
-    "SpringConstants",
+    "Springs",
     "WaveNumberSpectrum",
     "coated_half_space",
     "contact_modulus",

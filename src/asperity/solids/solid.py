@@ -21,7 +21,7 @@ from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.solids.laws import FixedRate, LaplacianSpectrum, Numbers, Scaled, SpectrumOf, WithApparatus
+from asperity.solids.laws import FixedRate, LaplacianSpectrum, Scaled, SpectrumOf, WithApparatus
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
 
@@ -65,18 +65,32 @@ class Spectra:
 
 
 @dataclass(frozen=True)
-class SpringConstants(Numbers):
-    """The lattice of springs: H = k0 lam, C = k1, M = R lam + R_viscous."""
+class Springs:
+    """The lattice of springs: a force k0 L u + k1 w, and a creep of u - w at the rate spread L w + drag w.
+
+    L is minus the Laplacian, and w the stretch of the springs to the bulk. In terms of the mobilities,
+    ``spread`` is k1 R and ``drag`` k1 R_viscous: rates, or of an implicit step that times its duration.
+    """
 
     k0: float
     k1: float
-    R: float
-    R_viscous: float
+    spread: float = 0.0
+    drag: float = 0.0
 
     @property
     def creep(self) -> bool:
         """Whether anything creeps."""
-        return self.R > 0 or self.R_viscous > 0
+        return self.spread > 0 or self.drag > 0
+
+    @property
+    def relaxed(self) -> bool:
+        """Whether the springs to the bulk have relaxed altogether, in an infinite step."""
+        return math.isinf(max(self.spread, self.drag))
+
+    def step(self, tau: float) -> Springs:
+        """What an implicit step of duration tau makes of rates; it may be infinite."""
+        spread, drag = (tau * rate if rate > 0 else 0.0 for rate in (self.spread, self.drag))
+        return Springs(self.k0, self.k1, spread, drag)
 
 
 @dataclass(frozen=True)
@@ -158,13 +172,13 @@ class Solid(views.InNotebooks):
         return math.isfinite(self.hardness)
 
     @property
-    def springs(self) -> SpringConstants | None:
+    def springs(self) -> Springs | None:
         """The spring constants, if this is Jagla's lattice of springs and nothing else."""
         match self.permanent, *self.branches:
             case LaplacianSpectrum(k0, 0), CreepBranch(
                 LaplacianSpectrum(0, k1), LaplacianSpectrum(R, viscous)
             ):
-                return SpringConstants(k0, k1, R, viscous)
+                return Springs(k0, k1, k1 * R, k1 * viscous)
         return None
 
     @property

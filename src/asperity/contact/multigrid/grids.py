@@ -11,9 +11,10 @@ from itertools import pairwise
 import numpy as np
 
 from asperity.contact.multigrid.loops import Fields, Pair, Single, Sites
-from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.pins import coherent_potential, softening
 from asperity.contact.multigrid.processor import Processor
 from asperity.lattice import Field
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +138,8 @@ class Hierarchy:
         areas = [np.ones(self.sites[:2]), *(grid.areas for grid in self.grids[:-1])]
         return [self.backend.packed(cells) for cells in areas]
 
-    def set_pins(self, e: Single, bound: Single, fraction: float, response: Response) -> None:
-        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact.
+    def set_pins(self, e: Single, bound: Single, fraction: float, springs: Springs) -> None:
+        """Set pins on all coarse grids; ``fraction`` is that of the sites in contact; k0 = 1.
 
         A pin among others as stiff does not soften: where all sites that share a coarse one are held, so is
         that.
@@ -147,21 +148,21 @@ class Hierarchy:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
-        sigma = response.coherent_potential(fraction)
-        first, strength = self.grids[0], 1.0 / response.softening(0, sigma)
+        sigma = coherent_potential(springs, fraction)
+        first, strength = self.grids[0], 1.0 / softening(springs, 0, sigma)
         self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
         first.pins *= np.float32(strength)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
-        held, hard, crowds = strength, 1e3 * (4.0 + response.bed), True  # much stiffer than a site
+        held, hard, crowds = strength, 1e3 * (4.0 + springs.k1), True  # much stiffer than a site
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
                 full = fine.pins >= np.float32((1.0 - 1e-4) * held) * fine.sharing  # but for rounding
                 crowds = bool(full.any())
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
-            softening = response.softening(level, mean)
-            self.backend.restrict(fine.pins, fine.sites, coarse.pins, softening, mean)
-            held, hard = hard / (1.0 + softening * max(hard - mean, 0.0)), 4.0 * hard
+            softer = softening(springs, level, mean)
+            self.backend.restrict(fine.pins, fine.sites, coarse.pins, softer, mean)
+            held, hard = hard / (1.0 + softer * max(hard - mean, 0.0)), 4.0 * hard
 
     def coarser_lags(self, lag: Single, spread: float) -> list[Single]:
         """A lag by site, on the coarse grids: its mean over a cell, weighted by how far its sites respond.

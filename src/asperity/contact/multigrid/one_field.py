@@ -29,11 +29,11 @@ import numpy as np
 
 from asperity.contact.arrays import largest
 from asperity.contact.multigrid.grids import Hierarchy, empty
-from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Springs, Surface
-from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Extremes, Processor
-from asperity.contact.problem import SpringStep
+from asperity.contact.problem import SpringProblem
 from asperity.lattice import Field
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True)
@@ -63,20 +63,21 @@ class OneField:
         self.bound, self.source, self.correction, self.previous = (empty(sites, backend) for _ in range(4))
 
     def solve(
-        self, springs: SpringStep, heights: Field, u: Field, tolerance: float, max_cycles: int
+        self, problem: SpringProblem, u: Field, tolerance: float, max_cycles: int
     ) -> tuple[bool, float, int]:
         """Improve u in place; whether the tolerance was reached, the uniform force, and the cycles taken."""
-        self.springs, self.heights, self.u = springs, heights, u
+        self.springs, self.heights, self.u = problem.springs, np.ascontiguousarray(problem.heights), u
+        springs, anchors, load = problem.springs, problem.anchors, problem.load
         self.stiffness = 0.0 if springs.relaxed else springs.k1
         self.bed, self.coupling = self.stiffness / springs.k0, 0.0
-        if springs.load is None:
-            self.base = -springs.k1 * float(np.mean(springs.anchors))
+        if load is None:
+            self.base = -springs.k1 * float(np.mean(anchors))
         else:
-            self.base, self.coupling = springs.load / u.size, -self.bed / u.size
+            self.base, self.coupling = load / u.size, -self.bed / u.size
         self.unit = largest(u, np) or abs(self.base) / springs.k1 or 1.0
         self.shape: Field | None = None
-        if isinstance(springs.anchors, np.ndarray) and not springs.relaxed:
-            self.shape = springs.anchors - float(np.mean(springs.anchors))
+        if isinstance(anchors, np.ndarray) and not springs.relaxed:
+            self.shape = anchors - float(np.mean(anchors))
             self.unit = max(self.unit, largest(self.shape, np))
         self.previous.fill(0.0)
         first, backend, pinned = self.hierarchy.grids[0], self.backend, -1.0
@@ -85,7 +86,7 @@ class OneField:
             backend.sweep_1(self.equation(), 4)
             eq = self.equation()
             found = backend.restrict_1(eq, first.source[0])
-            if found.contacts == 0 and springs.load is not None:
+            if found.contacts == 0 and load is not None:
                 deepest = int(np.argmax(self.bound - self.correction))  # something must carry the load
                 self.correction.flat[deepest] = self.bound.flat[deepest]
                 continue
@@ -121,7 +122,7 @@ class OneField:
         uniform = self.base - bed * float(self.u.mean()) if self.coupling else self.base
         surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
         scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, self.source, self.source)
-        law = Springs(k0, bed, 0.0, 0.0)
+        law = Springs(k0, bed)
         found = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
         self.correction.fill(0.0)
         rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * k0 + bed) * self.unit
@@ -146,7 +147,7 @@ class OneField:
     def set_pins(self, contacts: float) -> None:
         """Set pins on the coarse grids, and factorize the coarsest."""
         fraction = contacts / self.u.size
-        self.hierarchy.set_pins(self.correction, self.bound, fraction, Response(self.bed))
+        self.hierarchy.set_pins(self.correction, self.bound, fraction, Springs(1.0, self.bed))
         grid = self.hierarchy.grids[-1]
         cells = grid.areas.ravel()
         matrix = grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * cells)

@@ -27,6 +27,8 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from asperity.solids import Springs
+
 
 @dataclass(frozen=True)
 class Tuning:
@@ -40,54 +42,44 @@ class Tuning:
 TUNING = Tuning()
 
 
-@dataclass(frozen=True)
-class Response:
-    """S of the springs for one creep step, in units of k0.
+def compliance(springs: Springs, level: int, sigma: float) -> float:
+    """G_l(sigma), the compliance of a site of a coarse grid, in a step of springs in units of k0."""
+    mass = 4.0**level
+    bed, lag = springs.k1 * mass, 1.0 + springs.drag
+    huge = 1e6  # stiffness on a site, in units of k0, beyond which its neighbors do not matter
+    if bed / lag + sigma > huge:
+        return 1.0 / (bed / lag + sigma + 4.0)
+    spread = springs.spread / mass
+    if spread * (8.0 + huge) < 1e-12 * lag:
+        return _mean_inverse(bed / lag + sigma).real
+    # 1/(S + sigma) = (lag + spread lam) / (spread (lam + x)(lam + y))
+    linear = (lag + sigma * spread) / spread
+    constant = (bed + sigma * lag) / spread
+    x = (linear + cmath.sqrt(linear**2 - 4.0 * constant)) / 2.0
+    y = constant / x
+    if abs(x - y) < 1e-6 * abs(x):
+        x, y = x * (1.0 + 1e-5), y * (1.0 - 1e-5)
+    ratio = lag / spread
+    return (((ratio - x) * _mean_inverse(x) - (ratio - y) * _mean_inverse(y)) / (y - x)).real
 
-    S = lam + bed / (1 + drag + spread lam): ``bed`` is k1/k0 (0 if relaxed), ``spread`` is tau k1 R
-    and ``drag`` is tau k1 R_viscous.
-    """
 
-    bed: float
-    spread: float = 0.0
-    drag: float = 0.0
+def coherent_potential(springs: Springs, fraction: float) -> float:
+    """Sigma for a fraction of sites in contact, to a few percent."""
+    low, high = math.log(1e-12), math.log(1e9)
+    while high - low > 0.03:
+        middle = (low + high) / 2.0
+        sigma = math.exp(middle)
+        if sigma * compliance(springs, 0, sigma) < fraction:
+            low = middle
+        else:
+            high = middle
+    return math.exp((low + high) / 2.0)
 
-    def compliance(self, level: int, sigma: float) -> float:
-        """G_l(sigma), the compliance of a site of a coarse grid."""
-        mass = 4.0**level
-        bed, lag = self.bed * mass, 1.0 + self.drag
-        huge = 1e6  # stiffness on a site, in units of k0, beyond which its neighbors do not matter
-        if bed / lag + sigma > huge:
-            return 1.0 / (bed / lag + sigma + 4.0)
-        spread = self.spread / mass
-        if spread * (8.0 + huge) < 1e-12 * lag:
-            return _mean_inverse(bed / lag + sigma).real
-        # 1/(S + sigma) = (lag + spread lam) / (spread (lam + x)(lam + y))
-        linear = (lag + sigma * spread) / spread
-        constant = (bed + sigma * lag) / spread
-        x = (linear + cmath.sqrt(linear**2 - 4.0 * constant)) / 2.0
-        y = constant / x
-        if abs(x - y) < 1e-6 * abs(x):
-            x, y = x * (1.0 + 1e-5), y * (1.0 - 1e-5)
-        ratio = lag / spread
-        return (((ratio - x) * _mean_inverse(x) - (ratio - y) * _mean_inverse(y)) / (y - x)).real
 
-    def coherent_potential(self, fraction: float) -> float:
-        """Sigma for a fraction of sites in contact, to a few percent."""
-        low, high = math.log(1e-12), math.log(1e9)
-        while high - low > 0.03:
-            middle = (low + high) / 2.0
-            sigma = math.exp(middle)
-            if sigma * self.compliance(0, sigma) < fraction:
-                low = middle
-            else:
-                high = middle
-        return math.exp((low + high) / 2.0)
-
-    def softening(self, level: int, sigma: float) -> float:
-        """1 / p_(l+1) - 1 / p_l."""
-        change = self.compliance(level, sigma) - self.compliance(level + 1, 4.0 * sigma)
-        return max(TUNING.shared * change, 1e-9)
+def softening(springs: Springs, level: int, sigma: float) -> float:
+    """1 / p_(l+1) - 1 / p_l."""
+    change = compliance(springs, level, sigma) - compliance(springs, level + 1, 4.0 * sigma)
+    return max(TUNING.shared * change, 1e-9)
 
 
 def _mean_inverse(x: complex) -> complex:

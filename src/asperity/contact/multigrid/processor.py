@@ -27,7 +27,6 @@ from asperity.contact.multigrid.loops import (
     Scales,
     Single,
     Sites,
-    Springs,
     Surface,
     Two,
     one_field,
@@ -36,6 +35,7 @@ from asperity.contact.multigrid.loops import (
     two_fields,
 )
 from asperity.lattice import Field
+from asperity.solids import Springs
 
 
 class Defects(NamedTuple):
@@ -126,7 +126,8 @@ class Processor:
     ) -> Found:
         """Bound, source and flow of a state with the force k0 L u + k1 w + uniform."""
         sums = self._sums(sites)
-        states.measure(surface, springs, uniform, flowing, scales, into, sites, sums)
+        numbers = springs.k0, springs.k1, springs.spread, springs.drag
+        states.measure(surface, numbers, uniform, flowing, scales, into, sites, sums)
         return Found(*sums[:, :3].max(axis=0).tolist(), *sums[:, 3:].sum(axis=0).tolist())
 
     def settle(self, surface: Surface, correction: Pair, bound: Single, unit: float, offset: float) -> None:

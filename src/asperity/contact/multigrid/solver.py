@@ -17,20 +17,14 @@ from asperity.contact.first import First, UnsolvedError
 from asperity.contact.mechanics import Mechanics, SpringMechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
-from asperity.contact.multigrid.pins import Response
+from asperity.contact.multigrid.pins import compliance
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import (
-    Accuracy,
-    ContactProblem,
-    Guess,
-    Solution,
-    SpringProblem,
-    SpringStep,
-)
+from asperity.contact.problem import Accuracy, ContactProblem, Guess, Solution, SpringProblem
 from asperity.contact.stencils import bond_energy
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True)
@@ -122,57 +116,56 @@ class Cycles:
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
-        springs = problem.step
-        if not springs.relaxed and (springs.spread > 0 or springs.drag > 0):
+        springs, heights = problem.springs, problem.heights
+        if springs.creep and not springs.relaxed:
             raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
         if springs.k0 == 0:
-            return _independent(springs, problem.heights)
+            return _independent(problem)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(self._cold_start(springs, problem.heights), disposable=True)
-        if springs.load is None and (springs.relaxed or (guess.u > problem.heights).all()):
+            guess = Guess(self._cold_start(problem), disposable=True)
+        if problem.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             raise UnsolvedError(guess)
-        heights = np.ascontiguousarray(problem.heights)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self.multigrid._workspace(OneField, _sites(heights, springs))
-        done, uniform, cycles = work.solve(springs, heights, u, accuracy.residual, self.multigrid.max_cycles)
+        work = self.multigrid._workspace(OneField, _sites(problem))
+        done, uniform, cycles = work.solve(problem, u, accuracy.residual, self.multigrid.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
 
-    def _cold_start(self, springs: SpringStep, heights: Field) -> Field:
+    def _cold_start(self, problem: SpringProblem) -> Field:
         """A flat surface, or where heights are smooth that over every second site, solved."""
-        if not _is_smooth(heights):
-            return np.full(heights.shape, _level(springs, heights))
-        coarser = np.ascontiguousarray(heights[::2, ::2])
-        stiffer = replace(springs, k1=4.0 * springs.k1, anchors=float(np.mean(springs.anchors)))
-        u = self._cold_start(stiffer, coarser)
-        np.maximum(u, coarser, out=u)
+        if not _is_smooth(problem.heights):
+            return np.full(problem.heights.shape, _level(problem))
+        heights = np.ascontiguousarray(problem.heights[::2, ::2])
+        springs = replace(problem.springs, k1=4.0 * problem.springs.k1)
+        coarser = replace(problem, heights=heights, springs=springs, anchors=float(np.mean(problem.anchors)))
+        u = self._cold_start(coarser)
+        np.maximum(u, heights, out=u)
         # To a few hundredths of the mean force of contacts: it is only a guess.
-        work = OneField(_sites(coarser, springs), Processor())
-        work.solve(stiffer, coarser, u, 0.03, self.multigrid.max_cycles)
+        OneField(_sites(coarser), Processor()).solve(coarser, u, 0.03, self.multigrid.max_cycles)
         return interpolated(u)
 
 
-def _independent(springs: SpringStep, heights: Field) -> Solution:
+def _independent(problem: SpringProblem) -> Solution:
     """The contact of springs that no others join, in a step in which nothing spreads: each for itself."""
-    overlap, level = heights - springs.anchors, 0.0
-    if springs.load is not None:
+    heights, anchors = problem.heights, problem.anchors
+    overlap, level = heights - anchors, 0.0
+    if problem.load is not None:
         highest = float(overlap.max())
-        wanted = springs.load / springs.k1
+        wanted = problem.load / problem.springs.k1
         level = highest + level_of_overlap(overlap - highest, wanted)
         for _ in range(2):  # to the last digit
             touching = overlap > level
             level = (float(overlap[touching].sum()) - wanted) / max(int(np.count_nonzero(touching)), 1)
-    u = np.where(overlap > level, heights, springs.anchors + level)
+    u = np.where(overlap > level, heights, anchors + level)
     return Solution(u, u <= heights, 1, 0)
 
 
-def _sites(heights: Field, springs: SpringStep) -> Sites:
-    """The lattice of a step."""
-    rows, columns = heights.shape
-    return Sites(rows, columns, springs.mirrored)
+def _sites(problem: SpringProblem) -> Sites:
+    rows, columns = problem.heights.shape
+    return Sites(rows, columns, problem.mirrored)
 
 
 def _is_smooth(heights: Field) -> bool:
@@ -183,9 +176,10 @@ def _is_smooth(heights: Field) -> bool:
     return bond_energy(heights) < squares
 
 
-def _level(springs: SpringStep, heights: Field) -> float:
+def _level(problem: SpringProblem) -> float:
     """Level at which independent asperities carry the load; the mean anchor under separation control."""
-    if springs.load is None:
-        return float(np.mean(springs.anchors))
-    response = Response(springs.k1 / springs.k0)
-    return level_of_overlap(heights, springs.load * response.compliance(0, 0.0) / springs.k0)
+    if problem.load is None:
+        return float(np.mean(problem.anchors))
+    k0 = problem.springs.k0
+    softness = compliance(Springs(1.0, problem.springs.k1 / k0), 0, 0.0) / k0
+    return level_of_overlap(problem.heights, problem.load * softness)

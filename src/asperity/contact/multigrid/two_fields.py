@@ -29,9 +29,9 @@ from asperity.contact.arrays import inner, largest
 from asperity.contact.multigrid.grids import Hierarchy, empty
 from asperity.contact.multigrid.loops import CoarseTwo, Moves, Pair, Single, Sites, Two
 from asperity.contact.multigrid.one_field import SINGLE_PRECISION, lowest
-from asperity.contact.multigrid.pins import Response
 from asperity.contact.multigrid.processor import Defects, Processor
 from asperity.lattice import Field
+from asperity.solids import Springs
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class TwoFields:
             row.fill(np.float32(self.mean_lag))
         self.lag, *self.coarse_lags = self.rows
         self.damp()
-        self.response = Response(bed, spread, drag)
+        self.springs = Springs(1.0, bed, spread, drag)
         self.part = min(1.0, TUNING.stiff / bed)
         self.force_error = max(TUNING.force_error * self.part**2, SINGLE_PRECISION)
 
@@ -184,7 +184,7 @@ class TwoFields:
         self.factorized = False
         if self.pinned < 0:
             self.mean_lag = float(np.mean(self.hierarchy.grids[-1].in_order(self.coarse_lags[-1])))
-            self.response = Response(self.bed, self.spread, self.mean_lag - 1.0)
+            self.springs = Springs(1.0, self.bed, self.spread, self.mean_lag - 1.0)
 
     def equation(self) -> Two:
         """Fields and coefficients."""
@@ -234,7 +234,7 @@ class TwoFields:
             return
         if moved:
             self.pinned = contacts
-            self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.response)
+            self.hierarchy.set_pins(self.correction.e, self.bound, contacts / self.size, self.springs)
         self.factorized = True
         grid = self.hierarchy.grids[-1]
         lap, cells, lag = grid.laplacian, grid.areas.ravel(), self.coarse_lags[-1]

@@ -2,7 +2,7 @@
 
 from asperity.contact.multigrid.loops.one_field import CoarseOne, One
 from asperity.contact.multigrid.loops.rows import Fields, Pair, Single, Sites
-from asperity.contact.multigrid.loops.states import Measured, Past, Scales, Springs, Surface
+from asperity.contact.multigrid.loops.states import Measured, Past, Scales, Surface
 from asperity.contact.multigrid.loops.two_fields import CoarseTwo, Moves, Two
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "Scales",
     "Single",
     "Sites",
-    "Springs",
     "Surface",
     "Two",
 ]

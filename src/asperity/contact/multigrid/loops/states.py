@@ -26,15 +26,6 @@ from asperity.contact.stencils import force_row
 from asperity.lattice import Field
 
 
-class Springs(NamedTuple):
-    """Stiffness k0 and k1; and ``spread L w + drag w``, what creeps in a unit of time or in a step."""
-
-    k0: float
-    k1: float
-    spread: float
-    drag: float
-
-
 class Surface(NamedTuple):
     """A state and its obstacle: u, w = u - u0 and the heights; lengths, double precision, rows in order."""
 
@@ -77,7 +68,7 @@ class Past(NamedTuple):
 @compiled
 def measure(
     surface: Surface,
-    springs: Springs,
+    springs: tuple[float, float, float, float],
     uniform: float,
     flowing: bool,
     scales: Scales,
