@@ -19,10 +19,11 @@ import numpy as np
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.mechanics import balanced
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
-from asperity.contact.stencils import balanced, lattice_force, tangents
+from asperity.contact.stencils import lattice_force, tangents
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
@@ -77,9 +78,8 @@ class LatticeCreep(ByLaw):
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `ByLaw`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
-        k0, k1 = self.springs.k0, self.springs.k1
-        total, high = None if load is None else load / k1, self.interface.high / k1
-        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, high=high)
+        total = None if load is None else load / self.springs.k1
+        found = balanced(self.springs, u, w, self.heights, total, self.interface, mirrored=self.mirrored)
         return found.reshape(state.u.shape)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:

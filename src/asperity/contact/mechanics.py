@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
-from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
+from asperity.contact.stencils import bond_energy, lattice_force
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
@@ -46,11 +46,13 @@ _LEAST_CREEPING_SHARE = 1e-2
 class Prescribed:
     """What is prescribed at a moment: the load, if that is held, and the position X of the rigid body.
 
-    Where the load is prescribed, X is where the body was before.
+    Where the load is prescribed, X is where the body was before. A force of each site that is ``known`` and
+    not of contact, positive where it pushes the bodies apart, bears its part of the load.
     """
 
     load: float | None
     position: float
+    known: Field | None = None
 
 
 class Mechanics:
@@ -160,13 +162,15 @@ class Mechanics:
         creeping = float(self.spectra.creeping[0].flat[-1])
         return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
 
-    def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
+    def balanced_stretch(
+        self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
+    ) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
 
         ``total`` is the sum of w, where it is known and the solid has one branch. Where forces are not local,
         those are the same.
         """
-        del u, heights, total
+        del u, heights, total, interface
         return stretch
 
     @cached_property
@@ -185,11 +189,9 @@ class Mechanics:
         bounds; all other forces are scaled, which keeps their sum.
         """
         force = self.force_of_modes(u, stretch, held)
-        balanced = np.where(in_contact, np.maximum(force, self.interface.low), 0.0)
-        load, kept = float(force.sum()), float(balanced.sum())
-        if not (load > 0 and kept > 0):
+        balanced = self.interface.beside(held.known).admit(force, in_contact, float(force.sum()))
+        if not balanced.any():
             return np.zeros_like(u)
-        balanced = bounded(balanced, load, self.interface.high)
         balanced -= force
         change = self.lattice.forward(balanced)
         creeping = self.spectra.creeping.sum(axis=0)
@@ -265,6 +267,8 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
+        if held.known is not None:
+            rhs += lattice.forward(held.known)
         return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
 
     def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
@@ -343,11 +347,12 @@ class SpringMechanics(Mechanics):
         bonds = bond_energy(u, mirrored=self.lattice.reflecting)
         return (self.springs.k0 * bonds + self.springs.k1 * bulk) / 2
 
-    def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Off contact w = -k0 L u / k1; in contact w is kept where the force is no tension, and scaled."""
-        k0, k1, mirrored = self.springs.k0, self.springs.k1, self.lattice.reflecting
-        w = balanced(u, stretch[0], heights, k0, k1, total, mirrored=mirrored)
-        return np.asarray(w)[np.newaxis]
+    def balanced_stretch(
+        self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
+    ) -> Field:
+        """See `Mechanics`."""
+        mirrored = self.lattice.reflecting
+        return balanced(self.springs, u, stretch[0], heights, total, interface, mirrored=mirrored)[np.newaxis]
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,11 +368,31 @@ class SpringImplicitStep(ImplicitStep):
         return SpringProblem(
             *(heights, springs, level, held.load, mirrored),
             lambda: self.spectral_problem(heights, self.modes_of(anchors), held),
+            held.known,
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         return self.problem(heights, self.mechanics.lattice.backward(anchors), held)
+
+
+def balanced(
+    springs: Springs,
+    u: Field,
+    w: Field,
+    heights: Field,
+    total: float | None,
+    interface: Interface,
+    *,
+    mirrored: bool,
+) -> Field:
+    """Stretch of springs with which u is in equilibrium, near w, with a total where that is known."""
+    k1, beside = springs.k1, lattice_force(u, w, springs.k0, 0.0, mirrored=mirrored)
+    load = None if total is None else k1 * total
+    found = interface.admit(beside + k1 * w, u <= heights, load)
+    found -= beside
+    found /= k1
+    return found
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:

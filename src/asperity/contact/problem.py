@@ -18,7 +18,7 @@ in terms of neighbors, for the lattice of springs. The second can be turned into
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -52,6 +52,9 @@ class SpectralProblem:
         """Return the problem itself."""
         return self
 
+    def in_neighbors(self) -> None:
+        """Return the problem in terms of neighbors: there is none."""
+
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
         return self.lattice.backward(self.stiffness * self.lattice.forward(u) - self.rhs)
@@ -64,7 +67,8 @@ class SpringProblem:
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
     unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
-    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic. A ``known`` force of
+    each site acts beside that of contact; the load is the sum of both.
     """
 
     heights: Field
@@ -73,6 +77,18 @@ class SpringProblem:
     load: float | None
     mirrored: bool
     spectral: Callable[[], SpectralProblem]
+    known: Field | None = None
+
+    def in_neighbors(self) -> SpringProblem:
+        """Return the problem itself."""
+        return self
+
+    def pulled(self) -> SpringProblem:
+        """The same, where nothing creeps: anchors pull as the known force does."""
+        if self.known is None:
+            return self
+        load = None if self.load is None else self.load - float(self.known.sum())
+        return replace(self, anchors=self.anchors + self.known / self.springs.k1, load=load, known=None)
 
 
 ContactProblem = SpectralProblem | SpringProblem

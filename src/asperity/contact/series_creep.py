@@ -35,7 +35,6 @@ from numpy.typing import NDArray
 from asperity.contact.arrays import inner, inverse, largest
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
-from asperity.contact.stencils import bounded
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
@@ -117,10 +116,9 @@ class SeriesCreep(ByLaw):
         """Contact forces of a state, none of them tension, which carry the load."""
         p = state.force + self.lattice.apply(self.permanent, state.u)
         p += state.force.mean() / self.share - p.mean()
-        p = np.where(touching, np.maximum(p, 0.0), 0.0)
-        if load is not None and not p.any():
+        if load is not None and not (p > 0).any(where=touching):
             p = touching * (load / np.count_nonzero(touching))
-        return bounded(p, load, self.interface.high)
+        return self.interface.admit(p, touching, load)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
         """See `ByLaw`."""

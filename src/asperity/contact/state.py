@@ -498,7 +498,7 @@ def contact_from(
         if system.load is None:
             size = float(np.abs(u).max()) * mechanics.mean_stiffness
             state.force[...] -= mean_by_rounding(state.force, in_contact, size)
-        left = mechanics.interface.violation(state.force, in_contact, yielding, floor)
+        left = system.interface.violation(state.force, in_contact, yielding, floor)
         if system.load and state.carried is not None:
             # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
             most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
@@ -529,7 +529,7 @@ def contact_from(
         relative = published - datum
     state = _State.of(system, u - datum, relative, position)
     left, force = judged(state), state.force
-    force = mechanics.interface.allowed(force, in_contact)
+    force = system.interface.admit(force, in_contact)
     mean_force = float(force.sum()) / max(int(np.count_nonzero(in_contact)), 1)
     return Contact._judged(
         heights=lowered,

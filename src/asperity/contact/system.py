@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.contact.controls import Control
+from asperity.contact.interface import Interface
 from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
 from asperity.errors import InputError
@@ -23,13 +24,16 @@ class System:
     """A solid, a rough surface and what is prescribed.
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
-    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf.
+    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
+    ``known`` force of each site acts beside that of contact; the load is the sum of both. Steps of multigrid
+    in time, and those of a local law of creep, leave it out.
     """
 
     mechanics: Mechanics
     heights: Field
     datum: float
     control: Control
+    known: Field | None = None
 
     @classmethod
     def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
@@ -66,6 +70,11 @@ class System:
         return self.control.value if self.control.load_controlled else None
 
     @property
+    def interface(self) -> Interface:
+        """Which forces a state may have."""
+        return self.mechanics.interface.beside(self.known)
+
+    @property
     def yields(self) -> bool:
         """Whether the rough surface yields under forces that are large enough."""
         return self.mechanics.interface.yields
@@ -78,14 +87,14 @@ class System:
     def held(self, position: float = 0.0) -> Prescribed:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
         if self.load is None:
-            return Prescribed(None, self.control.value - self.datum)
+            return Prescribed(None, self.control.value - self.datum, self.known)
         most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
         if self.load > most:
             hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
             expected = f"at most {most:.8g}, {_MOST_OF_ALL:g} of {hardness}"
             advice = "less load, or a greater hardness"
             raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
-        return Prescribed(self.load, position)
+        return Prescribed(self.load, position, self.known)
 
     @property
     def drift(self) -> float:
@@ -164,7 +173,7 @@ class System:
             total = self.load / self.mechanics.mean_stiffness
         elif not self.free_mean:  # then the mean of u0 stays, and of u - u0 with it
             total = float(stretch.sum())
-        return self.mechanics.balanced_stretch(u, stretch, self.heights, total)
+        return self.mechanics.balanced_stretch(u, stretch, self.heights, total, self.interface)
 
     def energy(self, u: Field, stretch: Field, position: float) -> float:
         """Elastic energy."""

@@ -109,26 +109,28 @@ class Cycles:
 
     def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve, or raise `UnsolvedError`."""
-        if not isinstance(problem, SpringProblem):
+        stated = problem.in_neighbors()
+        if stated is None:
             raise InputError(
                 "solver",
                 expected="springs in two dimensions, k1 > 0 and no hardness, for Multigrid",
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
-        springs, heights = problem.springs, problem.heights
-        if springs.creep and not springs.relaxed:
+        springs, heights = stated.springs, stated.heights
+        if springs.creep and not (springs.relaxed and stated.known is None):
             raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
+        stated = stated.pulled()
         if springs.k0 == 0:
-            return _independent(problem)
+            return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(self._cold_start(problem), disposable=True)
-        if problem.load is None and (springs.relaxed or (guess.u > heights).all()):
+            guess = Guess(self._cold_start(stated), disposable=True)
+        if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             raise UnsolvedError(guess)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self.multigrid._workspace(OneField, _sites(problem))
-        done, uniform, cycles = work.solve(problem, u, accuracy.residual, self.multigrid.max_cycles)
+        work = self.multigrid._workspace(OneField, _sites(stated))
+        done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.multigrid.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
