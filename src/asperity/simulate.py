@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -141,8 +140,8 @@ def press(
         contact = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
         for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
             remark(doubt)
-        modulus: Any = body.parameters.get("modulus", math.inf)
-        if bodies.si and contact.load > modulus * contact.contact_area:
+        modulus = body.modulus
+        if bodies.si and modulus is not None and contact.load > modulus * contact.contact_area:
             pressure = f"{contact.load / contact.contact_area:.3g} Pa"
             remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
         return contact

@@ -42,7 +42,7 @@ def pressed_beside(known, contact, *, control=None, solver=None):
     mechanics = system.mechanics
     system = replace(system, known=mechanics.lattice.extended(known, 0.0))
     level = 0.0 if system.load is not None else system.control.value - system.datum
-    problem = system.problem(mechanics.implicit_step(0.0), level)
+    problem = mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
     solution = chosen_solver(solver, system).solve(problem, None, PUBLISHED)
     if system.load is not None:
         flat = np.full((mechanics.branches, *solution.u.shape), level)
@@ -96,7 +96,7 @@ def test_a_held_body_is_pulled_as_under_the_load_that_comes_out(name):
 def test_springs_relax_beside_it():
     contact = pressed("springs")
     system = replace(contact.system(), known=uneven(contact))
-    problem = system.problem(system.mechanics.implicit_step(np.inf), 0.0)
+    problem = system.mechanics.implicit_step(np.inf).flat_problem(system.heights, 0.0, system.held())
     found = Multigrid().solve(problem, None, PUBLISHED)
     force = problem.spectral().force(found.u)
     assert found.solver == "ActiveSet"
@@ -122,7 +122,7 @@ def test_forces_off_contact_that_are_not_the_known_ones_are_refused():
     contact = pressed("half-space")
     known = uneven(contact)
     system = replace(contact.system(), known=known)
-    problem = system.problem(system.mechanics.implicit_step(0.0), 0.0)
+    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, 0.0, system.held())
     solution = ActiveSet().solve(problem, None, PUBLISHED)
     level = float(solution.u.mean())
     with refuses(kind=ConvergenceError):

@@ -14,7 +14,7 @@ from asperity.contact.local_creep import LocalState, Stage
 from asperity.errors import ConvergenceError
 from asperity.protocols import Hold, Step
 from asperity.solids import CreepBranch, Eyring, Norton, Solid, half_space
-from asperity.solids.laws import PowerMobility, Scaled, WaveNumberSpectrum
+from asperity.solids.laws import PowerMobility, WaveNumberSpectrum
 from tests.dense_reference import Dense
 from tests.equal_steps import orders, shape_after
 from tests.refusals import refuses
@@ -163,9 +163,12 @@ def test_histories_are_what_explicit_integration_finds(share, apparatus):
 def test_under_small_stresses_it_is_dissolution(share):
     # flow=(m, 0) has the mobility m at every wave vector but 0, where the rigid body moves anyway
     times = [1.0, 100.0, 1e4]
-    law, K = Eyring(rate=1e-2, stress=1e12), WaveNumberSpectrum(MODULUS / 2)
-    branch = CreepBranch(Scaled(K, share), PowerMobility(1e-14, 0.0))
-    linear = Solid(Scaled(K, 1 - share), (branch,), loaded_from_afar=True, in_lengths=True)
+    law, (own, rest) = (
+        Eyring(rate=1e-2, stress=1e12),
+        (WaveNumberSpectrum(part * MODULUS / 2) for part in (share, 1 - share)),
+    )
+    branch = CreepBranch(own, PowerMobility(1e-14, 0.0))
+    linear = Solid(rest, (branch,), loaded_from_afar=True, in_lengths=True)
     runs = [
         asp.age(asp.press(scan(), solid, pressure=5e7), times, rtol=1e-4, fields_at=times).dataset
         for solid in (half_space(modulus=MODULUS, creep=law, permanent=1 - share), linear)
@@ -259,10 +262,9 @@ def test_what_stands_beside_a_permanent_share_is_refused():
     for share in (1.0, 0.01):
         with refuses("permanent"):
             half_space(modulus=1.0, permanent=share, creep=law)
-    K = WaveNumberSpectrum(MODULUS / 2)
     uneven = Solid(
-        Scaled(K, 0.3),
-        (CreepBranch(PowerMobility(MODULUS / 2e7 * CELL**2, 2.0), Scaled(K, 0.0)),),
+        WaveNumberSpectrum(0.15 * MODULUS),
+        (CreepBranch(PowerMobility(MODULUS / 2e7 * CELL**2, 2.0)),),
         loaded_from_afar=True,
         in_lengths=True,
         creep=law,

@@ -131,7 +131,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     gap = np.where(touching, 0.0, 1.0)
     work.bound[...] = np.where(work.backend.packed(np.ones(shape)) > 0, work.backend.packed(-gap), -np.inf)
     work.prepare(bed, spread, drag)
-    work.wanted = None if held else 1.0
+    work.begin(None if held else 1.0, 0.0, 0.0)
     error = rng.normal(size=shape)
 
     n, free, even = error.size, ~touching.ravel(), np.ones(error.size)
@@ -146,7 +146,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
         matrix[n:-1, -1], matrix[-1, n:-1] = -even, even
     found = np.linalg.solve(matrix, np.concatenate([np.zeros(n), -error.ravel(), [0.0]]))
     exact = found[:n] - found[n:-1] + found[-1]
-    work.set_pins(float(touching.sum()))
+    work.improve_on_grids(float(touching.sum()))
     mean, estimate = work.left_of(work.backend.packed(error))
     assert mean == pytest.approx(exact.mean(), abs=0.02)
     expected = np.sqrt(np.mean(exact**2)) if held else exact.std()

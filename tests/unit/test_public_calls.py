@@ -110,7 +110,6 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.solids.PowerMobility, mobility=2.0, exponent=0.5),
     call(asp.solids.LaplacianSpectrum, laplacian=2.0, uniform=0.5),
     call(asp.solids.WaveNumberSpectrum, slope=2.0),
-    call(asp.solids.FixedRate, rate=2.0, stiffness=LATTICE.permanent),
     call(asp.relaxation.check_branches, branches=MAXWELL),
     call(asp.relaxation.PronySeries, modulus=2.0, branches=MAXWELL, error=0.5),
     call(asp.relaxation.Relaxation, time=TIME, modulus=RELAXED, noise=0.5),

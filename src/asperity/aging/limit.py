@@ -25,7 +25,6 @@ from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.solids import CreepBranch, LaplacianSpectrum
 
 
 def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = None) -> Contact:
@@ -74,9 +73,7 @@ def _without_law(mechanics: Mechanics) -> Mechanics:
             got="one with a threshold, below which the limit depends on the path",
             advice="asperity.age with late times",
         )
-    (branch,) = solid.branches
-    viscous = CreepBranch(branch.stiffness, LaplacianSpectrum(uniform=1.0))
-    return mechanics_of(replace(solid, branches=(viscous,), creep=None), mechanics.lattice)
+    return mechanics_of(solid.without_law(), mechanics.lattice)
 
 
 def _without_stiffness(system: System, step: ImplicitStep, before: Field, position: float) -> Solution:

@@ -235,7 +235,5 @@ def parts_of(system: System) -> tuple[Spectrum, Field, Field]:
     spectra = system.mechanics.spectra
     stiffness = spectra.permanent + spectra.creeping.sum(axis=0)
     stiffness.flat[0] = 0.0
-    branches = len(spectra.creeping)
-    wave = np.argmax(stiffness)
-    creeping, rate = (field.reshape(branches, -1)[:, wave] for field in (spectra.creeping, spectra.rate))
-    return stiffness, creeping / stiffness.flat[wave], 1 / rate
+    shares, times = np.array(system.mechanics.solid.shares).T
+    return stiffness, shares, times

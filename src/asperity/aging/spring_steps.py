@@ -55,10 +55,9 @@ class SpringSteps(TrBdf2):
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
-        self.flow, self.middle = self.work.pair()
+        self.flow, self.middle = self.work.fields()
         self.error = np.zeros_like(self.flow)
-        for field in self.work.correction:
-            field.fill(0.0)
+        self.work.clear()
         self.work.bound.fill(-np.inf)
         self.settle(0.0)
 
@@ -71,7 +70,7 @@ class SpringSteps(TrBdf2):
         work, unit = solver.work_on(system.mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:
-            arrays |= zip(names, work.pair(), strict=True)
+            arrays |= zip(names, work.fields(), strict=True)
         means = {"scales": np.array([unit, u.mean()]), "mean_u0": np.array(u.mean() - w.mean())}
         return cls(system, solver, arrays | means | {"times": np.zeros(2)})
 
@@ -118,18 +117,18 @@ class SpringSteps(TrBdf2):
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
         mean, moved = self.system.at(stage.time).mean_stretch, -tau * self.system.drift / self.unit
-        work.wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
-        work.shift = moved if work.wanted is None else work.mean_lag * f - e - source
+        wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
+        shift = moved if wanted is None else work.mean_lag * f - e - source
+        work.begin(wanted, self.moments.stretch / self.unit, shift)
         done, cycles = work.improve(stage.allowed_error / self.unit, self.max_cycles)
         if not done:
-            for field in work.correction:  # it may be no number, and the next guess takes 0 times it
-                field.fill(0.0)
+            work.clear()  # it may be no number, and the next guess takes 0 times it
             raise ConvergenceError(
                 f"aging: {cycles} cycles did not solve a step of {tau:.1e}; "
                 "try Multigrid(max_cycles=...) with more, or solver=asperity.ActiveSet()"
             )
         e, f = map(self.mean, work.correction)
-        due = (e + source + moved) / work.mean_lag if work.wanted is None else work.wanted / size
+        due = (e + source + moved) / work.mean_lag if wanted is None else wanted / size
         self.offset = due - f
         return cycles
 
@@ -170,7 +169,6 @@ class SpringSteps(TrBdf2):
         self.moments: Found = work.backend.measure(
             surface, self.springs, 0.0, scales, into, work.sites, flowing=True
         )
-        work.known_stretch = self.moments.stretch / self.unit
 
 
 _CHANGES = [(f"change_{n}_u", f"change_{n}_stretch") for n in range(2)]

@@ -15,7 +15,6 @@ from asperity.analysis.scan import written
 from asperity.base.words import counted
 from asperity.lattice import Field
 from asperity.relaxation import PronySeries
-from asperity.relaxation.series import Branches
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
@@ -44,7 +43,7 @@ def remarks_on_contact(
 def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
     """Remark on a contact many times that of random heights, when the largest load is just on."""
     load = np.asarray(dataset["load"])
-    elastic = solid.kind == "half_space" and solid.separable and not solid.yields
+    elastic = solid.half_space and solid.separable and not solid.yields
     measured = "kind" not in rough.provenance and rough.heights.ndim == 2
     if not (elastic and measured and dataset.attrs.get("si")):
         return ()
@@ -53,8 +52,8 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
     nominal, slope = heights.size * math.prod(spacing), rough.describe().rms_slope
     if not (load[at] > 0 and slope > 0):
         return ()
-    modulus = cast(float, solid.parameters["modulus"])
-    series = PronySeries(modulus, cast(Branches, solid.parameters.get("branches") or ()))
+    modulus = cast(float, solid.modulus)
+    series = PronySeries(modulus, tuple(solid.shares or ()))
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
     expected = float(persson_area(effective / nominal, modulus=modulus, slope=slope))
     found = float(dataset["contact_area_corrected"][at]) / nominal

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.lattice_creep import LatticeCreep
@@ -22,18 +20,9 @@ def local_solver(system: System) -> ByLaw:
     assert law is not None
     if springs is not None:
         return LatticeCreep(springs, law, mechanics.lattice, system.heights, mechanics.interface)
-    spectra = mechanics.spectra
-    whole, share = spectra.permanent + spectra.creeping[0], mechanics.creeping_share
-    if spectra.rate.any() or not np.allclose(
-        spectra.creeping[0].flat[1:], share * whole.flat[1:], rtol=1e-9, atol=0.0
-    ):
-        raise InputError(
-            "creep",
-            expected="a lattice of springs, or a solid with one share of its stiffness in series with a law",
-            got="another permanent stiffness, or other creep, beside it",
-        )
+    whole = mechanics.spectra.permanent + mechanics.spectra.creeping[0]
     of_site = mechanics.stressed_area, mechanics.lattice, system.heights, mechanics.interface
-    return SeriesCreep(whole, law, *of_site, share)
+    return SeriesCreep(whole, law, *of_site, mechanics.creeping_share)
 
 
 def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver:

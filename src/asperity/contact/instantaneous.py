@@ -41,8 +41,8 @@ def first_contact(
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         return contact_from(system, touching, level, level, bodies=bodies, load_may_vanish=True)
-    step = system.mechanics.implicit_step(0.0)
-    solution = chosen_solver(solver, system).solve(system.problem(step, level), guess, PUBLISHED)
+    problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
+    solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.displacement(solution.u, flat, level)

@@ -140,8 +140,8 @@ class _Run(LocalRun):
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, *work.source)
         scales = Scales(self.stiffness * unit, unit, 0.0)
         found = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
-        work.yielding = int(np.count_nonzero(self.yielding))
-        if work.yielding:
+        yielding = int(np.count_nonzero(self.yielding))
+        if yielding:
             work.source.e[...] += work.backend.packed(
                 self.yielding * (self.solver.interface.high / scales.force)
             )
@@ -153,14 +153,13 @@ class _Run(LocalRun):
         tangents(surface, self.before, tangent, numbers, self.solver.mirrored, lacking, lag, sums)
         self.lacking, change, squares, bent, given = sums.sum(axis=0).tolist()
         work.source.f[...] = work.backend.packed(lacking / unit)
-        work.lag, work.even = work.backend.packed(lag), False
-        for field in work.correction:
-            field.fill(0.0)
-        work.shift, work.known_stretch, work.wanted = 0.0, found.stretch / unit, None
+        self.lag, shift, wanted = work.backend.packed(lag), 0.0, None
+        work.clear()
         if load is not None:  # the shift is at first what sites alone would need
-            work.wanted = (load / springs.k1 - found.stretch) / unit
-            work.shift = (work.wanted - change / unit) / (given or math.nan)
+            wanted = (load / springs.k1 - found.stretch) / unit
+            shift = (wanted - change / unit) / (given or math.nan)
             squares -= change * change / lag.size
+        work.begin(wanted, found.stretch / unit, shift, yielding)
         return math.sqrt(max(squares, 0.0) / lag.size), math.sqrt(bent / lag.size)
 
     def follow_law(self, noticed: float) -> None:
@@ -202,7 +201,7 @@ class _Run(LocalRun):
         if self.curved > noticed:
             self.follow_law(noticed)
         work = self.work
-        work.relag()
+        work.relag(self.lag)
         done, cycles = work.improve(allowed / self.unit, TUNING.most_cycles)
         if not done:
             raise ConvergenceError(f"creep: {cycles} cycles did not solve a linear step; try a larger rtol")

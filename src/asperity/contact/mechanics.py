@@ -24,7 +24,8 @@ transform. Fields of anchors and stretches have the branches as their first axis
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -35,6 +36,7 @@ from asperity.contact.branches import damp_difference, weighted_power, weighted_
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
 from asperity.contact.stencils import bond_energy, lattice_force
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
@@ -64,6 +66,8 @@ class Mechanics:
 
     law: LocalCreep | None
     interface: Interface
+    springs: Springs | None = None
+    """Where forces and creep are stated in terms of neighbors."""
 
     def __init__(self, solid: Solid, lattice: Lattice) -> None:
         self.solid, self.lattice, self.branches = solid, lattice, len(solid.branches)
@@ -97,7 +101,7 @@ class Mechanics:
     @cached_property
     def mean_mobility(self) -> float:
         """Of a solid of one branch that hangs on it alone: M at wave vector 0."""
-        return float(self.spectra.mean_mobility[0]) if self.hangs_on_one_branch else 0.0
+        return float(self.spectra.rate[0].flat[0] / self.hanging[1]) if self.hangs_on_one_branch else 0.0
 
     @cached_property
     def greatest_stiffness(self) -> float:
@@ -158,9 +162,16 @@ class Mechanics:
 
     @property
     def creeping_share(self) -> float:
-        """Part of the stiffness that the only branch has, at the shortest wave."""
-        creeping = float(self.spectra.creeping[0].flat[-1])
-        return creeping / (creeping + float(self.spectra.permanent.flat[-1]))
+        """Share of the stiffness that is in series with the local law; `InputError` if there is none."""
+        if self.solid.shares is None or math.isfinite(self.solid.shares[0][1]):
+            expected = "a lattice of springs, or a solid with one share of its stiffness in series with a law"
+            got = "another permanent stiffness, or other creep, beside it"
+            raise InputError("creep", expected=expected, got=got)
+        return self.solid.shares[0][0]
+
+    def creep_rate(self, stretch: Field) -> Field:
+        """Rates d u_b / dt = M_b C_b w_b."""
+        return self.lattice.backward(self.spectra.rate * self.lattice.forward(stretch))
 
     def balanced_stretch(
         self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
@@ -247,12 +258,16 @@ class ImplicitStep:
             stiffness.flat[0] = 0.0
         return stiffness
 
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> ContactProblem:
-        """The contact problem of a step from anchors v_b: fields, or the level at which all are flat.
+    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> ContactProblem:
+        """The contact problem of a step from anchors v_b.
 
         ``held`` is what is prescribed at its end; the maximum of the heights is 0.
         """
-        return self.spectral_problem(heights, self.modes_of(anchors), held)
+        return self.spectral_problem(heights, self.mechanics.lattice.forward(anchors), held)
+
+    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> ContactProblem:
+        """The same from anchors that are all flat, at a level."""
+        return self.spectral_problem(heights, self.flat_modes(level), held)
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> ContactProblem:
         """The same from the Fourier modes of the anchors."""
@@ -271,10 +286,11 @@ class ImplicitStep:
             rhs += lattice.forward(held.known)
         return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
 
-    def stretch(self, u: Field, anchors: Field | float, held: Prescribed) -> tuple[Field, float]:
+    def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
-        modes, position = self.stretch_modes(self.mechanics.lattice.forward(u), self.modes_of(anchors), held)
-        return self.mechanics.lattice.backward(modes), position
+        lattice = self.mechanics.lattice
+        modes, position = self.stretch_modes(lattice.forward(u), lattice.forward(anchors), held)
+        return lattice.backward(modes), position
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
         """The same in Fourier modes, in the place of the anchors."""
@@ -287,25 +303,26 @@ class ImplicitStep:
         hanging = float(mechanics.hanging[0] + springs.sum())
         surface = float(u.flat[0].real)
         if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
-            flow = np.where(mechanics.hanging[1:] > 0, mechanics.spectra.mean_mobility, np.inf)
             modes[mean] = 0.0
             if mechanics.mean_stiffness > 0:
-                modes[mean] = held.load / flow / (1 / flow).sum() / mechanics.hanging[1:]
+                rate = mechanics.spectra.rate[mean]
+                slow = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate > 0)
+                modes[mean] = held.load * slow / np.dot(mechanics.hanging[1:], slow)
             return modes, surface / sites
         pull = held.load + mechanics.hanging[0] * sites * held.position + float(np.dot(springs, before))
         modes[mean] = self.damping[mean] * (pull / hanging - before)
         return modes, held.position + (surface - pull / hanging) / sites
 
-    def modes_of(self, anchors: Field | float) -> Modes:
-        """Fourier modes of anchors."""
-        mechanics = self.mechanics
-        if isinstance(anchors, np.ndarray):
-            return mechanics.lattice.forward(anchors)
-        return np.repeat(mechanics.lattice.flat_modes(anchors)[np.newaxis], mechanics.branches, axis=0)
+    def flat_modes(self, level: float) -> Modes:
+        """Fourier modes of anchors that are all flat."""
+        flat = self.mechanics.lattice.flat_modes(level)
+        return np.repeat(flat[np.newaxis], self.mechanics.branches, axis=0)
 
 
 class SpringMechanics(Mechanics):
     """The lattice of springs in two dimensions, k1 > 0, whose surface never yields, in terms of neighbors."""
+
+    springs: Springs
 
     def __init__(self, solid: Solid, lattice: Lattice, springs: Springs) -> None:
         super().__init__(solid, lattice)
@@ -361,13 +378,21 @@ class SpringImplicitStep(ImplicitStep):
 
     mechanics: SpringMechanics
 
-    def problem(self, heights: Field, anchors: Field | float, held: Prescribed) -> SpringProblem:
+    def problem(self, heights: Field, anchors: Field, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
+        return self._by_neighbors(heights, anchors[0], held, lambda: self.mechanics.lattice.forward(anchors))
+
+    def flat_problem(self, heights: Field, level: float, held: Prescribed) -> SpringProblem:
+        """See `ImplicitStep`."""
+        return self._by_neighbors(heights, level, held, lambda: self.flat_modes(level))
+
+    def _by_neighbors(
+        self, heights: Field, anchors: Field | float, held: Prescribed, modes: Callable[[], Modes]
+    ) -> SpringProblem:
         springs, mirrored = self.mechanics.springs.step(self.tau), self.mechanics.lattice.reflecting
-        level = anchors[0] if isinstance(anchors, np.ndarray) else anchors
         return SpringProblem(
-            *(heights, springs, level, held.load, mirrored),
-            lambda: self.spectral_problem(heights, self.modes_of(anchors), held),
+            *(heights, springs, anchors, held.load, mirrored),
+            lambda: self.spectral_problem(heights, modes(), held),
             held.known,
         )
 

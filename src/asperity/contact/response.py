@@ -42,12 +42,11 @@ def normal_stiffness(system: System, in_contact: Mask) -> float:
     if not in_contact.any():
         return 0.0
     flat = np.where(in_contact, 0.0, -np.inf)
-    step = system.mechanics.implicit_step(0.0)
-    problem = step.problem(flat, 0.0, Prescribed(1.0, 0.0)).spectral()
-    problem = replace(problem, interface=Interface(low=-math.inf))
+    step, held = system.mechanics.implicit_step(0.0), Prescribed(1.0, 0.0)
+    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, PUBLISHED).u
-    _, position = step.stretch(u, 0.0, Prescribed(1.0, 0.0))
+    _, position = step.stretch_modes(system.mechanics.lattice.forward(u), step.flat_modes(0.0), held)
     return -1.0 / position if position < 0 else math.inf
 
 
@@ -58,21 +57,20 @@ def resistance(solid: Solid, lattice: Lattice, stiffness: float, resistivity: tu
     R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) / (4 a), as R.
     Holm has it.
     """
-    check_half_space("resistance", solid, lattice)
-    modulus = float(solid.parameters["modulus"])  # type: ignore[arg-type]
+    modulus = check_half_space("resistance", solid, lattice)
     return modulus * sum(resistivity) / (2 * stiffness) if stiffness > 0 else math.inf
 
 
-def check_half_space(name: str, solid: Solid, lattice: Lattice) -> None:
-    """Refuse what depends on the compliance of a half-space elsewhere; `InputError`."""
-    if solid.kind != "half_space" or lattice.dimension == 1:
-        got = "a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}"
-        raise InputError(
-            name,
-            expected="a half-space under a surface of two dimensions, whose normal displacements tell it",
-            got=got,
-            advice="asperity.solids.half_space(modulus=...)",
-        )
+def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
+    """Contact modulus of a half-space; `InputError` for what has not the compliance of one."""
+    if solid.modulus is not None and solid.half_space and lattice.dimension == 2:
+        return solid.modulus
+    raise InputError(
+        name,
+        expected="a half-space under a surface of two dimensions, whose normal displacements tell it",
+        got="a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}",
+        advice="asperity.solids.half_space(modulus=...)",
+    )
 
 
 def shear_ratio(poisson: float | None) -> float:

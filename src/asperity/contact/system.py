@@ -9,7 +9,7 @@ import numpy as np
 
 from asperity.contact.controls import Control
 from asperity.contact.interface import Interface
-from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, SpringMechanics, mechanics_of
+from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
@@ -126,12 +126,12 @@ class System:
         assert self.load is not None
         return moved - self.load / (self.sites * mechanics.mean_stiffness)
 
-    def problem(self, step: ImplicitStep, anchors: Field | float) -> ContactProblem:
-        """The contact problem of an implicit step from anchors v_b: fields, or the level of flat ones."""
+    def problem(self, step: ImplicitStep, anchors: Field) -> ContactProblem:
+        """The contact problem of an implicit step from anchors v_b."""
         return step.problem(self.heights, anchors, self.held())
 
     def stretch(
-        self, step: ImplicitStep, solution: Solution, anchors: Field | float, position: float
+        self, step: ImplicitStep, solution: Solution, anchors: Field, position: float
     ) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after a step, and where the rigid body then is."""
         if solution.stretch is not None:
@@ -157,8 +157,7 @@ class System:
         return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
 
     def creep_rate(self, stretch: Field) -> Field:
-        """Rate d u0 / dt on the lattice of springs; under load control the load decides its mean."""
-        assert isinstance(self.mechanics, SpringMechanics)
+        """Rates d u_b / dt; under load control the load decides their mean."""
         rate = self.mechanics.creep_rate(stretch)
         if self.control.load_controlled:
             rate -= rate.mean()

@@ -5,11 +5,9 @@ from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
 from asperity.solids.continua import contact_modulus, half_space, layer
 from asperity.solids.laws import (
-    FixedRate,
     LaplacianSpectrum,
     LayerSpectrum,
     PowerMobility,
-    Scaled,
     WaveNumberSpectrum,
 )
 from asperity.solids.solid import CreepBranch, Solid, Spectra, Springs
@@ -19,14 +17,12 @@ __all__ = [
     "CreepBranch",
     "CreepLaw",
     "Eyring",
-    "FixedRate",
     "Garofalo",
     "LaplacianSpectrum",
     "LayerSpectrum",
     "LocalCreep",
     "Norton",
     "PowerMobility",
-    "Scaled",
     "Solid",
     "Spectra",
     "Springs",

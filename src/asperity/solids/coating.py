@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -30,15 +30,7 @@ from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
 from asperity.relaxation import check_branches
 from asperity.relaxation.positive_sums import positive_weights
-from asperity.solids.continua import (
-    Branches,
-    checked_apparatus,
-    checked_modulus,
-    checked_poisson,
-    continuum,
-    mounted,
-)
-from asperity.solids.laws import FixedRate
+from asperity.solids.continua import Branches, checked_apparatus, checked_modulus, checked_poisson
 from asperity.solids.solid import CreepBranch, Solid
 
 _PER_DECADE, _TIMES_PER_DECADE, _FREQUENCIES_PER_DECADE = 24, 4, 8
@@ -110,21 +102,20 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
 
 @dataclass(frozen=True)
 class CoatedStiffness:
-    """The stiffness of a coated half-space at once, or its permanent part, or that of one branch."""
+    """The permanent stiffness of a coated half-space, or that of one branch."""
 
     coated: Coated
-    branch: int | Literal["permanent", "at once"]
+    branch: int | None = None
 
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
         q = lattice.wave_number
         x = np.maximum(q * self.coated.thickness, 1e-12)
-        at_once, permanent = (self.coated.over_wave_number(x, s) for s in (math.inf, 0.0))
-        if isinstance(self.branch, str):
-            part = at_once if self.branch == "at once" else permanent
-        else:
+        part = self.coated.over_wave_number(x, 0.0)
+        if self.branch is not None:
             grid, _, shares, _ = shares_of(self.coated)
-            part = np.interp(np.log(x), grid, shares[self.branch]) * np.maximum(at_once - permanent, 0.0)
+            relaxing = np.maximum(self.coated.over_wave_number(x, math.inf) - part, 0.0)
+            part = np.interp(np.log(x), grid, shares[self.branch]) * relaxing
         return np.asarray(part * q * lattice.cell)
 
 
@@ -174,9 +165,7 @@ def coated_half_space(
     stiff = units.number("base_modulus", base_modulus, "Pa", above=0)
     base = _material("base_", stiff, base_poisson, base_branches)
     coated = Coated(film, base, units.number("thickness", thickness, "m", above=0))
-    apparatus = checked_apparatus(apparatus)
     parameters: dict[str, Any] = {
-        "modulus": film.modulus,
         "poisson": film.poisson,
         "thickness": coated.thickness,
         "branches": film.branches,
@@ -195,13 +184,19 @@ def coated_half_space(
                 advice="shares of less than 1 in sum",
             )
         parameters["largest_error"] = error
-        laws = [CoatedStiffness(coated, number) for number in range(times.size)]
         made = tuple(
-            CreepBranch(law, FixedRate(1 / time, law)) for law, time in zip(laws, times, strict=True)
+            CreepBranch(CoatedStiffness(coated, number), time=time) for number, time in enumerate(times)
         )
-    permanent, at_once = CoatedStiffness(coated, "permanent"), CoatedStiffness(coated, "at once")
-    rest = mounted(permanent, at_once, apparatus)
-    return continuum("coated_half_space", parameters, rest, made, apparatus, hardness)
+    return Solid(
+        permanent=CoatedStiffness(coated),
+        branches=made,
+        parameters=parameters,
+        loaded_from_afar=True,
+        in_lengths=True,
+        modulus=film.modulus,
+        apparatus=checked_apparatus(apparatus),
+        kind="coated_half_space",
+    ).with_hardness(hardness)
 
 
 def _material(prefix: str, modulus: float, poisson: float, branches: Branches) -> Material:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from asperity.base import checks, units
@@ -11,16 +11,7 @@ from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
 from asperity.relaxation import check_branches
-from asperity.solids.laws import (
-    FixedRate,
-    LaplacianSpectrum,
-    LayerSpectrum,
-    PowerMobility,
-    Scaled,
-    SpectrumOf,
-    WaveNumberSpectrum,
-    WithApparatus,
-)
+from asperity.solids.laws import LayerSpectrum, PowerMobility, WaveNumberSpectrum
 from asperity.solids.solid import CreepBranch, Solid
 
 Branches = Sequence[tuple[float, float | str]]
@@ -148,35 +139,30 @@ def half_space(
         expected = "none beside the contact modulus, which holds it"
         raise InputError("poisson", expected=expected, got=checks.shown(poisson), advice="young=...")
     modulus = checked_modulus(modulus, young, poisson)
-    apparatus = checked_apparatus(apparatus)
-    law: SpectrumOf = WaveNumberSpectrum(modulus / 2)
-    parameters: dict[str, Any] = {"modulus": modulus}
     permanent = checked_permanent(permanent)
     if permanent and creep is None:
         expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
         raise InputError("permanent", expected=expected, got="none", advice=advice)
-    rest: SpectrumOf
-    made: tuple[CreepBranch, ...]
+    law = WaveNumberSpectrum(modulus / 2)
+    made: dict[str, Any] = {"modulus": modulus, "half_space": True, "apparatus": checked_apparatus(apparatus)}
+    made |= {"loaded_from_afar": True, "in_lengths": True, "kind": "half_space"}
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
-        kept = {"permanent": permanent} if permanent else {}
-        parameters |= {**checked_law(creep).parameters, **kept}
-        creeping, rest = Scaled(law, 1 - permanent) if permanent else law, Scaled(law, permanent)
-        made = (CreepBranch(mounted(creeping, law, apparatus), LaplacianSpectrum()),)
+        made |= {"stiffness": law, "shares": ((1 - permanent, math.inf),), "creep": checked_law(creep)}
+        made["parameters"] = {"permanent": permanent} if permanent else {}
     elif flow is None:
-        parameters["branches"], rest, made = _maxwell(law, branches)
-        rest = mounted(rest, law, apparatus)
+        made |= {"stiffness": law, "shares": check_branches(branches)}
     else:
         if others := check_branches(branches):
             raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
-        law_of_flow = checks.line("flow", flow).tolist()
-        if len(law_of_flow) != 2 or not (law_of_flow[0] > 0 and -2 <= law_of_flow[1] <= 4):
+        mobility = checks.line("flow", flow).tolist()
+        if len(mobility) != 2 or not (mobility[0] > 0 and -2 <= mobility[1] <= 4):
             expected = "a mobility above 0 and an exponent from -2 to 4"
             raise InputError("flow", expected=expected, got=checks.shown(flow), advice="flow=(1e-20, 0)")
-        parameters["flow"], rest = tuple(law_of_flow), mounted(Scaled(law, 0.0), law, apparatus)
-        made = (CreepBranch(Scaled(law, 1.0), PowerMobility(*law_of_flow)),)
-    return continuum("half_space", parameters, rest, made, apparatus, hardness, creep=creep)
+        made["branches"] = (CreepBranch(law, PowerMobility(*mobility)),)
+        made["parameters"] = {"flow": tuple(mobility)}
+    return Solid(**made).with_hardness(hardness)
 
 
 def layer(
@@ -223,42 +209,14 @@ def layer(
     poisson = checked_poisson("poisson", poisson)
     modulus = checked_modulus(modulus, young, poisson)
     thickness = units.number("thickness", thickness, "m", above=0)
-    law = LayerSpectrum(modulus, poisson, thickness, bonded)
-    checked, rest, made = _maxwell(law, branches)
-    numbers = {"modulus": modulus, "poisson": poisson, "thickness": thickness, "bonded": float(bonded)}
-    parameters = {**numbers, "branches": checked}
-    return continuum("layer", parameters, rest, made, hardness=hardness, loaded_from_afar=False)
-
-
-def _maxwell(law: SpectrumOf, branches: Branches) -> tuple[Any, SpectrumOf, tuple[CreepBranch, ...]]:
-    """A generalized Maxwell solid: pairs of share and time, what does not relax, and the branches."""
-    checked = check_branches(branches)
-    parts = [(Scaled(law, share), time) for share, time in checked]
-    rest = 1.0 - math.fsum(share for share, _ in checked)
-    made = tuple(CreepBranch(part, FixedRate(1 / time, part)) for part, time in parts)
-    return checked, Scaled(law, rest if rest > 1e-12 else 0.0), made
-
-
-def mounted(law: SpectrumOf, whole: SpectrumOf, apparatus: float | None) -> SpectrumOf:
-    """A law on an apparatus, if there is one."""
-    return law if apparatus is None else WithApparatus(law, whole, apparatus)
-
-
-def continuum(
-    kind: str,
-    parameters: Mapping[str, Any],
-    permanent: SpectrumOf,
-    branches: tuple[CreepBranch, ...],
-    apparatus: float | None = None,
-    hardness: float | str | None = None,
-    *,
-    loaded_from_afar: bool = True,
-    creep: LocalCreep | None = None,
-) -> Solid:
-    """A solid whose spectra depend on the spacing, with the parameters to record."""
-    named = {} if apparatus is None else {"apparatus": apparatus}
-    made = Solid(permanent, branches, {**parameters, **named}, loaded_from_afar, True, creep, kind=kind)
-    return made.with_hardness(hardness)
+    return Solid(
+        stiffness=LayerSpectrum(modulus, poisson, thickness, bonded),
+        shares=check_branches(branches),
+        parameters={"poisson": poisson, "thickness": thickness, "bonded": float(bonded)},
+        in_lengths=True,
+        modulus=modulus,
+        kind="layer",
+    ).with_hardness(hardness)
 
 
 def checked_apparatus(stiffness: float | str | None) -> float | None:

@@ -15,7 +15,6 @@ import numpy as np
 import scipy.fft
 
 from asperity.base import checks
-from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Spectrum
 
 SpectrumOf = Callable[[Lattice], Spectrum]
@@ -116,43 +115,6 @@ class Scaled(Numbers):
     def __call__(self, lattice: Lattice) -> Spectrum:
         """Evaluate on a lattice."""
         return self.factor * self.law(lattice)
-
-
-@dataclass(frozen=True)
-class WithApparatus:
-    """A law that vanishes at wave vector 0, and there the stiffness > 0 of an apparatus, force per length.
-
-    An infinite stiffness stands for `RIGID` times the largest value of the law of the whole solid.
-    """
-
-    law: SpectrumOf
-    whole: SpectrumOf
-    stiffness: float
-
-    def __call__(self, lattice: Lattice) -> Spectrum:
-        """Evaluate on a lattice."""
-        spectrum = self.law(lattice)
-        rigid = math.isinf(self.stiffness)
-        if lattice.body and rigid:  # the position of a body from afar is known as it is
-            return spectrum
-        if lattice.body:
-            expected, advice = "no apparatus, or a rigid one, where edges are free", "apparatus=math.inf"
-            raise InputError("apparatus", expected=expected, got=f"{self.stiffness:g}", advice=advice)
-        spectrum.flat[0] = RIGID * self.whole(lattice).max() if rigid else self.stiffness / lattice.sites
-        return spectrum
-
-
-@dataclass(frozen=True)
-class FixedRate(Numbers):
-    """The mobility with which a branch relaxes at one rate at every wave vector: ``rate / C``, or 0."""
-
-    rate: float
-    stiffness: SpectrumOf
-
-    def __call__(self, lattice: Lattice) -> Spectrum:
-        """Evaluate on a lattice."""
-        stiffness = self.stiffness(lattice)
-        return np.divide(self.rate, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
 
 
 @dataclass(frozen=True)

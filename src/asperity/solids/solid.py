@@ -10,20 +10,23 @@ by H and C_b there; where they vanish, as on a half-space, the load is applied f
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, field, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.base import checks, units, views
 from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.solids.laws import FixedRate, LaplacianSpectrum, Scaled, SpectrumOf, WithApparatus
+from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
+
+Shares = Sequence[tuple[float, float]]
+"""Pairs of a share of the stiffness at once and the time in which it relaxes."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,13 @@ class CreepBranch:
         C: lattice -> spectrum, force per length.
     mobility
         M: lattice -> spectrum, velocity per force.
+    time
+        Without a mobility: the time in which the branch relaxes at every wave vector, M = 1 / (time C).
     """
 
     stiffness: SpectrumOf
-    mobility: SpectrumOf
+    mobility: SpectrumOf | None = None
+    time: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -54,14 +60,11 @@ class Spectra:
         C_b, shape ``(branches, *spectral_shape)``.
     rate
         M_b C_b, the rate at which a mode of branch b creeps at a given u; the same shape.
-    mean_mobility
-        M_b at wave vector 0, shape (branches,).
     """
 
     permanent: Spectrum
     creeping: Spectrum
     rate: Spectrum
-    mean_mobility: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -97,43 +100,88 @@ class Springs:
 class Solid(views.InNotebooks):
     """An elastic solid whose surface creeps; see the module for the equations.
 
+    Its stiffness and creep are stated in one of three ways: by ``springs``; by a ``stiffness`` and ``shares``
+    of it; or by ``permanent`` and ``branches``, which follow from the others.
+
     Parameters
     ----------
     permanent
-        H: lattice -> spectrum, force per length.
+        H: lattice -> spectrum, force per length; None where nothing is permanent.
     branches
         The creeping branches; none where nothing creeps.
     parameters
-        Numbers to record with every result.
+        Further numbers to record with every result.
+    stiffness
+        H + sum of C, the stiffness at once: lattice -> spectrum, force per length.
+    shares
+        Pairs (share, relaxation time) of branches that are shares of the stiffness K at every wave vector:
+        C_b = g_b K, and M_b C_b = 1 / tau_b. What creeps by a local law alone has an infinite time.
+    springs
+        The lattice of springs, defined on sites.
+    modulus
+        Contact modulus E* at once, of a continuum that has one.
+    half_space
+        Whether normal displacements are those of a half-space of that modulus, which a resistance and a
+        tangential stiffness follow from.
     loaded_from_afar
         Whether the normal load is applied evenly from far away where nothing hangs on the rigid body:
         H and all C vanish at wave vector 0.
     in_lengths
         Whether the spectra depend on the spacing of the sites: a continuum, which takes surfaces with units
         in metres. Else the solid is defined on sites, whose spacing is 1.
+    apparatus
+        Stiffness at wave vector 0 of what is loaded from afar, force per length, for it hangs on a machine.
+        Infinite stands for `asperity.solids.laws.RIGID` times the largest stiffness of a mode.
     creep
         A local law of creep of the only branch, beside its mobility; see `asperity.creep.law`.
     hardness
         Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
         the force of a site. See `Solid.with_hardness`.
     kind
-        Name of the function that built it.
+        Name that is recorded: of the function that built it.
     """
 
-    permanent: SpectrumOf
+    permanent: SpectrumOf | None = None
     branches: tuple[CreepBranch, ...] = ()
     parameters: Parameters = field(default_factory=dict, hash=False)
     loaded_from_afar: bool = False
     in_lengths: bool = False
     creep: LocalCreep | None = None
     hardness: float = math.inf
+    stiffness: SpectrumOf | None = None
+    shares: Shares | None = None
+    springs: Springs | None = None
+    modulus: float | None = None
+    half_space: bool = False
+    apparatus: float | None = None
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "branches", tuple(self.branches))
-        object.__setattr__(self, "parameters", dict(self.parameters))
-        if self.creep is not None and len(self.branches) != 1:
-            raise InputError("creep", expected="a solid of one branch", got=f"{len(self.branches)} branches")
+        made: dict[str, Any] = {"branches": tuple(self.branches)}
+        if self.springs is not None:
+            k0, k1, *rates = astuple(self.springs)
+            mobility = LaplacianSpectrum(*(rate / k1 for rate in rates)) if k1 > 0 else None
+            branch = CreepBranch(LaplacianSpectrum(uniform=k1), mobility)
+            made = {"permanent": LaplacianSpectrum(k0), "branches": (branch,)}
+        elif (law := self.stiffness) is not None:
+            shares = tuple((share, time) for share, time in self.shares or ())
+            branches = tuple(CreepBranch(Scaled(law, share), time=time) for share, time in shares)
+            rest = Scaled(law, self.permanent_share) if self.permanent_share else None
+            made = {"shares": shares, "permanent": rest, "branches": branches}
+        if self.creep is not None and len(made["branches"]) != 1:
+            got = f"{len(made['branches'])} branches"
+            raise InputError("creep", expected="a solid of one branch", got=got)
+        if self.half_space and self.modulus is None:
+            raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
+        known = {
+            **({"branches": made.get("shares")} if self.creep is None else self.creep.parameters),
+            "apparatus": self.apparatus,
+            "hardness": self.hardness if self.yields else None,
+        }
+        known = {name: value for name, value in known.items() if value is not None}
+        first = {} if self.modulus is None else {"modulus": self.modulus}
+        for name, value in (made | {"parameters": {**first, **self.parameters, **known}}).items():
+            object.__setattr__(self, name, value)
 
     def with_hardness(self, hardness: float | str | None = None) -> Solid:
         """Return the solid that yields plastically under a pressure.
@@ -159,8 +207,18 @@ class Solid(views.InNotebooks):
         """
         if hardness is None:
             return self
-        hardness = units.number("hardness", hardness, "Pa", above=0)
-        return replace(self, hardness=hardness, parameters={**self.parameters, "hardness": hardness})
+        return replace(self, hardness=units.number("hardness", hardness, "Pa", above=0))
+
+    def without_law(self) -> Solid:
+        """Return the solid in which every wave creeps in proportion to its force, in place of its local law.
+
+        It leads to the same limit, if the law creeps under every force.
+        """
+        if self.springs is not None:
+            return replace(self, creep=None, springs=replace(self.springs, drag=self.springs.k1))
+        branches = tuple(replace(branch, mobility=None, time=1.0) for branch in self.branches)
+        shares = self.shares and tuple((share, 1.0) for share, _ in self.shares)
+        return replace(self, creep=None, branches=branches, shares=shares)
 
     def __repr__(self) -> str:
         parameters = ", ".join(_shown(name, value) for name, value in self.parameters.items())
@@ -172,30 +230,20 @@ class Solid(views.InNotebooks):
         return math.isfinite(self.hardness)
 
     @property
-    def springs(self) -> Springs | None:
-        """The spring constants, if this is Jagla's lattice of springs and nothing else."""
-        match self.permanent, *self.branches:
-            case LaplacianSpectrum(k0, 0), CreepBranch(
-                LaplacianSpectrum(0, k1), LaplacianSpectrum(R, viscous)
-            ):
-                return Springs(k0, k1, k1 * R, k1 * viscous)
-        return None
+    def permanent_share(self) -> float:
+        """Part of the stiffness at once that is no share of a branch."""
+        rest = 1.0 - math.fsum(share for share, _ in self.shares or ())
+        return rest if rest > 1e-12 else 0.0
 
     @property
     def separable(self) -> bool:
-        """Whether relaxation does not depend on the wavelength, as far as the laws show.
+        """Whether relaxation does not depend on the wavelength, as whoever made the solid says by `shares`.
 
-        All stiffnesses are then multiples of one law, and each branch relaxes at one rate. Under a load that
-        never falls the contact is that of an elastic solid at another load (E. H. Lee, J. R. M. Radok,
-        J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech. 33, 845 (1966),
-        DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
+        Under a load that never falls the contact is then that of an elastic solid at another load (E. H. Lee,
+        J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech.
+        33, 845 (1966), DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
         """
-        if self.creep is not None or self.yields:
-            return False
-        permanent = self.permanent.law if isinstance(self.permanent, WithApparatus) else self.permanent
-        laws = [permanent, *(branch.stiffness for branch in self.branches)]
-        one = {law.law if isinstance(law, Scaled) else law for law in laws}
-        return len(one) == 1 and all(isinstance(branch.mobility, FixedRate) for branch in self.branches)
+        return self.creep is None and not self.yields and (self.shares is not None or not self.branches)
 
     def on(self, lattice: Lattice) -> Spectra:
         """Evaluate the spectra on a lattice.
@@ -206,16 +254,23 @@ class Solid(views.InNotebooks):
             A spectrum is negative or not finite, nothing carries the load at wave vector 0 (unless it comes
             from afar), or H + sum of C vanishes elsewhere.
         """
-        permanent = _checked("permanent stiffness", self.permanent, lattice)
-        shape = (len(self.branches), *lattice.spectral_shape)
-        creeping, rate, means = np.empty(shape), np.empty(shape), np.empty(shape[0])
+        permanent = np.zeros(lattice.spectral_shape)
+        if self.permanent is not None:
+            permanent = _checked("permanent stiffness", self.permanent, lattice)
+        creeping = np.empty((len(self.branches), *lattice.spectral_shape))
+        rate = np.empty_like(creeping)
         for number, branch in enumerate(self.branches):
-            which = f" of branch {number}" if shape[0] > 1 else ""
+            which = f" of branch {number}" if len(creeping) > 1 else ""
             creeping[number] = _checked(f"creeping stiffness{which}", branch.stiffness, lattice)
-            mobility = _checked(f"mobility{which}", branch.mobility, lattice)
-            np.multiply(mobility, creeping[number], out=rate[number])
-            means[number] = mobility.flat[0]
+            if branch.mobility is None:
+                rate[number] = np.where(creeping[number] > 0, 1 / branch.time, 0.0)
+            else:
+                mobility = _checked(f"mobility{which}", branch.mobility, lattice)
+                np.multiply(mobility, creeping[number], out=rate[number])
         whole = permanent + creeping.sum(axis=0)
+        if (mounted := self._mounted(lattice, float(whole.max()))) is not None:
+            hanging = permanent if self.creep is None else creeping[0]
+            whole.flat[0] = hanging.flat[0] = mounted
         if whole.flat[0] == 0 and not self.loaded_from_afar:
             raise InputError(
                 "creeping stiffness",
@@ -225,11 +280,20 @@ class Solid(views.InNotebooks):
             )
         if not whole.flat[1:].all():
             raise InputError("stiffness", expected="H + C > 0 at every wave vector but 0", got="0 at some")
-        return Spectra(permanent, creeping, rate, means)
+        return Spectra(permanent, creeping, rate)
+
+    def _mounted(self, lattice: Lattice, greatest: float) -> float | None:
+        """Stiffness of the apparatus for each site, beside the greatest of a mode; None without one."""
+        if self.apparatus is None or (lattice.body and math.isinf(self.apparatus)):
+            return None  # the position of a body from afar is known as it is
+        if lattice.body:
+            expected, advice = "no apparatus, or a rigid one, where edges are free", "apparatus=math.inf"
+            raise InputError("apparatus", expected=expected, got=f"{self.apparatus:g}", advice=advice)
+        return RIGID * greatest if math.isinf(self.apparatus) else self.apparatus / lattice.sites
 
 
 def _checked(name: str, law: SpectrumOf, lattice: Lattice) -> Spectrum:
-    values = checks.floats(name, law(lattice), expected="a finite spectrum >= 0")
+    values = np.array(checks.floats(name, law(lattice), expected="a finite spectrum >= 0"))
     if values.shape != lattice.spectral_shape:
         raise InputError(name, expected=f"shape {lattice.spectral_shape}", got=values.shape)
     if not (np.isfinite(values).all() and (values >= 0).all()):

@@ -5,8 +5,7 @@ from __future__ import annotations
 from asperity.base import checks
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
-from asperity.solids.laws import LaplacianSpectrum
-from asperity.solids.solid import CreepBranch, Solid
+from asperity.solids.solid import Solid, Springs
 
 
 def spring_lattice(
@@ -53,19 +52,9 @@ def spring_lattice(
         for name, value in {"k0": k0, "k1": k1, "R": R, "R_viscous": R_viscous}.items()
     }
     k0, k1, R, R_viscous = parameters.values()
-    if creep is not None:
-        parameters |= checked_law(creep).parameters
     if k0 == 0 and k1 == 0:
         raise InputError("k0 and k1", expected="a stiffness above 0", got="both 0", advice="k0=1.0, k1=3.0")
-    return Solid(
-        permanent=LaplacianSpectrum(laplacian=k0),
-        branches=(
-            CreepBranch(
-                stiffness=LaplacianSpectrum(uniform=k1),
-                mobility=LaplacianSpectrum(laplacian=R, uniform=R_viscous),
-            ),
-        ),
-        parameters=parameters,
-        creep=creep,
-        kind="spring_lattice",
-    ).with_hardness(hardness)
+    law = creep if creep is None else checked_law(creep)
+    springs = Springs(k0, k1, k1 * R, k1 * R_viscous)
+    solid = Solid(springs=springs, parameters=parameters, creep=law, kind="spring_lattice")
+    return solid.with_hardness(hardness)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, cast
+from typing import Any
 
 from asperity.app.config import RunConfig
 from asperity.app.config.models import Contact as ContactSection
@@ -14,7 +14,6 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.protocols import Hold, Ramp
 from asperity.relaxation import Fit, PronySeries, check_branches
-from asperity.relaxation.series import Branches
 from asperity.solids import Solid
 
 LEAST_TIMES = 5
@@ -32,12 +31,12 @@ def series_with(
     """The series of a solid, and then those with other branches that it may have; empty without draws."""
     if draws is None:
         return ()
-    if not solid.parameters.get("branches"):
+    if not (solid.modulus and solid.shares):
         raise InputError("draws", expected="branches of the solid, in whose place they may be", got="none")
     if not hasattr(draws, "__len__") or len(draws) < 2:
         raise InputError("draws", expected="2 lists of branches or more", got=checks.shown(draws))
-    modulus = cast(float, solid.parameters["modulus"])
-    found = [PronySeries(modulus, cast(Branches, solid.parameters["branches"]))]
+    modulus = solid.modulus
+    found = [PronySeries(modulus, tuple(solid.shares))]
     for number, branches in enumerate(draws):
         try:
             found.append(PronySeries(modulus, check_branches(branches)))

@@ -345,7 +345,7 @@ def _predicted(
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     scan.in_meters()
     plain = replace(scan, filled=None)  # load on filled pixels is remarked at the end, of all maps
-    if solid.kind != "half_space":
+    if not solid.half_space:
         raise no_half_space("material", solid.kind)
     maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
     require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)

@@ -111,10 +111,10 @@ def remarks_on(prediction: Prediction) -> tuple[str, ...]:
     """What limits the prediction, in numbers."""
     fraction = float(prediction.series("contact_fraction")[-1])
     remarks = []
-    known, fit = prediction.solid.parameters, prediction.fit
+    fit = prediction.fit
     if fit is not None and fit.assumed:
         remarks.append(fit.assumed)
-    if prediction.solid.creep is None and not known.get("branches") and "flow" not in known:
+    if not prediction.solid.branches:
         remarks.append("nothing grows: the solid is elastic")
     elif np.ptp(prediction.series("contact_area")) == 0:
         reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""

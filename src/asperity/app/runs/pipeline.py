@@ -137,7 +137,7 @@ def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool, h
     cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
     needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
     if springs is None and solid.creep is not None:
-        needed = _SHARED if "permanent" in solid.parameters else _LOCAL
+        needed = _SHARED if solid.permanent_share > 0 else _LOCAL
     return round(needed * embedded) + maps * (_MAP + _MAPPED_BRANCH * more)
 
 
