@@ -81,24 +81,22 @@ def press(
     ----------
     heights
         Heights of the rough surface, shape ``(n,)`` or ``(n, m)``, any unit of length; periodic. Or a
-        contact, such as the ``final`` of a history: then its load or separation changes at once, and
-        what has crept stays (the shape of u0).
+        contact, such as the ``final`` of a history: its load or separation changes at once, and u0 keeps its
+        shape.
     solid
         The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
     load
-        Normal load: the sum of all contact forces, in units of stiffness times height; on a continuum under
-        a surface with units, in newtons, or a text with a unit, as for the next two: ``"5 mN"``. At 0 the
-        highest sites just touch: from there a `asperity.protocols.Ramp` puts a load on.
+        Normal load, the sum of all contact forces: stiffness times height; on a continuum under a surface
+        with units in newtons, or a text with a unit, as for the next two: ``"5 mN"``. At 0 the highest sites
+        just touch: from there a `asperity.protocols.Ramp` puts a load on.
     pressure
         Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
         Instead of the load: position of the rigid body, in the unit of the heights; on the lattice of
-        springs, the mean of u0.
-
-        Of one of these three also several: a list, a tuple or an array, shape ``(n,)``.
+        springs, the mean of u0. Of one of these three also several: a list, a tuple or an array, shape
+        ``(n,)``.
     start
-        A contact to start the search from, such as that of a slightly smaller load; it changes the
-        time taken, not the result.
+        A contact to start the search from, such as that of a slightly smaller load; it saves time.
     solver
         How to solve: by default `Multigrid` for the lattice of springs in two dimensions, and
         `ActiveSet` for any other solid.
@@ -107,7 +105,7 @@ def press(
     -------
     Contact
         Or of several loads, pressures or separations a list of contacts, in their order. Each is pressed from
-        `start` or from nothing: the contact of the load before saves no iterations.
+        `start` or from nothing.
 
     Raises
     ------
@@ -188,38 +186,35 @@ def age(
         Where to start: from `press`, or the ``final`` of an earlier history.
     times
         Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R), of a contact
-        with units the second, and that of texts such as ``["1 s", "10 min"]``. They count from this call:
-        for the ``final`` of an earlier history from 0 again.
+        with units the second, or that of texts such as ``["1 s", "10 min"]``. They count from this call.
     protocol
         The history of the load or the separation: a list of legs of `asperity.protocols`. It is followed to
         its end, and the states at all switches between legs are recorded too: two at a step, just before
         and just after. By default nothing changes up to the last time.
     hold
-        Without a protocol: what is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by
-        default what the contact was pressed by.
+        Without a protocol: what is held constant, ``"load"``, ``"separation"`` (of the rigid body) or
+        ``"area"``; by default what the contact was pressed by.
     rtol
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
         ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
-        if larger, at a held separation with viscous creep); measured, not proved: see
-        `asperity.aging.controller.Tuning`.
+        if larger, at a held separation with viscous creep); measured, not proved.
     fields_at
         Strictly increasing times >= 0 at which to keep u, u0, in_contact and the forces (of
         continua the pressures), and to count and link patches of contact; they need not be among ``times``.
     progress
         True for a bar, in notebooks as on terminals; or what is called with each `Frame` as it is reached.
     checkpoint
-        File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists,
-        the run goes on from there, to the result that it would have had undisturbed. The file
-        stays: remove it when the results are safe. A solver of your own needs a repr that says all
-        it depends on, by which the run is recognized.
+        File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists, the
+        run goes on from there, to the result that it would have had undisturbed. Remove it when the results
+        are safe. A solver of your own needs a repr that says all that it depends on.
     carried
-        What else to record at each time: stiffness, resistances, what sticks under shear. It costs about as
-        much as one press a time and each of these solves.
+        What else to record at each time: stiffness, resistances, what sticks under shear. Each costs about
+        as much as one press a time.
     solver
         How to solve the contact problems; by default as `asperity.press` does.
     exact
-        Whether to use the exact contact of a separable solid (`Solid.separable`) where it holds: under
-        a load that has never fallen. The dataset says where it was used.
+        Whether to use the exact contact of a separable solid (`Solid.separable`) while the load has never
+        fallen. The dataset says where it was used.
 
     Returns
     -------
@@ -234,8 +229,8 @@ def age(
 
     Notes
     -----
-    Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), by TR-BDF2, second order and L-stable,
-    with adaptive steps; see `asperity.aging.tr_bdf2`, and for the exact contact `asperity.aging.separable`.
+    Integrates Jagla's Eq. (dosrs), du0/dt = M C (u - u0), in adaptive steps of `asperity.aging.tr_bdf2`; for
+    the exact contact see `asperity.aging.separable`.
     """
     tolerance = check_rtol(rtol)
     protocol = [protocol] if isinstance(protocol, Leg) else protocol
@@ -331,11 +326,11 @@ def slide(
     contact
         The contact, of any age, on a surface with periodic edges.
     shift
-        By how many sites along each axis the heights move, as ``numpy.roll`` moves them; along the last axis
-        if it is one number. Whole numbers are exact. Fractions interpolate the heights, see Notes.
+        By how many sites along each axis the heights move, as ``numpy.roll`` moves them; one number is along
+        the last axis. Whole numbers are exact. Fractions interpolate the heights, see Notes.
     distance
         Instead of the shift: a length > 0, in the unit of the distance between sites, or a text with a unit:
-        ``"2 um"``. It need not be a whole number of sites.
+        ``"2 um"``.
     direction
         That of the distance: ``"x"``, ``"-x"``, ``"y"``, ``"-y"``, or sites along the axes, ``(1, 1)``.
     solver
@@ -355,10 +350,9 @@ def slide(
 
     Notes
     -----
-    Between sites heights are read off the trigonometric polynomial through them (band-limited
-    interpolation). It is exact for a surface without waves near the lattice spacing. On a surface that is
-    rough at the scale of a site, interpolated summits are higher or lower than any given height by a part
-    of that roughness, and so is the contact: slide such a surface by whole sites.
+    Between sites heights are read off the trigonometric polynomial through them, which is exact for a surface
+    without waves near the lattice spacing. On a surface that is rough at the scale of a site, interpolated
+    summits differ by a part of that roughness, and so does the contact: slide it by whole sites.
     """
     checks.instance("contact", contact, Contact, WHERE_FROM)
     check_edges(contact.lattice)
@@ -397,8 +391,7 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     Returns
     -------
     Contact
-        The limit. With R_viscous > 0 under load control it is the limit of the shape: the mean of
-        u0 relative to the rough surface has a limit too, but the rigid body has not.
+        The limit. With R_viscous > 0 under load control it is that of the shape: the rigid body has none.
 
     Raises
     ------

@@ -149,7 +149,7 @@ def test_a_stage_of_local_creep_on_a_half_space_is_optimal():
     guess = LocalState(start.u - system.datum, start.force, 0.0)
     cell, counts = start.lattice.cell, []
     for tau in (1e-12, 1e-3):
-        end, _ = solver.solve(Stage(tau, before, start.load, 0.0), guess, 1e-20)
+        end = solver.solve(Stage(tau, before, start.load, 0.0), guess, 1e-20).state()
         p, bound = end.force / cell, 6e7
         spectrum = np.divide(1.0, K := solid.on(start.lattice).creeping[0], out=np.zeros_like(K), where=K > 0)
         bent = start.lattice.apply(spectrum, end.force)

@@ -44,7 +44,7 @@ def stage(law, tau, pressure, permanent=0.0):
     force = system.mechanics.creeping_force(start.u - start.anchors, system.load)
     guess = LocalState(start.u - system.datum, force, 0.0)
     solver = local_solver(system)
-    found, _ = solver.solve(Stage(tau, before, start.load, 0.0), guess, 1e-20)
+    found = solver.solve(Stage(tau, before, start.load, 0.0), guess, 1e-20).state()
     return found, system.heights, before, start.load
 
 

@@ -113,14 +113,14 @@ class LocalSteps(TrBdf2):
         position = self.system.drift * stage.time + self.crept
         problem = Stage(stage.tau, before, system.load, position, again=again)
         guess = self._in_frame(self._extrapolated(stage.weights))
-        end, spent = self.solver.solve(problem, guess, stage.allowed_error)
+        self.run = self.solver.solve(problem, guess, stage.allowed_error)
+        end = self.run.state()
         rate = combined(end.u, (-1.0, self.solver.stretch(end.force)), (-1.0, before))
         rate -= end.position
         rate /= stage.tau
-        self.stage = problem
         self.tried.append(LocalState(end.u, end.force, end.position - self.crept))
         self.rates.append(rate)
-        return spent
+        return self.run.iterations
 
     def _in_frame(self, state: LocalState) -> LocalState:
         """A state whose position goes with the present shape."""
@@ -149,8 +149,7 @@ class LocalSteps(TrBdf2):
         """See `TrBdf2`; the law is linear beside the end."""
         first, *rates = self.rates
         defect = combined(shares[0] * first, *zip(shares[1:], rates, strict=True))
-        end = self._in_frame(self.tried[-1])
-        mean, left = self.solver.left_of(self._about_mean(defect), self.stage, end)
+        mean, left = self.run.left_of(self._about_mean(defect))
         self.mean_error = abs(float(defect.mean()) + mean)
         return left
 

@@ -132,7 +132,7 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     later, ratio = time[1:], area[1:] / area[0]
     relaxed, relaxed_load = dataset.attrs.get("relaxed_area"), dataset.attrs.get("relaxed_load")
     # The law is the paper's, for its lattice; a continuum follows its own relaxation times.
-    fit, fit_note = (None, "") if "modulus" in dataset.attrs else _fit(time, area, relaxed)
+    fit, fit_note = (None, "") if "contact_area" in dataset else _fit(time, area, relaxed)
     curve_time = np.geomspace(later[0], later[-1], _SMOOTH_CURVE) if later.size else later
     dilute_time, dilute_ratio, dilute_note = _dilute(dataset, law, curve_time)
     steepest, when = _steepest(later, ratio)

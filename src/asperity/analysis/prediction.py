@@ -249,12 +249,12 @@ class Prediction(views.InNotebooks):
     @property
     def modulus(self) -> float:
         """Contact modulus E* at once, Pa."""
-        return cast(float, self.solid.parameters["modulus"])
+        return cast(float, self.solid.modulus)
 
     @property
     def words(self) -> tuple[str, ...]:
         """The solid in words: how stiff it is, how it creeps, and under which pressure the scan yields."""
-        known, law = self.solid.parameters, self.solid.creep
+        law = self.solid.creep
         said = [f"half-space, E* = {written(self.modulus, 'Pa')} at once"]
         if law is not None:
             numbers = [
@@ -263,12 +263,11 @@ class Prediction(views.InNotebooks):
                 if name in law.parameters
             ]
             said.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
-        if "permanent" in known:
-            said.append(f"a share of {known['permanent']:g} does not creep")
-        if "flow" in known:
-            mobility, power = cast(tuple[float, float], known["flow"])
-            said.append(f"flows with the mobility {mobility:.3g} (SI) times the wave number to {power:g}")
-        if self.fit is None and known.get("branches"):
+            if share := self.solid.permanent_share:
+                said.append(f"a share of {share:g} does not creep")
+        mobilities = [branch.mobility for branch in self.solid.branches if branch.mobility is not None]
+        said += [f"flows with the mobility {mobility} (SI)" for mobility in mobilities]
+        if self.fit is None and self.branches:
             said.append(counted(len(self.branches), "relaxation time"))
         if self.solid.yields:
             said.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
@@ -284,7 +283,7 @@ class Prediction(views.InNotebooks):
     @property
     def branches(self) -> Branches:
         """Shares of E* and the times in which they relax, s."""
-        return cast(Branches, self.solid.parameters.get("branches") or ())
+        return () if self.solid.creep is not None else tuple(self.solid.shares or ())
 
     @property
     def plateau(self) -> float:
@@ -319,7 +318,7 @@ class Prediction(views.InNotebooks):
             area = self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
             return "Persson's theory, from the rms slope", area
         law, last = self.solid.creep, float(self.series("contact_area")[-1])
-        if not isinstance(law, Eyring) or self.solid.yields or "permanent" in self.solid.parameters:
+        if not isinstance(law, Eyring) or self.solid.yields or self.solid.permanent_share > 0:
             return None
         if load[-1] < _FLOWING * law.stress * last or last > _FULL * self.nominal_area:
             return None

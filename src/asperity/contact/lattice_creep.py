@@ -84,16 +84,7 @@ class LatticeCreep(ByLaw):
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
         """See `ByLaw`."""
-        self.run = _Run(self, stage, guess)
-        return self.run
-
-    def left_of(self, error: Field, stage: Stage, end: LocalState) -> tuple[float, float]:
-        """See `ByLaw`; the law is linear as it was last."""
-        del end
-        assert stage.tau == self.run.stage.tau
-        unit = self.run.unit
-        mean, size = self.work.left_of(self.work.backend.packed(np.atleast_2d(error) / unit))
-        return unit * mean, unit * size
+        return _Run(self, stage, guess)
 
     def combined(self, x: Field, y: Field, a: float, b: float) -> Field:
         """A L x + b y, L minus the Laplacian."""
@@ -119,7 +110,6 @@ class _Run(LocalRun):
             self.work.prepare(springs.k1 / self.stiffness, self.springs.spread, self.springs.drag)
 
     def measure(self) -> float:
-        """See `LocalRun`."""
         wrong = self.revise() if self.solver.interface.yields else 0.0
         left, self.curved = self.linearize()
         return math.hypot(left, wrong, 0.0 if self.stage.load is None else self.even())
@@ -197,7 +187,6 @@ class _Run(LocalRun):
         return math.sqrt(inner(far, far, np) / far.size)
 
     def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
-        """See `LocalRun`."""
         if self.curved > noticed:
             self.follow_law(noticed)
         work = self.work
@@ -215,6 +204,9 @@ class _Run(LocalRun):
         return cycles, math.sqrt(inner(error, error, np) / error.size)
 
     def state(self) -> LocalState:
-        """See `LocalRun`."""
         shape = self.solver.shape
         return LocalState(self.u.reshape(shape), (self.springs.k1 * self.w).reshape(shape), self.position)
+
+    def left_of(self, error: Field) -> tuple[float, float]:
+        mean, size = self.work.left_of(self.work.backend.packed(np.atleast_2d(error) / self.unit))
+        return self.unit * mean, self.unit * size

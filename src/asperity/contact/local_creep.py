@@ -132,6 +132,8 @@ class LocalRun(ABC):
 
     rounding: float
     """Error of the creeping shape that rounding makes, a length."""
+    iterations: int = 0
+    """Spent so far."""
 
     @abstractmethod
     def measure(self) -> float:
@@ -150,6 +152,13 @@ class LocalRun(ABC):
     def state(self) -> LocalState:
         """The state that has been reached."""
 
+    @abstractmethod
+    def left_of(self, error: Field) -> tuple[float, float]:
+        """Mean and rms of what the step, solved, leaves of an error of the shape, the contacts staying.
+
+        The rms is about the mean under a load.
+        """
+
 
 class ByLaw(ABC):
     """Solves implicit steps of one solid above one rough surface, which may yield between steps."""
@@ -159,8 +168,8 @@ class ByLaw(ABC):
     interface: Interface
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> tuple[LocalState, int]:
-        """Solve a step until the error of the creeping shape, rms, is allowed; and the iterations spent.
+    def solve(self, stage: Stage, guess: LocalState, allowed_error: float) -> LocalRun:
+        """Solve a step until the error of the creeping shape, rms, is allowed.
 
         An error that rounding makes is as good, once it hardly falls any more.
 
@@ -169,22 +178,22 @@ class ByLaw(ABC):
         ConvergenceError
             The error did not fall that far.
         """
-        run, spent, left = self.begin(stage, guess), 0, math.inf
+        run, left = self.begin(stage, guess), math.inf
         allowed = max(allowed_error, run.rounding)
         for revision in range(TUNING.most_revisions):
             before, left = left, run.measure()
             enough = left <= allowed_error or before / 2 < left <= run.rounding
             if enough and (revision or not left):
-                return run.state(), spent
+                return run
             if not math.isfinite(left):
                 break
             noticed = TUNING.unnoticed * allowed
-            more, bent = run.improve(allowed, noticed)
-            spent += more
+            spent, bent = run.improve(allowed, noticed)
+            run.iterations += spent
             if bent <= noticed:
-                return run.state(), spent
+                return run
         raise ConvergenceError(
-            f"creep: a step of {stage.tau:.1e} lacks {left:.1e} after {spent} iterations, "
+            f"creep: a step of {stage.tau:.1e} lacks {left:.1e} after {run.iterations} iterations, "
             f"expected {allowed_error:.1e}; try a larger rtol"
         )
 
@@ -207,10 +216,3 @@ class ByLaw(ABC):
     @abstractmethod
     def velocity(self, force: Field) -> Field:
         """Velocity of the creeping shape."""
-
-    @abstractmethod
-    def left_of(self, error: Field, stage: Stage, end: LocalState) -> tuple[float, float]:
-        """Mean and rms of what an implicit step leaves of an error of the shape, the contacts staying.
-
-        The rms is about the mean under a load. The step must be the last that was solved.
-        """

@@ -158,17 +158,6 @@ class SeriesCreep(ByLaw):
             s += weight * one
         return s
 
-    def left_of(self, error: Field, stage: Stage, end: LocalState) -> tuple[float, float]:
-        """See `ByLaw`."""
-        drag = self.linear(stage.tau, end.force).drag
-        linear = LinearStep(self, drag, end.u == self.heights, held=stage.load is None)
-        dx, _, _ = linear.solve(self.sunk(error), np.zeros(len(linear.even)), TUNING.reduction)
-        left = error + self.shape_of(drag * self.creeping(dx))
-        mean = float(left.mean())
-        if stage.load is not None:
-            left -= mean
-        return mean, math.sqrt(inner(left, left, np) / left.size)
-
 
 class _Run(LocalRun):
     """One step being solved: forces x, levels, and which sites touch or yield."""
@@ -193,7 +182,6 @@ class _Run(LocalRun):
         self.wanted[0] += heights
 
     def measure(self) -> float:
-        """See `LocalRun`."""
         solver, touching = self.solver, self.touching
         lacking = self.wanted - solver.displaced(self.x) - solver.by_row(self.levels)
         lacking = self.tame(lacking)
@@ -227,7 +215,6 @@ class _Run(LocalRun):
         return math.sqrt((inner(lack, lack, np) + inner(waiting, waiting, np)) / lack.size)
 
     def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
-        """See `LocalRun`."""
         del allowed
         solver, touching, yielding, law = self.solver, self.touching, self.yielding, self.law
         goal = TUNING.reduction
@@ -279,12 +266,20 @@ class _Run(LocalRun):
         x[0][sites] = np.maximum(x[0][sites], 0.0)
 
     def state(self) -> LocalState:
-        """See `LocalRun`."""
         solver, touching = self.solver, self.touching
         u = self.heights - self.below
         u[touching] = self.heights[touching]
         np.maximum(u, solver.heights, out=u, where=~self.yielding)
         return LocalState(u, self.law.force, float(self.levels[0]))
+
+    def left_of(self, error: Field) -> tuple[float, float]:
+        solver, linear = self.solver, self.linear
+        dx, _, _ = linear.solve(solver.sunk(error), np.zeros(len(linear.even)), TUNING.reduction)
+        left = error + solver.shape_of(self.law.drag * solver.creeping(dx))
+        mean = float(left.mean())
+        if self.stage.load is not None:
+            left -= mean
+        return mean, math.sqrt(inner(left, left, np) / left.size)
 
 
 class LinearStep:

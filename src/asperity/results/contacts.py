@@ -16,7 +16,7 @@ from asperity.contact.state import Contact, contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
-from asperity.results.dataset import attributes_of, coordinates_of, describe, recorded
+from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe
 from asperity.results.quantities import had_by
 from asperity.results.store import load
 from asperity.solids import Solid
@@ -65,7 +65,7 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
         raise InputError("path", expected=expected, got=f"{path}, which holds none", advice=advice)
     checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     facts = data.attrs
-    own = {"solid": solid.kind} | {name: recorded(value) for name, value in solid.parameters.items()}
+    own = attributes_of_solid(solid)
     if wrong := [name for name, value in own.items() if facts.get(name) != value]:
         expected = ", ".join(f"{name} {facts.get(name, 'none')}" for name in wrong)
         got = ", ".join(f"{name} {own[name]}" for name in wrong)

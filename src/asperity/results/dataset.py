@@ -21,6 +21,7 @@ from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
+from asperity.solids import Solid
 
 Row = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -149,11 +150,10 @@ def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
         items |= plain(name, value)
     return {
         "asperity_version": __version__,
-        "solid": contact.solid.kind,
+        **attributes_of_solid(contact.solid),
         "si": int(contact.si),
         "spacing": json.dumps(contact.lattice.spacing),
         "edges": contact.lattice.edges,
-        **{name: recorded(value) for name, value in contact.solid.parameters.items()},
         "held": control.name,
         **items,
         "sites": contact.heights.size,
@@ -164,6 +164,10 @@ def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
     }
 
 
-def recorded(value: object) -> str | float:
-    """A parameter as an attribute: a number, or JSON."""
-    return value if isinstance(value, float) else json.dumps(value)
+def attributes_of_solid(solid: Solid) -> dict[str, str | float]:
+    """Name of a solid, and its parameters: numbers, or JSON."""
+    numbers = solid.parameters.items()
+    return {
+        "solid": solid.kind,
+        **{name: value if isinstance(value, float) else json.dumps(value) for name, value in numbers},
+    }

@@ -144,8 +144,8 @@ def half_space(
         expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
         raise InputError("permanent", expected=expected, got="none", advice=advice)
     law = WaveNumberSpectrum(modulus / 2)
-    made: dict[str, Any] = {"modulus": modulus, "half_space": True, "apparatus": checked_apparatus(apparatus)}
-    made |= {"loaded_from_afar": True, "in_lengths": True, "kind": "half_space"}
+    made: dict[str, Any] = {"modulus": modulus, "half_space": True, "kind": "half_space"}
+    made["apparatus"] = checked_apparatus(apparatus)
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")

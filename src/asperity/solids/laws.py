@@ -137,6 +137,9 @@ class PowerMobility(Numbers):
         spectrum.flat[0] = 0.0
         return spectrum
 
+    def __str__(self) -> str:
+        return f"{self.mobility:.3g} q^{self.exponent:g}"
+
 
 @lru_cache(maxsize=1)
 def compliance_of_pixels(lattice: Lattice) -> Spectrum:

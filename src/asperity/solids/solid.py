@@ -121,8 +121,8 @@ class Solid(views.InNotebooks):
     modulus
         Contact modulus E* at once, of a continuum that has one.
     half_space
-        Whether normal displacements are those of a half-space of that modulus, which a resistance and a
-        tangential stiffness follow from.
+        Whether normal displacements are those of a half-space of that modulus, from which resistances and
+        tangential stiffness follow. It is ``in_lengths`` and ``loaded_from_afar``.
     loaded_from_afar
         Whether the normal load is applied evenly from far away where nothing hangs on the rigid body:
         H and all C vanish at wave vector 0.
@@ -171,8 +171,10 @@ class Solid(views.InNotebooks):
         if self.creep is not None and len(made["branches"]) != 1:
             got = f"{len(made['branches'])} branches"
             raise InputError("creep", expected="a solid of one branch", got=got)
-        if self.half_space and self.modulus is None:
-            raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
+        if self.half_space:
+            made |= {"loaded_from_afar": True, "in_lengths": True}
+            if self.modulus is None:
+                raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
         known = {
             **({"branches": made.get("shares")} if self.creep is None else self.creep.parameters),
             "apparatus": self.apparatus,

@@ -23,6 +23,7 @@ from asperity.app.explore.scene import Arrays, Header, Recording, ending, record
 from asperity.app.runs import recorded_times
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import described
+from asperity.results.dataset import attributes_of_solid
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Folders within folders that are looked into, results that are listed, and folders that are looked at."""
@@ -179,9 +180,7 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
         rough = config.surface.build()
         heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
         dataset = xr.Dataset({"heights": (("y", "x")[2 - heights.ndim :], heights)})
-    dataset.attrs |= finished.lattice | {"solid": config.solid.kind}
-    if config.solid.kind == "spring_lattice":
-        dataset.attrs |= config.solid.model_dump(exclude={"kind"})
+    dataset.attrs |= finished.lattice | attributes_of_solid(config.solid.build())
     if config.protocol:
         dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])
     series = dict(zip(QUANTITIES, finished.series, strict=True))

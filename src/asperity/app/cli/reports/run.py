@@ -80,7 +80,7 @@ def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
     for name, branches in relaxing.items():
         times = [f"{share:.3g} in {written(time, 's' if si else '1')}" for share, time in branches]
         parts += [f"{name}: {', '.join(times)}"] * bool(times)
-    return ", ".join(parts) if kind == "spring_lattice" else f"{kind}: {', '.join(parts)}"
+    return f"{kind}: {', '.join(parts)}"
 
 
 def _of(name: str, value: float, units: Units) -> str:
@@ -108,7 +108,7 @@ def _growth(summary: AgingSummary, dataset: xr.Dataset) -> list[Row]:
     if summary.relaxed_ratio is not None:
         rows.append(("contact relaxed", _contact(int(dataset.attrs["relaxed_area"]), summary, dataset)))
     rows += _fit(summary)
-    if "modulus" in dataset.attrs and summary.time.size > 1:
+    if "contact_area" in dataset and summary.time.size > 1:
         decades = math.log10(summary.time[-1] / summary.time[0])
         growth = (summary.area_ratio[-1] - summary.area_ratio[0]) / decades
         rows.append(("mean growth", f"{growth:.3g} A(0) per decade of time, over {decades:.3g} decades"))

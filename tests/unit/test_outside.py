@@ -1,0 +1,131 @@
+"""A solid, a leg and a contact solver that are written outside the package go through all of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.contact import ActiveSet
+from asperity.results import load_contact
+from asperity.solids import Solid
+from tests.refusals import refuses
+
+MODULUS, SHARE, TIME = 3e9, 0.4, 50.0
+INSIDE = asp.solids.half_space(modulus=MODULUS, branches=[(SHARE, TIME)])
+TIMES = [1.0, 10.0, 100.0, 1000.0]
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """The stiffness of a half-space."""
+
+    modulus: float
+
+    def __call__(self, lattice):
+        return self.modulus / 2 * lattice.wave_number * lattice.cell
+
+
+def delayed(modulus, later, time, **facts):
+    """A half-space with delayed elasticity: a spring in series with a spring beside a dashpot."""
+    share = modulus / (modulus + later)
+    return Solid(
+        stiffness=HalfSpace(modulus),
+        shares=[(share, time * (1 - share))],
+        modulus=modulus,
+        half_space=True,
+        parameters={"later": later, "delay": time},
+        kind="delayed",
+        **facts,
+    )
+
+
+OUTSIDE = delayed(MODULUS, MODULUS * (1 - SHARE) / SHARE, TIME / (1 - SHARE))
+
+
+@dataclass(frozen=True)
+class Wrapped:
+    """Another solver, without whatever else it offers."""
+
+    inner: ActiveSet
+
+    def solve(self, problem, guess, accuracy):
+        return self.inner.solve(problem, guess, accuracy)
+
+
+def scan(edges="reflecting"):
+    heights = 1e-7 * np.random.default_rng(3).normal(size=(32, 32)).cumsum(0).cumsum(1) / 32
+    return asp.surfaces.Surface(heights, unit="m", pixel_size=(1e-6, 1e-6), length_unit="m", edges=edges)
+
+
+def pressed(solid, edges="reflecting", **how):
+    return asp.press(scan(edges), solid, load=1e-2, **how)
+
+
+def assert_equal(one, other, rtol=1e-12):
+    """Datasets with the same columns and numbers."""
+    assert set(one.variables) == set(other.variables)
+    for name in one.variables:
+        scale = np.abs(other[name]).max() if other[name].dtype.kind == "f" else 1.0
+        np.testing.assert_allclose(one[name], other[name], rtol=rtol, atol=rtol * float(scale), err_msg=name)
+
+
+@pytest.mark.parametrize("edges", ["reflecting", "periodic"])
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_half_space_from_outside_is_that_of_the_package(edges, exact):
+    carried = asp.Carried(resistivity=1e-7, conductivity=200.0, poisson=0.3, shear=1e-3, friction=0.3)
+    runs = [
+        asp.age(pressed(solid, edges), TIMES, fields_at=TIMES, carried=carried, exact=exact)
+        for solid in (OUTSIDE, INSIDE)
+    ]
+    assert_equal(*(run.dataset.drop_vars("residual") for run in runs), rtol=1e-9)
+    ends = [run.final for run in runs]
+    assert ends[0].area > pressed(OUTSIDE, edges).area
+    for slip in (end.partial_slip(shear=1e-3, friction=0.3, poisson=0.3) for end in ends):
+        assert slip.displacement > 0
+    assert_equal(*(asp.relax(end).dataset.drop_vars(["residual", "iterations"]) for end in ends), rtol=1e-6)
+    assert runs[0].dataset.attrs["solid"] == "delayed"
+
+
+def test_it_is_predicted():
+    found = [
+        asp.predict(solid, scan(), load=1e-2, first="1 s", last="1 ks", shear_strength="1 MPa")
+        for solid in (OUTSIDE, INSIDE)
+    ]
+    assert_equal(*(one.dataset.drop_vars("residual") for one in found), rtol=1e-9)
+    assert found[0].modulus == MODULUS
+    np.testing.assert_allclose(found[0].effective_load, found[1].effective_load, rtol=1e-12)
+    assert repr(found[0])
+    assert found[0]._repr_html_()
+
+
+def test_it_is_saved_and_read_again(tmp_path):
+    contact = asp.age(pressed(OUTSIDE), TIMES).final
+    contact.save(tmp_path / "contact")
+    again = load_contact(tmp_path / "contact", OUTSIDE)
+    np.testing.assert_array_equal(again.in_contact, contact.in_contact)
+    np.testing.assert_allclose(again.u0, contact.u0, atol=1e-18)
+    with refuses("solid"):
+        load_contact(tmp_path / "contact", delayed(MODULUS, MODULUS, TIME))
+    assert "delayed" in OUTSIDE._repr_html_()
+
+
+def test_a_solver_from_outside_solves_and_goes_on_from_a_checkpoint(tmp_path):
+    place = asp.results.Checkpoint(tmp_path / "place.npz", every=0.0)
+    legs = [asp.protocols.Hold(2.0), asp.protocols.Ramp(1.0, load=5e-3), asp.protocols.Hold(7.0)]
+
+    def stop(frame):
+        if frame.time >= 2.5:
+            raise InterruptedError
+
+    def run(solver, **more):
+        contact = pressed(OUTSIDE, solver=solver)
+        return asp.age(contact, [1.0, 2.5, 10.0], protocol=legs, solver=solver, **more).dataset
+
+    with pytest.raises(InterruptedError):
+        run(Wrapped(ActiveSet()), checkpoint=place, progress=stop)
+    whole = run(Wrapped(ActiveSet()))
+    assert_equal(run(Wrapped(ActiveSet()), checkpoint=place), whole, rtol=0)
+    spent = ["residual", "iterations", "steps", "rejected"]
+    usual = run(None).drop_vars(spent)
+    assert_equal(whole.drop_vars(spent), usual, rtol=1e-4)
