@@ -12,7 +12,7 @@ estimated by the preconditioned residual and the last correction.
 The linear problems are corrections to a surface whose forces are evaluated in double precision at every
 revision, and are themselves solved in single precision, until that no longer helps.
 
-Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
+Exchanging all wrong sites at once is fast but may cycle. After some exchanges that set no new
 record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
 arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587
 (1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are left unchanged.
@@ -61,6 +61,22 @@ class Tuning:
     reduction_per_change: float = 4.0
     """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
 
+    reduction: float = 0.3
+    """How far, at least, the linear residual falls before the set of contacts is revised."""
+
+    careful_after: int = 60
+    """Revisions after which linear solutions become accurate, records are kept, and sites that are wrong by
+    no more than rounding are left unchanged."""
+
+    careful: float = 1e-8
+    """Residual of these solutions, over that before."""
+
+    patience: int = 5
+    """Exchanges of all wrong sites allowed without a new record, before single exchanges begin."""
+
+    most_revisions: int = 10_000
+    """Revisions of the set after which the solver gives up."""
+
 
 TUNING = Tuning()
 
@@ -74,34 +90,20 @@ class ActiveSet:
 
     Parameters
     ----------
-    reduction
-        How far, at least, the linear residual falls before the set of contacts is revised.
     max_iterations
         Conjugate-gradient iterations after which the solver gives up.
-    patience
-        Exchanges of all wrong sites allowed without a new record, before single exchanges begin.
-    careful_after
-        Revisions of the set after which linear solutions become accurate, records are kept, and sites
-        that are wrong by no more than rounding are left unchanged.
-    max_revisions
-        Revisions of the set after which the solver gives up.
     arrays
         The array library in which to compute: ``"numpy"``, or the name of another one that follows the
         array API standard and has its transforms: ``"cupy"``, or ``"torch"`` once its default device is
         "cuda". Problems and solutions are numpy arrays in any case.
     """
 
-    reduction: float = 0.3
     max_iterations: int = 10_000
-    patience: int = 5
-    careful_after: int = 60
-    max_revisions: int = 10_000
     arrays: str = "numpy"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "reduction", checks.number("reduction", self.reduction, above=0, below=1))
-        for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
-            object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
+        most = checks.integer("max_iterations", self.max_iterations, least=0)
+        object.__setattr__(self, "max_iterations", most)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
     def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
@@ -153,7 +155,7 @@ class _Run:
         self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
         self.iterations = self.set_changes = 0
         self.record = problem.lattice.sites + 1
-        self.patience, self.reduction = method.patience, method.reduction
+        self.patience, self.reduction = TUNING.patience, TUNING.reduction
         self.single = True
         self.start(xp.asarray(guess.u))
 
@@ -220,7 +222,7 @@ class _Run:
         """Correct the free sites, until the largest force on them has fallen enough."""
         if not self.fresh:
             self.evaluate_force()
-        target = self.worst * (1e-8 if self.is_careful() else self.reduction)
+        target = self.worst * (TUNING.careful if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
             before = self.worst
             displacement = self.correct(target)
@@ -247,9 +249,7 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
-        goal = target / self.worst
-        if target < 0.5 * acceptable:
-            goal = min(0.3, 0.5 * acceptable / self.worst)
+        goal = max(target, 0.5 * acceptable) / self.worst
         if self.single:
             goal = max(goal, TUNING.digits)
         enough = Enough(goal, left, self.allowed_error, self.allowed_imbalance)
@@ -296,7 +296,7 @@ class _Run:
 
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
-        return self.set_changes > self.method.careful_after
+        return self.set_changes > TUNING.careful_after
 
     def unimportant(self, wrong: Mask) -> bool:
         """Whether u is as accurate as it is to be, although some sites are on the wrong side."""
@@ -312,7 +312,7 @@ class _Run:
         """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
         xp = self.xp
         self.set_changes += 1
-        if self.set_changes > self.method.max_revisions:
+        if self.set_changes > TUNING.most_revisions:
             advice = "a greater hardness" if self.interface.yields else "a slightly different load"
             raise ConvergenceError(
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
@@ -320,11 +320,11 @@ class _Run:
             )
         count = int(xp.count_nonzero(wrong))
         moved = count / max(self.contacts, 1)
-        self.reduction = min(self.method.reduction, TUNING.reduction_per_change * moved)
+        self.reduction = min(TUNING.reduction, TUNING.reduction_per_change * moved)
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:
-                self.record, self.patience = count, self.method.patience
+                self.record, self.patience = count, TUNING.patience
             elif self.patience > 0:
                 self.patience -= 1
             else:

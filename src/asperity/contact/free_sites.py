@@ -49,6 +49,9 @@ class Tuning:
     density_width: float = 0.6
     """Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
 
+    least_alone: float = 0.01
+    """Least part of the contacts that counts as standing alone."""
+
     usual_rate: float = 0.3
     """What an iteration is expected to leave of an error."""
 
@@ -232,7 +235,8 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
     count = float(xp.sum(contacts, dtype=xp.float64))
     fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
     together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
-    single = min(1.0, max(1 - together, 0.01) / max(1 - fraction, 0.01))  # 1 if they lie at random
+    least = TUNING.least_alone
+    single = min(1.0, max(1 - together, least) / max(1 - fraction, least))  # 1 if they lie at random
     return single * effective_pinning(lattice, spectrum, fraction)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -20,8 +21,16 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.solids import Solid
 
-_STRICT = 0.01
-"""Part of the tolerance to which a contact is solved whose u0 is given."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of contacts in an instant."""
+
+    strict: float = 0.01
+    """Part of the tolerance to which a contact is solved whose u0 is given."""
+
+
+TUNING = Tuning()
 
 
 def first_contact(
@@ -144,7 +153,7 @@ def above_anchors(
     u, in_contact = near
     guess = Guess(u - system.datum, in_contact, disposable=True)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
-    solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(_STRICT * TOLERANCE))
+    solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(TUNING.strict * TOLERANCE))
     if system.load is not None:
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved

@@ -16,9 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.contact import local_creep
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
-from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.contact.mechanics import balanced
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Processor
@@ -103,7 +104,7 @@ class _Run(LocalRun):
         self.position = float(stage.position if stage.load is None else guess.position)
         self.springs = springs.step(stage.tau)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
-        self.unit, self.rounding = size or 1.0, ROUNDING * size
+        self.unit, self.rounding = size or 1.0, local_creep.TUNING.rounding * size
         self.stiffness = working_stiffness(springs.k0, springs.k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:

@@ -40,8 +40,16 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
-_LEAST_CREEPING_SHARE = 1e-2
-"""Least share of creeping branches in the stiffness with which anchors take up forces."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of mechanics."""
+
+    least_share: float = 1e-2
+    """Least share of creeping branches in the stiffness with which anchors take up forces."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True)
@@ -190,7 +198,7 @@ class Mechanics:
         if self.law is not None or self.solid.springs is not None:
             return False
         creeping = self.spectra.creeping.sum(axis=0)
-        own = creeping >= _LEAST_CREEPING_SHARE * (creeping + self.spectra.permanent)
+        own = creeping >= TUNING.least_share * (creeping + self.spectra.permanent)
         return bool(own.flat[1:].all())
 
     def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:

@@ -15,8 +15,16 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
-_MOST_OF_ALL = 0.999
-"""Largest load, over that under which all sites yield."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of systems."""
+
+    most_of_all: float = 0.999
+    """Largest load, over that under which all sites yield."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,10 +96,10 @@ class System:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
         if self.load is None:
             return Prescribed(None, self.control.value - self.datum, self.known)
-        most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
+        most = TUNING.most_of_all * self.mechanics.interface.high * self.mechanics.lattice.body_sites
         if self.load > most:
             hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
-            expected = f"at most {most:.8g}, {_MOST_OF_ALL:g} of {hardness}"
+            expected = f"at most {most:.8g}, {TUNING.most_of_all:g} of {hardness}"
             advice = "less load, or a greater hardness"
             raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
         return Prescribed(self.load, position, self.known)

@@ -30,6 +30,8 @@ class Tuning:
 
 TUNING = Tuning()
 
+_ROUNDING = 16 * float(np.finfo(np.float32).eps)
+
 
 @dataclass(frozen=True, eq=False)
 class Axis:
@@ -170,7 +172,7 @@ class Hierarchy:
         held, hard, crowds = strength, TUNING.hard * (4.0 + springs.k1), True
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
-                full = fine.pins >= np.float32((1.0 - 1e-4) * held) * fine.sharing  # but for rounding
+                full = fine.pins >= np.float32(held * (1.0 - _ROUNDING)) * fine.sharing  # but for rounding
                 crowds = bool(full.any())
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level

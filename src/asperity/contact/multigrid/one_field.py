@@ -47,11 +47,13 @@ class Tuning:
     off. The former, because forces that all have one sign would shift the separation; tension, because it is
     set to 0."""
 
+    half_sweeps: int = 4
+    """Half sweeps before each correction."""
+    single_precision: float = 100 * float(np.finfo(np.float32).eps)
+    """Defect that cycles in single precision reach, over the stiffness times the largest correction."""
+
 
 TUNING = Tuning()
-
-SINGLE_PRECISION = 100 * float(np.finfo(np.float32).eps)
-"""Defect that cycles in single precision reach, in units of the stiffness times the largest correction."""
 
 
 class OneField(Corrections):
@@ -84,7 +86,7 @@ class OneField(Corrections):
         first, backend, (e,) = self.grids[0], self.backend, self.correction
         uniform, _ = self.measure(tolerance)
         for cycle in range(1, max_cycles + 1):
-            backend.sweep_1(self.equation(), 4)
+            backend.sweep_1(self.equation(), TUNING.half_sweeps)
             eq = self.equation()
             found = backend.restrict_1(eq, first.source[0])
             if found.contacts == 0 and load is not None:
@@ -138,7 +140,7 @@ class OneField(Corrections):
 
     def is_done(self, found: Extremes) -> bool:
         """Whether the correction is good enough, or as good as single precision allows."""
-        reachable = SINGLE_PRECISION * (8.0 + self.bed) * found.far
+        reachable = TUNING.single_precision * (8.0 + self.bed) * found.far
         return found.worst <= max(self.allowed / (self.k0 * self.unit), reachable)
 
     def equations(self, level: int) -> CoarseOne:

@@ -38,6 +38,9 @@ class Tuning:
     """Factor on the softening: interpolation shares a contact among up to four springs that soften less.
     With it the springs of random contacts add up to N sigma."""
 
+    closeness: float = 0.03
+    """Error of ln sigma."""
+
 
 TUNING = Tuning()
 
@@ -66,7 +69,7 @@ def compliance(springs: Springs, level: int, sigma: float) -> float:
 def coherent_potential(springs: Springs, fraction: float) -> float:
     """Sigma for a fraction of sites in contact, to a few percent."""
     low, high = math.log(1e-12), math.log(1e9)
-    while high - low > 0.03:
+    while high - low > TUNING.closeness:
         middle = (low + high) / 2.0
         sigma = math.exp(middle)
         if sigma * compliance(springs, 0, sigma) < fraction:

@@ -30,6 +30,9 @@ class Tuning:
     most_ratio: float = 1e6
     """Largest k1/k0 and k0/k1, beyond which one kind of spring hardly matters."""
 
+    max_cycles: int = 40
+    """Cycles after which another solver takes over."""
+
 
 TUNING = Tuning()
 
@@ -51,7 +54,7 @@ class Multigrid:
         Cycles after which `ActiveSet` takes over.
     """
 
-    max_cycles: int = 40
+    max_cycles: int = field(default_factory=lambda: TUNING.max_cycles)
     _work: dict[type, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -23,9 +23,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.arrays import inner, largest
+from asperity.contact.multigrid import one_field
 from asperity.contact.multigrid.grids import Corrections, Grid
 from asperity.contact.multigrid.loops import CoarseTwo, Single, Sites, Two
-from asperity.contact.multigrid.one_field import SINGLE_PRECISION
 from asperity.contact.multigrid.processor import Defects, Processor
 from asperity.lattice import Field
 from asperity.solids import Springs
@@ -36,8 +36,7 @@ class Tuning:
     """Numbers that decide how many cycles a step takes."""
 
     least_part: float = 0.1
-    most_part: float = 2.0
-    """Least and largest part of a correction that is taken."""
+    """Least part of a correction that is taken; the largest is the whole."""
     moved: float = 0.02
     """Part of the contacts that opens or closes before pins are set anew."""
     usual_rate: float = 0.3
@@ -47,14 +46,13 @@ class Tuning:
     stiff: float = 100.0
     """k1/k0 beyond which less error is allowed, of u0 in proportion to k0/k1 and of the sum to its square:
     errors of all steps have one sign and add up."""
+    rounding: float = 20 * float(np.finfo(np.float32).eps)
+    """Change below which cycles no longer converge, in units of the correction: 16 eps was the most seen."""
     softest: float = 1e-5
     """Least k0/k1 in corrections, which need not be exact: the forces that they are to remove are."""
 
 
 TUNING = Tuning()
-
-_ROUNDING = 20 * float(np.finfo(np.float32).eps)
-"""Change below which cycles no longer converge, in units of the correction: 16 was the most seen."""
 
 
 def working_stiffness(k0: float, k1: float) -> float:
@@ -87,7 +85,7 @@ class TwoFields(Corrections):
         self.forget()
         self.springs = Springs(1.0, bed, spread, drag)
         self.part = min(1.0, TUNING.stiff / bed)
-        self.force_error = max(TUNING.force_error * self.part**2, SINGLE_PRECISION)
+        self.force_error = max(TUNING.force_error * self.part**2, one_field.TUNING.single_precision)
 
     def begin(self, wanted: float | None, stretch: float, shift: float, yielding: int = 0) -> None:
         """Begin with a correction and a shift to be improved.
@@ -128,7 +126,7 @@ class TwoFields(Corrections):
                 continue  # something must carry the load
             if self.wanted is None and found.contacts > 0:
                 missing = self.taken * self.size * float(np.mean(self.found.f, dtype=float))
-            good = rate * size <= max(self.part * allowed_error, _ROUNDING * far)
+            good = rate * size <= max(self.part * allowed_error, TUNING.rounding * far)
             total = abs(self.known_stretch + found.stretch)
             if good and rate * abs(missing) <= self.force_error * total:
                 self.descend(correcting=True, restricting=False)
@@ -138,7 +136,7 @@ class TwoFields(Corrections):
     def sink(self) -> None:
         """Move the body until one site touches, which is to bear what the yielding sites do not."""
         e, bound = (self.backend.unpacked(field, self.sites) for field in (self.correction.e, self.bound))
-        gap = float(np.min(e - bound)) + _ROUNDING * largest(e, np)
+        gap = float(np.min(e - bound)) + TUNING.rounding * largest(e, np)
         self.correction.e[...] -= np.float32(gap)
         self.shift += gap
 
@@ -209,7 +207,7 @@ class TwoFields(Corrections):
             self.taken = _relaxed(self.taken, latest, self.latest)
         self.shift += self.taken * shift
         # Where nothing creeps e = f, and there are no two errors to compare.
-        return size, min(max(size / before, 0.1), 0.9) if 0 < before < math.inf else TUNING.usual_rate
+        return size, min(size / before, 1.0) if 0 < before < math.inf else TUNING.usual_rate
 
     def equations(self, level: int) -> CoarseTwo:
         """See `Corrections`."""
@@ -250,4 +248,4 @@ def _relaxed(part: float, before: Single, now: Single) -> float:
     change = before - now
     square = inner(change, change, np)
     part *= inner(before, change, np) / square if square > 0 else 1.0
-    return min(max(part, TUNING.least_part), TUNING.most_part)
+    return min(max(part, TUNING.least_part), 1.0)
