@@ -118,6 +118,26 @@ def test_dense_matrices_find_the_same(name, law):
     np.testing.assert_allclose(found.u.ravel(), u + X, atol=1e-7)
 
 
+class Pulling:
+    """A solver of somebody's own that adds a known force to whatever problem it is given, twice a half."""
+
+    def __init__(self, solver, known):
+        self.solver, self.half = solver, known / 2
+
+    def solve(self, problem, guess, accuracy):
+        return self.solver.solve(problem.beside(self.half).beside(self.half), guess, accuracy)
+
+
+@pytest.mark.parametrize("solver", [ActiveSet(), Multigrid()])
+def test_a_wrapper_of_solvers_adds_it_to_problems(solver):
+    contact = pressed("springs")
+    known = uneven(contact)
+    step, system = contact.system().mechanics.implicit_step(0.0), contact.system()
+    problem = step.flat_problem(system.heights, 0.0, system.held())
+    found = Pulling(solver, known).solve(problem, None, PUBLISHED)
+    np.testing.assert_array_equal(found.in_contact, pressed_beside(known, contact).in_contact)
+
+
 def test_forces_off_contact_that_are_not_the_known_ones_are_refused():
     contact = pressed("half-space")
     known = uneven(contact)

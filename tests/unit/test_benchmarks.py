@@ -187,7 +187,7 @@ def test_tolerances_tighten_by_half_decades(house, monkeypatch, tmp_path):
 
 
 def test_every_tuned_number_of_contacts_is_seen(house):
-    """Fractions stand in a `Tuning`, but for those that rounding alone sets, and sensitivity.py finds that."""
+    """Fractions stand in a `Tuning`, which sensitivity.py finds, but for those that rounding sets."""
     seen = {module.__file__ for module, *_ in house("sensitivity").tunings()}
     for path in (Path(asp.__file__).parent / "contact").rglob("*.py"):
         tree = ast.parse(path.read_text())

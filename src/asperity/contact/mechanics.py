@@ -290,9 +290,7 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        if held.known is not None:
-            rhs += lattice.forward(held.known)
-        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface)
+        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface).beside(held.known)
 
     def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""

@@ -55,6 +55,10 @@ class SpectralProblem:
     def in_neighbors(self) -> None:
         """Return the problem in terms of neighbors: there is none."""
 
+    def beside(self, known: Field | None) -> SpectralProblem:
+        """Return the problem with a known force of each site beside that of contact; the load is of both."""
+        return self if known is None else replace(self, rhs=self.rhs + self.lattice.forward(known))
+
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
         return self.lattice.backward(self.stiffness * self.lattice.forward(u) - self.rhs)
@@ -82,6 +86,13 @@ class SpringProblem:
     def in_neighbors(self) -> SpringProblem:
         """Return the problem itself."""
         return self
+
+    def beside(self, known: Field | None) -> SpringProblem:
+        """See `SpectralProblem`."""
+        if known is None:
+            return self
+        spectral, total = self.spectral, known if self.known is None else self.known + known
+        return replace(self, known=total, spectral=lambda: spectral().beside(known))
 
     def pulled(self) -> SpringProblem:
         """The same, where nothing creeps: anchors pull as the known force does."""

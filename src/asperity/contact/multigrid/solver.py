@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class Multigrid:
     """
 
     max_cycles: int = field(default_factory=lambda: TUNING.max_cycles)
-    _work: dict[type, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "max_cycles", checks.integer("max_cycles", self.max_cycles, least=0))
@@ -92,10 +92,9 @@ class Multigrid:
         """Work arrays, kept from call to call while the lattice stays the same."""
         rows, columns = shape
         sites = Sites(rows, columns, mirrored)
-        space = self._work.get(kind)
-        if space is None or space.sites != sites:
-            self._work.clear()
-            self._work[kind] = space = kind(sites, Processor())
+        space = self._work.get("space")
+        if not isinstance(space, kind) or space.sites != sites:
+            self._work["space"] = space = kind(sites, Processor())
         return space
 
 
