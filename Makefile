@@ -50,7 +50,7 @@ bench: $(VENV)/.run  ## Time Asperity beside its peers: BENCH="--all" for every 
 	$(BIN)/python benchmarks/bench.py $(BENCH)
 
 clean:  ## Remove the environment and what was computed
-	rm -rf $(VENV) .boot results dist docs/_build docs/auto_gallery docs/reference .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .boot results dist docs/_build docs/auto_gallery docs/reference .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # Some systems ship Python without venv; virtualenv then makes the environment.
 $(BIN)/python:

@@ -1,5 +1,7 @@
-"""How the pages are made: `make docs`. Nothing here reads the network."""
+"""How the pages are made: `make docs`. With INTERSPHINX=1 they link to other libraries, over the network."""
 
+import logging
+import os
 import sys
 import warnings
 from pathlib import Path
@@ -25,7 +27,21 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "generated",
+    "numbers_of_studies",
 ]
+if os.environ.get("INTERSPHINX"):
+    extensions.append("sphinx.ext.intersphinx")
+    intersphinx_timeout = 10
+    # An inventory that cannot be had costs links, not the build.
+    logging.getLogger("sphinx.sphinx.ext.intersphinx").addFilter(
+        lambda record: "inventories" not in str(record.msg)
+    )
+intersphinx_mapping = {
+    "python": ("https://docs.python.org/3", None),
+    "numpy": ("https://numpy.org/doc/stable", None),
+    "scipy": ("https://docs.scipy.org/doc/scipy", None),
+    "xarray": ("https://docs.xarray.dev/en/stable", None),
+}
 exclude_patterns = ["_build", "_ext", "gallery/*"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
@@ -75,7 +91,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
-html_sidebars = {"start": [], "explore": []}  # they have no pages below them
+html_sidebars = {"start": []}  # it has no pages below it
 html_theme_options = {
     "logo": {"text": "Asperity"},
     "navigation_with_keys": False,

@@ -1,14 +1,13 @@
-"""Refusals: class and name are asserted where a test is, and the sentences stand in one file, `messages.txt`.
+"""Refusals: a test names the class, the argument and the value that the message shows.
 
-A better wording costs one run: ``ASPERITY_MESSAGES=write pytest -n 0 FILES`` writes the sentences of these
-tests anew; then read what changed. A line of the file has the parameters of the test, the number of the
-refusal in it, and the sentence.
+Sentences that users meet most (units, tables, scans, files of a run, convergence) stand in `messages.txt`,
+below the names of the tests that compare them; "..." stands for any words. To renew them, run
+``ASPERITY_MESSAGES=write pytest -n 0 FILES`` and read what changed.
 """
 
 import functools
 import os
 import re
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,17 +23,17 @@ _NUMBER = re.compile(r"\d\S*\d|\d")
 
 
 class Sentences:
-    """The sentences that tests know, in a file: below the name of each test, one a line."""
+    """The sentences that some tests compare, in a file: below the name of each test, one a line."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.seen, self.written = path, Counter[str](), set[str]()
+        self.path, self.renewed = path, dict[str, list[str]]()
 
     @functools.cached_property
     def known(self) -> dict[str, list[str]]:
         """Lines of each test."""
         found: dict[str, list[str]] = {}
         test = ""
-        for line in self.path.read_text(encoding="utf-8").splitlines() if self.path.exists() else ():
+        for line in self.path.read_text(encoding="utf-8").splitlines():
             if line.startswith(" "):
                 found[test].append(line.strip())
             else:
@@ -43,24 +42,26 @@ class Sentences:
         return found
 
     def check(self, sentence: str) -> None:
-        """Expect a sentence in the words that are known."""
-        case = os.environ["PYTEST_CURRENT_TEST"].removeprefix("tests/").rsplit(" (", 1)[0]
-        case = re.sub(r"@\w+$", "", case)  # its group
-        test, bracket, parameters = case.partition("[")
-        self.seen[case] += 1
-        line = f"{bracket}{parameters} {self.seen[case]}: {sentence}".strip()
-        if _WRITES:
-            self._write(test, line)
-        assert line in self.known.get(test, [])
+        """Expect a sentence in the words that are known, if the test compares any."""
+        test = re.split(r"[\[@ ]", os.environ["PYTEST_CURRENT_TEST"].removeprefix("tests/"))[0]
+        if test in self.known:
+            as_known = [line for line in self.known[test] if matches(line, sentence)]
+            if _WRITES:
+                self._renew(test, *(as_known or [sentence]))
+            else:
+                assert as_known, f"{sentence} is not in {self.path.name}"
 
-    def _write(self, test: str, line: str) -> None:
-        if test not in self.written:
-            self.known[test] = []
-        self.written.add(test)
-        self.known[test].append(line)
-        tests = sorted(self.known)
-        entries = (f"{each}\n" + "".join(f"    {one}\n" for one in self.known[each]) for each in tests)
-        self.path.write_text("".join(entries), encoding="utf-8")
+    def _renew(self, test: str, *lines: str) -> None:
+        renewed = self.renewed.setdefault(test, [])
+        renewed += [line for line in lines if line not in renewed]
+        entries = sorted((self.known | self.renewed).items())
+        text = "".join(f"{each}\n" + "".join(f"    {line}\n" for line in lines) for each, lines in entries)
+        self.path.write_text(text, encoding="utf-8")
+
+
+def matches(pattern: str, sentence: str) -> bool:
+    """Whether a sentence is as expected, where three dots stand for any words."""
+    return bool(re.fullmatch(".*".join(map(re.escape, pattern.split("..."))), sentence))
 
 
 _MESSAGES = Sentences(MESSAGES)
@@ -73,22 +74,29 @@ def messages() -> dict[str, list[str]]:
 
 @contextmanager
 def refuses(
-    name: str = "", *, kind: type[AsperityError] = InputError
+    name: str = "", got: object = "", *, advice: str = "", kind: type[AsperityError] = InputError
 ) -> Iterator[pytest.ExceptionInfo[AsperityError]]:
-    """Expect an error of this class, about the argument of this name, in the words that are known."""
+    """Expect an error of this class, about this argument, that shows what it got and advises so."""
     with pytest.raises(kind) as raised:
         yield raised
     error = raised.value
-    assert getattr(error, "name", "") == name
     sentence = str(error)
+    assert getattr(error, "name", "") == name
+    assert str(got) in getattr(error, "got", sentence)
+    assert advice in getattr(error, "advice", sentence)
     assert "\n" not in sentence
     if isinstance(error, ConvergenceError):  # its numbers are rounding errors
         sentence = _NUMBER.sub("N", sentence)
     _MESSAGES.check(sentence)
 
 
-def each_refuses(*calls: tuple[Any, ...]) -> None:
-    """Expect an error of each call: a name, what is called, and with which arguments."""
-    for name, call, *given in calls:
-        with refuses(name):
-            call(*given)
+def each_refuses(*calls: tuple[Any, ...], got: str = "") -> None:
+    """Expect an error of each call: a name, perhaps a value, what is called, and with which arguments.
+
+    Values of calls that have none of their own are in `got`, between bars.
+    """
+    values = got.split(" | ") if got else [""] * len(calls)
+    for (name, *row), value in zip(calls, values, strict=True):
+        shown = value if callable(row[0]) else row.pop(0)
+        with refuses(name, shown):
+            row[0](*row[1:])

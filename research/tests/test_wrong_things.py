@@ -34,7 +34,7 @@ def test_the_problem_is_looked_up_before_the_answer() -> None:
     for result, name in itertools.product(({}, {"time": [1.0]}), ("nope", "dens")):
         with refuses("problem"):
             challenge.score(result, name)
-    with refuses("result"):
+    with refuses("result", "none"):
         challenge.score({}, "dense")
 
 

@@ -122,7 +122,7 @@ def test_a_folder_that_another_process_prepares_is_not_waited_for_for_ever(tmp_p
     monkeypatch.setattr(asperity.app.campaign.store, "_PATIENCE", 0.1)
     store = Store(Path("out"))
     store.work.mkdir(parents=True)
-    with FileLock(store.work / "prepare.lock"), refuses("campaign"):
+    with FileLock(store.work / "prepare.lock"), refuses("campaign", "0.1"):
         store.prepare()
     store.prepare()
 

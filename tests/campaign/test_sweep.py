@@ -336,9 +336,9 @@ def test_kept_fields_are_those_of_single_runs(tmp_path):
 
 def test_what_is_no_plan_or_dataset_is_refused(done, tmp_path):
     for call in (campaign.sweep, campaign.estimate):
-        with refuses("plan"):
+        with refuses("plan", "str"):
             call("campaign.toml", tmp_path)  # type: ignore[arg-type]
-    with refuses("dataset"):
+    with refuses("dataset", "int"):
         campaign.table(3)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="try maps_at"):
         campaign.fields(done / "out", load=4.0, k1=1.0, seed=0)

@@ -76,7 +76,7 @@ def test_the_figure_draws_what_was_recorded(history):
     np.testing.assert_allclose(ratios[1], stiffness[0] / stiffness)
     stuck = np.asarray(lower.get_lines()[0].get_ydata(), dtype=float)
     np.testing.assert_allclose(stuck, history.dataset["stick_fraction"])
-    with refuses("dataset"):
+    with refuses("dataset", "none"):
         carried_figure(history.dataset.drop_vars(NAMES))
 
 
@@ -127,16 +127,16 @@ def test_a_prediction_shows_them(tmp_path):
 
 
 def test_what_cannot_be_asked(contact):
-    with refuses("shear and friction"):
+    with refuses("shear and friction", "shear alone"):
         asp.Carried(shear=1.0)
     rough, springs = np.random.default_rng(0).normal(size=(8, 8)), asp.solids.spring_lattice(k0=1, k1=1)
     asked: tuple[Any, ...] = (
-        ("carried", contact, {"resistivity": 1.0}),
-        ("resistivity", contact, asp.Carried(resistivity=-1.0)),
-        ("carried", asp.press(rough, springs, load=1), asp.Carried()),
+        ("carried", "dict", contact, {"resistivity": 1.0}),
+        ("resistivity", "-1.0", contact, asp.Carried(resistivity=-1.0)),
+        ("carried", "a spring lattice", asp.press(rough, springs, load=1), asp.Carried()),
     )
-    for name, one, carried in asked:
-        with refuses(name):
+    for name, got, one, carried in asked:
+        with refuses(name, got):
             asp.age(one, [1.0], carried=carried)
     for key, value in (("shear", 1.0), ("friction_coefficient", 0.4), ("resistivity", [1.0, 2.0, 3.0])):
         with pytest.raises(ConfigError):

@@ -266,7 +266,7 @@ def test_a_protocol_may_put_the_load_on(files, ramped):
         "protocol": [{"kind": "ramp", "duration": "2.4 s", "pressure": "2 MPa"}, hold],
     }
     config = config_from(tables, {}, None)
-    with refuses("[[protocol]]"):
+    with refuses("[[protocol]]", "legs"):
         predict_config(config, Progress())
     unloaded = config.contact.model_construct(load=0.0, pressure=None, separation=None)
     ours = predict_config(config.model_copy(update={"contact": unloaded}), Progress())
@@ -346,16 +346,22 @@ def test_more_branches_follow_a_table_of_few_times(files, undrawn, asperity):
 def test_what_python_refuses(files, scan):
     how: dict[str, Any]
     table, line = files / "relaxation.csv", asp.surfaces.Surface(scan.heights[0])
-    for name, data, rough, how in (
-        ("load and pressure", table, scan, {}),
-        ("poisson", table, scan, {"pressure": 1e6, "modulus": "contact", "poisson": [0.3, 0.2]}),
-        ("modulus", table, scan, {"pressure": 1e6, "modulus": "bulk"}),
-        ("surface", table, line, {"pressure": 1e6}),
-        ("surface", table, asp.surfaces.Surface(scan.heights), {"pressure": 1e6}),
-        ("surface", table, scan.heights, {"pressure": 1e6}),
-        ("data", 3.5, scan, {"pressure": 1e6}),
+    for name, got, data, rough, how in (
+        ("load and pressure", "none", table, scan, {}),
+        (
+            "poisson",
+            "[0.3, 0.2]",
+            table,
+            scan,
+            {"pressure": 1e6, "modulus": "contact", "poisson": [0.3, 0.2]},
+        ),
+        ("modulus", "'bulk'", table, scan, {"pressure": 1e6, "modulus": "bulk"}),
+        ("surface", "a profile", table, line, {"pressure": 1e6}),
+        ("surface", "heights without a unit", table, asp.surfaces.Surface(scan.heights), {"pressure": 1e6}),
+        ("surface", "ndarray", table, scan.heights, {"pressure": 1e6}),
+        ("data", "float", 3.5, scan, {"pressure": 1e6}),
     ):
-        with refuses(name):
+        with refuses(name, got):
             asp.predict(data, rough, **how)  # type: ignore[arg-type]
 
 

@@ -17,7 +17,7 @@ from asperity.errors import ConfigError, Remark
 from asperity.figures.page import prediction_page
 from tests.refusals import refuses
 
-SURFACE = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
+SURFACE: dict[str, Any] = {"hurst": 0.8, "roll_off": 3.2, "cutoff": 1.6, "rms_height": 0.05, "spacing": 0.2}
 MODULUS = asp.solids.contact_modulus(3.3e9, 0.35)
 LAW = asp.solids.Eyring(rate="1e-5 nm/s", stress="20 MPa")
 SPAN: dict[str, Any] = {"first": 1e-2, "last": 1e3, "per_decade": 2}
@@ -284,22 +284,32 @@ def test_what_python_refuses():
     eyring, springs = solids()["eyring"], asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0)
     weak = asp.solids.half_space(modulus="3 GPa", creep=asp.solids.Eyring("1 nm/s", "1 kPa"))
     linear, table = half_space(BRANCHES), asp.relaxation.Relaxation(TIMES, 2e9 / TIMES**0.1)
-    wrong: tuple[tuple[str, Any, dict[str, Any]], ...] = (
-        ("protocol", eyring, {"protocol": [asp.protocols.Slide(1e-6, 1e-6)], **SPAN}),
-        ("first", eyring, {}),
-        ("poisson", eyring, {"poisson": 0.3, **SPAN}),
-        ("material", springs, SPAN),
-        ("creep", weak, SPAN),
-        *(("draws", linear, {"draws": draws, **SPAN}) for draws in ([], [BRANCHES], 3, "x")),
-        ("draws[1]: share of branch 1", linear, {"draws": [BRANCHES, [(0.0, 1.0)]], **SPAN}),
-        ("draws[1]: relaxation time of branch 1", linear, {"draws": [BRANCHES, [(0.2, "1 m")]], **SPAN}),
-        ("draws[1]: branches", linear, {"draws": [BRANCHES, [(0.7, 1.0), (0.7, 2.0)]], **SPAN}),
-        ("draws[1]: branches", linear, {"draws": [BRANCHES, "abc"], **SPAN}),
-        ("draws", half_space([]), {"draws": [BRANCHES] * 2, **SPAN}),
-        ("draws", table, {"draws": [BRANCHES] * 2}),
+    wrong: tuple[tuple[str, object, Any, dict[str, Any]], ...] = (
+        ("protocol", "legs", eyring, {"protocol": [asp.protocols.Slide(1e-6, 1e-6)], **SPAN}),
+        ("first", "none", eyring, {}),
+        ("poisson", 0.3, eyring, {"poisson": 0.3, **SPAN}),
+        ("material", "spring_lattice", springs, SPAN),
+        ("creep", "3.66e+08", weak, SPAN),
+        *(("draws", draws, linear, {"draws": draws, **SPAN}) for draws in ([], [BRANCHES], 3, "x")),
+        ("draws[1]: share of branch 1", 0.0, linear, {"draws": [BRANCHES, [(0.0, 1)]], **SPAN}),
+        (
+            "draws[1]: relaxation time of branch 1",
+            "1 m",
+            linear,
+            {"draws": [BRANCHES, [(0.2, "1 m")]], **SPAN},
+        ),
+        (
+            "draws[1]: branches",
+            "1.4 together",
+            linear,
+            {"draws": [BRANCHES, [(0.7, 1.0), (0.7, 2.0)]], **SPAN},
+        ),
+        ("draws[1]: branches", "abc", linear, {"draws": [BRANCHES, "abc"], **SPAN}),
+        ("draws", "none", half_space([]), {"draws": [BRANCHES] * 2, **SPAN}),
+        ("draws", [BRANCHES] * 2, table, {"draws": [BRANCHES] * 2}),
     )
-    for name, material, how in wrong:
-        with refuses(name):
+    for name, got, material, how in wrong:
+        with refuses(name, got):
             asp.predict(material, rough(0), pressure=1e7, **how)
 
 

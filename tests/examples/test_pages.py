@@ -83,7 +83,9 @@ def name_of(page):
 
 
 def blocks(page):
-    return re.findall(r"^```(.*)\n((?:.*\n)*?)```$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    """Languages and texts of the blocks of a page, less directives, whose names are in braces."""
+    found = re.findall(r"^```(.*)\n((?:.*\n)*?)```$", page.read_text("utf-8"), flags=re.MULTILINE)
+    return [(language, text) for language, text in found if not language.startswith("{")]
 
 
 def write_configuration(text):

@@ -43,7 +43,7 @@ def test_a_name_stays_in_its_folder_and_names_a_result_that_is_whole(
         with refuses("path"):
             inside(results_folder, name)
     for name in ("nothing", "deeper", "deeper/campaign/nothing"):
-        with refuses("path"):
+        with refuses("path", name):
             open_entry(results_folder, name)
     shutil.copytree(results_folder / "a run", tmp_path / "run")
     shutil.rmtree(tmp_path / "run" / "history.zarr" / "area")
@@ -158,11 +158,11 @@ def test_surfaces_are_read_from_known_places_alone(tmp_path: Path) -> None:
     assert places.find("dropped.npy") == dropped / "dropped.npy"
     assert places.find(str(dropped / "both.npy")) == dropped / "both.npy"
     path = str(elsewhere / "elsewhere.npy")
-    with refuses("path"):
+    with refuses("path", "elsewhere.npy"):
         Places(None, dropped).find("elsewhere.npy")
     # A run that the user opened may lie beside its surface's folder; then that one file is known.
     places.allow(config_from({"surface": {"path": path}}, {}, None))
     assert places.find(path) == elsewhere / "elsewhere.npy"
     (shown / "link.npy").symlink_to(elsewhere / "both.npy")
-    with refuses("path"):
+    with refuses("path", "link.npy"):
         places.find("link.npy")

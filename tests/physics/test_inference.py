@@ -438,49 +438,53 @@ def test_a_record_of_holds_gives_b():
 
 
 @pytest.mark.parametrize(
-    ("given", "name"),
+    ("given", "name", "got"),
     [
-        ({"time": [1.0, 3.0, 2.0, 4.0]}, "time"),
-        ({"area": [1.0, 1.1, 1.2]}, "area"),
-        ({"error": 0.0}, "error"),
-        ({"area": [4.0, 3.0, 2.0, 1.0]}, "area"),
-        ({"branches": 2}, "time"),
-        ({"error": None, "branches": 2}, "time"),
-        ({"model": "magic"}, "model"),
-        ({"model": "power", "branches": 1}, "branches"),
-        ({"model": "lattice", "ramp": 0.5}, "ramp"),
-        ({"ramp": 2.0}, "time"),
-        ({"model": "healing", "absolute": True}, "absolute"),
-        ({"model": "lattice", "priors": {"x1": (1e-6, 1.0)}}, "prior of x1"),
-        ({"priors": [1, 2]}, "priors"),
-        ({"priors": {"tme_1": (1, 2)}}, "prior of tme_1"),
-        ({"priors": {"time_1": (2.0, 1.0)}}, "prior of time_1, high"),
-        ({"priors": {"time_1": {"kind": "flat"}}}, "prior of time_1"),
-        ({"priors": {"load": ("1 m", "2 m")}}, "prior of load, low"),
-        ({"model": line}, "priors"),
-        ({"model": line, "priors": {"scale": (1, 2)}}, "priors"),
-        ({"model": line, "priors": LINE, "absolute": True}, "absolute"),
-        ({"model": lambda time, a: a * np.ones_like(time), "priors": {"a": (1, 2)}, "workers": 2}, "model"),
-        ({"model": constant, "priors": {"a": (1, 2)}}, "model"),
-        ({"model": scalar, "priors": {"a": (1, 2)}}, "model"),
-        ({"model": constant, "priors": {}}, "priors"),
-        ({"time": [1.0, 2.0, 3.0, 1e300]}, "time"),
+        ({"time": [1.0, 3.0, 2.0, 4.0]}, "time", "3 before 2"),
+        ({"area": [1.0, 1.1, 1.2]}, "area", "3 values"),
+        ({"error": 0.0}, "error", "0.0"),
+        ({"area": [4.0, 3.0, 2.0, 1.0]}, "area", "4"),
+        ({"branches": 2}, "time", "4"),
+        ({"error": None, "branches": 2}, "time", "4"),
+        ({"model": "magic"}, "model", "'magic'"),
+        ({"model": "power", "branches": 1}, "branches", "'power'"),
+        ({"model": "lattice", "ramp": 0.5}, "ramp", "'lattice'"),
+        ({"ramp": 2.0}, "time", "1.0"),
+        ({"model": "healing", "absolute": True}, "absolute", "model 'healing'"),
+        ({"model": "lattice", "priors": {"x1": (1e-6, 1.0)}}, "prior of x1", "1e-06"),
+        ({"priors": [1, 2]}, "priors", "list"),
+        ({"priors": {"tme_1": (1, 2)}}, "prior of tme_1", "tme_1"),
+        ({"priors": {"time_1": (2.0, 1.0)}}, "prior of time_1, high", "1.0"),
+        ({"priors": {"time_1": {"kind": "flat"}}}, "prior of time_1", "{'kind': 'flat'}"),
+        ({"priors": {"load": ("1 m", "2 m")}}, "prior of load, low", "'1 m'"),
+        ({"model": line}, "priors", "none"),
+        ({"model": line, "priors": {"scale": (1, 2)}}, "priors", "'slope'"),
+        ({"model": line, "priors": LINE, "absolute": True}, "absolute", ""),
+        (
+            {"model": lambda time, a: a * np.ones_like(time), "priors": {"a": (1, 2)}, "workers": 2},
+            "model",
+            "the function <lambda>",
+        ),
+        ({"model": constant, "priors": {"a": (1, 2)}}, "model", "constant"),
+        ({"model": scalar, "priors": {"a": (1, 2)}}, "model", "shape ()"),
+        ({"model": constant, "priors": {}}, "priors", "none"),
+        ({"time": [1.0, 2.0, 3.0, 1e300]}, "time", "1e+300"),
     ],
 )
-def test_mistakes_are_told_in_a_line(given, name):
+def test_mistakes_are_told_in_a_line(given, name, got):
     usual: dict[str, Any] = {"time": [1.0, 2.0, 3.0, 4.0], "area": [1.0, 1.1, 1.2, 1.25]}
     usual |= {"error": 0.01, "branches": 1, **given}
     if usual.get("model") not in (None, "relaxation") and "branches" not in given:
         del usual["branches"]
-    with refuses(name):
+    with refuses(name, got):
         asp.infer(usual.pop("time"), usual.pop("area"), usual.pop("error"), **usual)
 
 
 def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_too(monkeypatch, tmp_path):
     value, error = two_times(3.0)
-    with refuses("priors"):
+    with refuses("priors", "16.2"):
         asp.infer(T, value, error, priors={"time_1": (1e-1, 1.0)}, branches=1)
-    with refuses("priors"):
+    with refuses("priors", "3.89"):
         asp.infer(T, value, priors={"time_1": (1e-1, 1.0)}, branches=1)
     made = of_name("relaxation", T, value, priors=None, branches=2, absolute=False)
     monkeypatch.setattr(sampling, "_MOST_ROUNDS", 6)

@@ -257,10 +257,10 @@ def test_steep_laws_take_few_revisions_through_nine_decades(permanent, hardness)
 
 def test_what_stands_beside_a_permanent_share_is_refused():
     law = Eyring(rate=1e-9, stress=1e7)
-    with refuses("permanent"):
+    with refuses("permanent", "none"):
         half_space(modulus=1.0, permanent=0.3)
     for share in (1.0, 0.01):
-        with refuses("permanent"):
+        with refuses("permanent", share):
             half_space(modulus=1.0, permanent=share, creep=law)
     uneven = Solid(
         WaveNumberSpectrum(0.15 * MODULUS),

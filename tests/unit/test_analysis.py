@@ -69,11 +69,11 @@ def test_maps_account_for_every_site(aged: xr.Dataset) -> None:
 
 
 def test_what_cannot_be_used_is_refused(aged: xr.Dataset) -> None:
-    with refuses("dataset"):
+    with refuses("dataset", "none"):
         contact_maps(aged.drop_vars(["in_contact", "u"]))
-    with refuses("limit"):
+    with refuses("limit", "(8, 8)"):
         with_limit(aged, press(gaussian((8, 8)), spring_lattice(k0=1.0, k1=3.0), load=1.0))
-    with refuses("dataset"):
+    with refuses("dataset", "none"):
         aging_summary(aged.assign(area=0 * aged["area"]))
 
 
@@ -426,7 +426,10 @@ def test_a_dataset_is_seen_as_the_contact(contact):
     ours, theirs = (asp.observe(image, blur="2um") for image in (at_first, contact))
     np.testing.assert_array_equal(ours.image, theirs.image)
     assert ours.spacing == theirs.spacing
-    each_refuses(("image", asp.observe, history.dataset), ("image", asp.observe, xr.Dataset()))
+    each_refuses(
+        ("image", "fields of 2 times", asp.observe, history.dataset),
+        ("image", "none", asp.observe, xr.Dataset()),
+    )
 
 
 def test_a_profile_is_seen_too():
@@ -442,9 +445,12 @@ def test_what_cannot_be_seen(contact):
         *((touching, name, value) for name, value in (("blur", -1.0), ("edges", "open"))),
         *((contact, name, value) for name, value in (("pixel", "1 MPa"), ("spacing", 1.0))),
     ]
-    each_refuses(*((name, partial(asp.observe, image, **{name: value})) for image, name, value in refused))
-    with refuses("patches"):
-        assert asp.observe(touching).patches
+    each_refuses(
+        *((name, partial(asp.observe, image, **{name: value})) for image, name, value in refused),
+        got="7.0 | '1 um' | -1.0 | 'open' | '1 MPa' | Contact",
+    )
+    with refuses("patches", "one without"):
+        _ = asp.observe(touching).patches
 
 
 @pytest.mark.parametrize(

@@ -23,25 +23,25 @@ BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
 
 
 @pytest.mark.parametrize(
-    ("call", "given", "name"),
+    ("call", "given", "name", "got"),
     [
-        (SOLIDS.half_space, {"yung": 1.0}, "half_space"),
-        (SOLIDS.layer, FILM | {"young": 1.0, "frictionless": True}, "layer"),
-        (SOLIDS.spring_lattice, {"k0": 1.0}, "spring_lattice"),
-        (SOLIDS.contact_modulus, {"young": 1.0, "nu": 0.3}, "contact_modulus"),
-        (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere"),
-        (SURFACES.spectral, {"shape": 8, "hirst": 0.5}, "spectral"),
-        (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface"),
-        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop"),
-        (asp.protocols.Hold, {}, "Hold"),
-        (asp.press, {"heights": [1.0], "laod": 1.0}, "press"),
-        (asp.predict, {"materiel": 1.0}, "predict"),
-        (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated"),
-        (functools.partial(asp.press, [1.0], STIFF, 1.0), {}, "press"),
+        (SOLIDS.half_space, {"yung": 1.0}, "half_space", "'yung'"),
+        (SOLIDS.layer, FILM | {"young": 1.0, "frictionless": True}, "layer", "'frictionless'"),
+        (SOLIDS.spring_lattice, {"k0": 1.0}, "spring_lattice", "'k1'"),
+        (SOLIDS.contact_modulus, {"young": 1.0, "nu": 0.3}, "contact_modulus", "'nu'"),
+        (SURFACES.sphere, {"shape": (8, 8), "radius": 1.0, "spacing": 0.1}, "sphere", "'spacing'"),
+        (SURFACES.spectral, {"shape": 8, "hirst": 0.5}, "spectral", "'hirst'"),
+        (SURFACES.Surface, {"heights": [1.0], "units": "um"}, "Surface", "'units'"),
+        (SURFACES.Surface(PAIR).crop, {"bound": [0, 1]}, "crop", "'bound'"),
+        (asp.protocols.Hold, {}, "Hold", "'duration'"),
+        (asp.press, {"heights": [1.0], "laod": 1.0}, "press", "'laod'"),
+        (asp.predict, {"materiel": 1.0}, "predict", "'materiel'"),
+        (SOLIDS.Eyring.activated, {"enrgy": 1.0}, "activated", "'enrgy'"),
+        (functools.partial(asp.press, [1.0], STIFF, 1.0), {}, "press", ""),
     ],
 )
-def test_a_mistaken_argument_is_answered(call, given, name):
-    with refuses(name, kind=CallError) as raised:
+def test_a_mistaken_argument_is_answered(call, given, name, got):
+    with refuses(name, got, kind=CallError) as raised:
         call(**given)
     assert isinstance(raised.value, InputError)
     assert isinstance(raised.value, TypeError)
@@ -82,23 +82,28 @@ def test_texts_with_units_are_numbers_in_si(made, same):
 
 
 @pytest.mark.parametrize(
-    ("call", "given", "name"),
+    ("call", "given", "name", "got"),
     [
-        (SOLIDS.half_space, {}, "modulus and young"),
-        (SOLIDS.half_space, {"modulus": 1.0, "young": 1.0, "poisson": 0.3}, "poisson"),
-        (SOLIDS.half_space, {"young": 1.0}, "young and poisson"),
-        (SOLIDS.half_space, {"young": "3 m", "poisson": 0.3}, "young"),
+        (SOLIDS.half_space, {}, "modulus and young", "none"),
+        (SOLIDS.half_space, {"modulus": 1.0, "young": 1.0, "poisson": 0.3}, "poisson", "0.3"),
+        (SOLIDS.half_space, {"young": 1.0}, "young and poisson", "1"),
+        (SOLIDS.half_space, {"young": "3 m", "poisson": 0.3}, "young", "'3 m'"),
         # nothing else has a unit
-        (asp.press, {"heights": [1.0, 2.0], "solid": STIFF, "load": 1.0}, "units"),
-        (SURFACES.gaussian, {"shape": 8, "pixel_size": 0.5}, "unit"),
-        (SURFACES.gaussian, {"shape": 8, "rms": "1 um"}, "unit"),
-        (SURFACES.self_affine, {"size": 8, "unit": "ft"}, "unit"),
-        (SURFACES.spectral, {"shape": 8, "pixel_size": "1 um"}, "unit"),
-        (SURFACES.spectral, {"shape": 8, "pixel_size": 1.0, "spacing": 1.0}, "pixel_size and spacing"),
+        (asp.press, {"heights": [1.0, 2.0], "solid": STIFF, "load": 1.0}, "units", "'3 GPa'"),
+        (SURFACES.gaussian, {"shape": 8, "pixel_size": 0.5}, "unit", "none"),
+        (SURFACES.gaussian, {"shape": 8, "rms": "1 um"}, "unit", "none"),
+        (SURFACES.self_affine, {"size": 8, "unit": "ft"}, "unit", "'ft'"),
+        (SURFACES.spectral, {"shape": 8, "pixel_size": "1 um"}, "unit", "none"),
+        (
+            SURFACES.spectral,
+            {"shape": 8, "pixel_size": 1.0, "spacing": 1.0},
+            "pixel_size and spacing",
+            "pixel_size and spacing",
+        ),
     ],
 )
-def test_what_does_not_go_together_is_refused(call, given, name):
-    with refuses(name):
+def test_what_does_not_go_together_is_refused(call, given, name, got):
+    with refuses(name, got):
         call(**given)
 
 

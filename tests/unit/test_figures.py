@@ -483,4 +483,5 @@ def test_what_cannot_be_drawn_is_refused(aged: xr.Dataset) -> None:
         *(("dataset", figures.patch_figure, few) for few in (aged.isel(field_time=[0]), without)),
         ("dataset", distributions, without),
         *(("dataset", figures.campaign_figure, one) for one in (aged.drop_vars("contact_fraction"), 3)),
+        got="none | none | 1 | 0 | none | another | int",
     )

@@ -142,7 +142,10 @@ def test_pipes_are_read_once_or_again_and_devices_and_silent_pipes_are_refused(h
     os.close(handle)
     monkeypatch.setattr(files, "_PATIENCE", 0.0)
     os.mkfifo("silent")
-    each_refuses(*((name, content_of, Path(name)) for name in ("/dev/zero", "/dev/null", "silent")))
+    each_refuses(
+        *((name, content_of, Path(name)) for name in ("/dev/zero", "/dev/null", "silent")),
+        got="a device | a device | none for 5 s",
+    )
     with subprocess.Popen([sys.executable, "-c", "open('silent', 'w').write('1 2')"]):
         monkeypatch.setattr(files, "_PATIENCE", 60.0)
         assert content_of(Path("silent")) == b"1 2"

@@ -116,7 +116,7 @@ def test_prediction_residual_and_r_squared_say_the_same(law):
     if isinstance(fit, SaturationFit):
         assert fit.area_ratio(TIME) == pytest.approx(saturating(TIME, fit.a, fit.q, fit.t0), rel=1e-12)
         assert fit.area_ratio(1e300) == pytest.approx(fit.a, rel=1e-12)
-    with refuses("time"):
+    with refuses("time", "-1.0"):
         fit.predict([1.0, -1.0])
 
 
@@ -145,7 +145,10 @@ def test_an_array_that_knows_its_time_is_fitted_alone():
     area = xr.DataArray(50 * (3 - 2 * (1 + time / 2.0) ** -0.3), coords={"time": time}, dims="time")
     for law in (logarithm, saturation, compare):
         assert repr(law(area)) == repr(law(time, area.values))
-    each_refuses(*(("area", logarithm, wrong) for wrong in (area.time, area.drop_vars("time"), area.values)))
+    each_refuses(
+        *(("area", logarithm, wrong) for wrong in (area.time, area.drop_vars("time"), area.values)),
+        got="DataArray alone | DataArray alone | ndarray alone",
+    )
 
 
 def test_bad_data_are_named():
@@ -167,13 +170,19 @@ def test_bad_data_are_named():
         ("time", times[1:4], growing[:3]),
         *(("time", [1.0, cell, 10.0, 100.0], growing[:4]) for cell in (1e-320, 1e120)),
     ]
-    each_refuses(*((name, saturation, time, area) for name, time, area in wrong))
+    each_refuses(
+        *((name, saturation, time, area) for name, time, area in wrong),
+        got=(
+            "1 at every time | 2 | 7 | 0.0 | 4 |  | -1 ... 6 | 1 | 2 | none | shape (2, 4) | 'late' | 2 | "
+            "3 | 1e-320 | 1e+120"
+        ),
+    )
     for time, limit in ((TIME, 0.9), (TIME, math.nan), (TIME[1:], 3.0)):
-        with refuses("limit"):
+        with refuses("limit", "areas" if limit == 3.0 else limit):
             saturation(time, saturating(time, 3.0, 0.3, 10.0), limit=limit)
     each_refuses(
-        ("time", compare, TIME[1:7], 1 + 0.1 * np.log1p(TIME[1:7])),
-        ("area", logarithm, HOLD[::3], 1 / (1 + HOLD[::3])),
+        ("time", "6", compare, TIME[1:7], 1 + 0.1 * np.log1p(TIME[1:7])),
+        ("area", "0.909091", logarithm, HOLD[::3], 1 / (1 + HOLD[::3])),
     )
 
 

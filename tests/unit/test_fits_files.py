@@ -46,9 +46,9 @@ def test_columns_by_name_and_number():
         np.testing.assert_array_equal(found, [[1, 10], [0.6, 0.61], [0.01, 0.02]])
         assert (data.time_name, data.value_name) == ("hold", "mu")
     for name, column in (("column 'x' of mu.csv", "x"), ("column 4 of mu.csv", 4)):
-        with refuses(name):
+        with refuses(name, "no such column"):
             read_measurements("mu.csv", value=column)
-    with refuses("mu.csv"):
+    with refuses("mu.csv", "1"):
         read_measurements("mu.csv", time="hold", value=1)
 
 
@@ -102,7 +102,10 @@ def test_mistakes_are_named_with_their_line():
         Path("mu.csv").write_text(text)
         with refuses("mu.csv"):
             read_measurements("mu.csv")
-    each_refuses(*((path, read_measurements, path) for path in ("none.csv", str(Path()))))
+    each_refuses(
+        *((path, read_measurements, path) for path in ("none.csv", str(Path()))),
+        got="no such file | a folder",
+    )
 
 
 @pytest.mark.filterwarnings("error")

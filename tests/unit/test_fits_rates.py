@@ -186,7 +186,10 @@ def test_an_ensemble_is_the_fit_of_the_mean_with_the_scatter_of_the_runs():
     assert set(ensemble(power_law, TIME[1:], areas[:, 1:]).parameters) == {"exponent", "prefactor"}
     assert {"a", "q"} < set(ensemble(saturation, TIME, areas).parameters)
     no_fit = lambda _, A: jackknife(np.mean, A)  # noqa: E731
-    each_refuses(("fit", ensemble, no_fit, TIME, areas), ("areas", ensemble, logarithm, TIME, areas[0]))
+    each_refuses(
+        ("fit", "Estimate", ensemble, no_fit, TIME, areas),
+        ("areas", "shape (26,)", ensemble, logarithm, TIME, areas[0]),
+    )
 
 
 def test_what_cannot_be_fitted_is_named():
@@ -204,4 +207,10 @@ def test_what_cannot_be_fitted_is_named():
         ("name", growth_rate(TIME, area).interval, ("q",), {}),
         *(("samples", jackknife, (np.mean, runs), {}) for runs in (3.0, (np.ones(3), np.ones(4)), ())),
     ]
-    each_refuses(*((name, partial(call, *given, **options)) for name, call, given, options in calls))
+    each_refuses(
+        *((name, partial(call, *given, **options)) for name, call, given, options in calls),
+        got=(
+            "0 ... 2 | -2.0 | 2 | 1 | 2 | none | 0 | 0.0 | 0.0 | 'q' | shapes () | shapes (3,) and (4,) | "
+            "shapes none"
+        ),
+    )

@@ -208,4 +208,7 @@ BAD = {
 
 
 def test_what_no_machine_records_is_refused():
-    each_refuses(*BAD.values())
+    each_refuses(
+        *BAD.values(),
+        got="'1.6e-3' | 0.0016 | '1.6e-3 / s' | '0.16 MPa/um' | 4 | 8 | 1 | 1e-06 | 1101 | 1101 | 18",
+    )

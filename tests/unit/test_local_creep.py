@@ -72,15 +72,15 @@ def test_what_is_no_law_or_beyond_belief_is_refused():
     late = CreepLaw(lambda s: np.maximum(s - 1.1, 0.0), lambda s: 2 * (s > 1.1).astype(float))
     cold: dict[str, Any] = {"energy": "20 eV", "volume": 1e-28, "temperature": 100.0, "prefactor": 1.0}
     each_refuses(
-        ("energy", lambda: Eyring.activated(**cold)),
-        ("rate", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
-        ("derivative", lambda: CreepLaw(lambda s: np.sinh(s / 1e6), lambda s: 0 * s)),
-        ("derivative", lambda: CreepLaw(lambda s: s**3, lambda s: s**2)),
-        ("derivative", lambda: asp.age(pressed(late), [1.0])),
-        ("creep", lambda: pressed(1.0)),
-        ("creep", lambda: pressed(Nameless())),
-        ("creep", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
-        ("creep", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
+        ("energy", "2321 kT", lambda: Eyring.activated(**cold)),
+        ("rate", "another one", lambda: CreepLaw(lambda s: s + 1.0, np.ones_like)),
+        ("derivative", "0", lambda: CreepLaw(lambda s: np.sinh(s / 1e6), lambda s: 0 * s)),
+        ("derivative", "1", lambda: CreepLaw(lambda s: s**3, lambda s: s**2)),
+        ("derivative", "2", lambda: asp.age(pressed(late), [1.0])),
+        ("creep", "float", lambda: pressed(1.0)),
+        ("creep", "Nameless without it", lambda: pressed(Nameless())),
+        ("creep", "both", lambda: half_space(modulus=1.0, branches=[(0.5, 1.0)], creep=LAW)),
+        ("creep", "2.51", lambda: asp.age(pressed(Eyring(1.0, 1e-3)), [1.0])),
         ("creep", lambda: asp.relax(pressed(threshold))),
     )
 

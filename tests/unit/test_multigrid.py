@@ -239,8 +239,8 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     line = np.random.default_rng(0).normal(size=64)
     solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
     each_refuses(
-        ("solver", lambda: asp.press(line, solid, load=1.0, solver=Multigrid())),
-        ("max_cycles", lambda: Multigrid(max_cycles=-1)),
+        ("solver", "another solid or lattice", lambda: asp.press(line, solid, load=1.0, solver=Multigrid())),
+        ("max_cycles", "-1", lambda: Multigrid(max_cycles=-1)),
     )
     assert_equilibrium(asp.press(line, solid, load=1.0), k0=1.0, k1=3.0, load=1.0)
     bed = asp.solids.spring_lattice(k0=0.0, k1=3.0)

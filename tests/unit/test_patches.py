@@ -403,11 +403,12 @@ def test_ages_of_all_sites_are_those_of_the_series(history: asp.results.History)
 def test_what_has_no_fields_is_refused(history: asp.results.History) -> None:
     without = asp.age(history.final, [1.0]).dataset
     for function in (patch_tracks, contact_ages):
-        each_refuses(*(("dataset", function, dataset) for dataset in (without, history)))
+        each_refuses(("dataset", "none", function, without), ("dataset", "History", function, history))
     each_refuses(
-        *(("image", patch_table, image) for image in (history.dataset, without, history.final.in_contact))
+        *(("image", patch_table, image) for image in (history.dataset, without, history.final.in_contact)),
+        got="fields of 6 times | Dataset | ndarray",
     )
-    with refuses("connectivity"):
+    with refuses("connectivity", "3"):
         patch_table(history.final, connectivity=3)
 
 
@@ -429,15 +430,15 @@ def test_while_the_surface_slides_ages_are_those_of_the_body() -> None:
 
 def test_bad_input_is_named() -> None:
     each_refuses(
-        ("in_contact", lambda: patches(MASK.astype(np.int64))),
-        ("in_contact", lambda: patches(np.zeros((2, 2, 2), dtype=bool))),
-        ("in_contact", lambda: clustering(np.zeros(0, dtype=bool))),
-        ("connectivity", lambda: patches(MASK, connectivity=3)),
-        ("box", lambda: clustering(MASK, 1)),
-        ("box", lambda: clustering(MASK, 5)),
-        ("box", lambda: clustering(MASK, cast(Any, 2.5))),
-        ("after", lambda: turnover(MASK, MASK[0])),
-        ("before", lambda: turnover(MASK.astype(float), MASK)),
-        ("after", lambda: link_patches(MASK, MASK[0])),
-        ("edges", lambda: link_patches(MASK, MASK, edges=cast(Any, "open"))),
+        ("in_contact", "8", lambda: patches(MASK.astype(np.int64))),
+        ("in_contact", "2", lambda: patches(np.zeros((2, 2, 2), dtype=bool))),
+        ("in_contact", "bool of shape (0,)", lambda: clustering(np.zeros(0, dtype=bool))),
+        ("connectivity", "3", lambda: patches(MASK, connectivity=3)),
+        ("box", "1", lambda: clustering(MASK, 1)),
+        ("box", "5", lambda: clustering(MASK, 5)),
+        ("box", "2.5", lambda: clustering(MASK, cast(Any, 2.5))),
+        ("after", "(8,)", lambda: turnover(MASK, MASK[0])),
+        ("before", "8", lambda: turnover(MASK.astype(float), MASK)),
+        ("after", "(8,)", lambda: link_patches(MASK, MASK[0])),
+        ("edges", "'open'", lambda: link_patches(MASK, MASK, edges=cast(Any, "open"))),
     )

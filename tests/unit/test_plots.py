@@ -128,7 +128,7 @@ def test_an_earlier_contact_is_of_the_same_surface(pressed: Contact) -> None:
     for other in (press(gaussian((48, 32), seed=5), SOLID, load=40.0), gaussian((48, 32))):
         with refuses("since"):
             pressed.plot(axes(), since=other)  # type: ignore[arg-type]
-    with refuses("ax"):
+    with refuses("ax", "Figure"):
         pressed.plot(Figure())  # type: ignore[arg-type]
 
 
@@ -145,7 +145,7 @@ def test_the_limit_is_drawn_where_it_is_known(pressed: Contact, aged: History) -
     for ax in (aged.plot(axes(), limit=limit), plot_history(with_limit(aged.dataset, limit), axes())):
         (dotted,) = (line for line in ax.lines if line.get_linestyle() == ":")
         np.testing.assert_array_equal(dotted.get_ydata(), [limit.area] * 2)
-    with refuses("limit"):
+    with refuses("limit", "a contact"):
         aged.plot(axes(), quantity="approach", limit=limit)
 
 
@@ -162,10 +162,10 @@ def test_histories_on_axes_of_the_user_take_the_colors_of_those(aged: History) -
 
 
 def test_what_a_history_has_not_is_refused(pressed: Contact, aged: History) -> None:
-    with refuses("quantity"):
+    with refuses("quantity", "'friction'"):
         aged.plot(quantity="friction")
     assert not plt.get_fignums()  # no empty figure is left behind
-    with refuses("history"):
+    with refuses("history", "time 0 alone"):
         age(pressed, [0.0]).plot(axes())
 
 
@@ -176,7 +176,10 @@ def test_surfaces_and_spectra_are_drawn() -> None:
     np.testing.assert_array_equal(line.get_ydata(), gaussian((24,)))
     spectrum = power_spectrum(surface)
     np.testing.assert_array_equal(spectrum.plot(axes()).lines[0].get_ydata(), spectrum.power)
-    each_refuses(("surface", plot_surface, gaussian((8, 8))), ("spectrum", plot_spectrum, surface))
+    each_refuses(
+        ("surface", "ndarray", plot_surface, gaussian((8, 8))),
+        ("spectrum", "Surface", plot_spectrum, surface),
+    )
 
 
 CONTACT = press(uncorrelated(16), SOLID, load=10.0)
@@ -367,13 +370,13 @@ def test_profiles_and_protocols_are_animated():
 
 def test_what_cannot_be_animated_is_refused(aged, tmp_path, monkeypatch: pytest.MonkeyPatch):
     each_refuses(
-        ("dataset", age(aged.final, [1.0]).animate),
-        ("path", aged.animate, "aging.avi"),
-        ("quantity", partial(aged.animate, quantity="friction")),
-        ("frames_per_second", partial(aged.animate, frames_per_second=0)),
+        ("dataset", "none", age(aged.final, [1.0]).animate),
+        ("path", "aging.avi", aged.animate, "aging.avi"),
+        ("quantity", "'friction'", partial(aged.animate, quantity="friction")),
+        ("frames_per_second", "0", partial(aged.animate, frames_per_second=0)),
     )
     monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
-    with refuses("path"):
+    with refuses("path", "aging.mp4"):
         aged.animate("aging.mp4")
     assert not plt.get_fignums()
 

@@ -23,45 +23,54 @@ NAN = float("nan")
 
 def test_what_cannot_be():
     each_refuses(
-        ("duration", lambda: Hold(-1.0)),
-        ("mobility", lambda: Hold(1.0, mobility=0.0)),
-        ("hold", lambda: Hold(1.0, hold="height")),  # type: ignore[arg-type]
-        ("load, pressure, separation and approach", lambda: Ramp(1.0)),
-        ("load, pressure, separation and approach", lambda: Ramp(1.0, load=1.0, separation=1.0)),
-        ("separation", lambda: Ramp(1.0, separation=NAN)),
-        ("load, pressure, separation and approach", lambda: Step()),
-        ("protocol", lambda: Repeat([], 2)),
-        ("protocol", lambda: Repeat([Hold(1.0), "hold"], 2)),  # type: ignore[list-item]
-        ("protocol", lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000)),
-        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101)),
-        ("distance", lambda: Slide(0.0, velocity=1.0)),
-        ("direction", lambda: Slide(3.0, velocity=1.0, direction="z")),
-        ("direction", lambda: Slide(3.0, velocity=1.0, direction=(0, 0))),
-        ("direction", lambda: Slide(3.0, velocity=1.0, direction=(0.5, 1))),  # type: ignore[arg-type]
-        ("times", lambda: asp.age(CONTACT, [1.0, 3.0], protocol=[Hold(2.0)])),
-        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol=[])),
-        ("protocol", lambda: asp.age(CONTACT, [1.0], protocol="hold")),  # type: ignore[arg-type]
-        ("hold", lambda: asp.age(CONTACT, [1.0], protocol=[Hold(1.0)], hold="load")),
+        ("duration", "-1.0", lambda: Hold(-1.0)),
+        ("mobility", "0.0", lambda: Hold(1.0, mobility=0.0)),
+        ("hold", "'height'", lambda: Hold(1.0, hold="height")),  # type: ignore[arg-type]
+        ("load, pressure, separation and approach", "none", lambda: Ramp(1.0)),
+        (
+            "load, pressure, separation and approach",
+            "load and separation",
+            lambda: Ramp(1.0, load=1.0, separation=1.0),
+        ),
+        ("separation", "nan", lambda: Ramp(1.0, separation=NAN)),
+        ("load, pressure, separation and approach", "none", lambda: Step()),
+        ("protocol", "[]", lambda: Repeat([], 2)),
+        ("protocol", "'hold'", lambda: Repeat([Hold(1.0), "hold"], 2)),  # type: ignore[list-item]
+        ("protocol", "1,000 times 1,000", lambda: Repeat([Repeat([Repeat([Hold(1.0)], 1000)], 1000)], 1000)),
+        ("protocol", "101,000", lambda: asp.age(CONTACT, [1.0], protocol=[Repeat([Hold(1.0)], 1000)] * 101)),
+        ("distance", "0.0", lambda: Slide(0.0, velocity=1.0)),
+        ("direction", "'z'", lambda: Slide(3.0, velocity=1.0, direction="z")),
+        ("direction", "(0, 0)", lambda: Slide(3.0, velocity=1.0, direction=(0, 0))),
+        ("direction", "0.5", lambda: Slide(3.0, velocity=1.0, direction=(0.5, 1))),  # type: ignore[arg-type]
+        ("times", "3", lambda: asp.age(CONTACT, [1.0, 3.0], protocol=[Hold(2.0)])),
+        ("protocol", "[]", lambda: asp.age(CONTACT, [1.0], protocol=[])),
+        ("protocol", "'h'", lambda: asp.age(CONTACT, [1.0], protocol="hold")),  # type: ignore[arg-type]
+        ("hold", "'load'", lambda: asp.age(CONTACT, [1.0], protocol=[Hold(1.0)], hold="load")),
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0), Step(separation=0.0)])),
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0, hold="separation")])),
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], hold="separation")),
         ("separation", lambda: asp.press(uncorrelated(16), HALF_SPACE.solid, separation=1.0)),
-        ("hold", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
-        ("hold", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
-        ("distance", lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)])),
+        ("hold", "one without any", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
+        ("hold", "one without any", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
+        ("distance", "0.3", lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)])),
         (
             "direction",
+            "(1,)",
             lambda: asp.age(CONTACT, [1.0], protocol=[Slide(3.0, velocity=0.1, direction=(1,))]),
         ),
-        ("units", lambda: asp.age(CONTACT, [1.0], protocol=[Slide("3 um", velocity=0.1)])),  # type: ignore[arg-type]
-        ("direction", lambda: asp.age(LINE, [1.0], protocol=[Slide(3.0, velocity=0.1, direction="y")])),
+        ("units", "'3 um'", lambda: asp.age(CONTACT, [1.0], protocol=[Slide("3 um", velocity=0.1)])),  # type: ignore[arg-type]
+        (
+            "direction",
+            "'y'",
+            lambda: asp.age(LINE, [1.0], protocol=[Slide(3.0, velocity=0.1, direction="y")]),
+        ),
         ("slide", lambda: asp.age(MIRRORED, [1.0], protocol=[Slide(3.0, velocity=0.1)])),
-        ("hold", lambda: asp.age(CONTACT, [1.0], hold="area")),  # few sites: no area to keep
-        ("shift", lambda: asp.slide(CONTACT, [1.0, 2.0, 3.0])),
-        ("shift and distance", lambda: asp.slide(CONTACT)),
-        ("units", lambda: asp.slide(CONTACT, distance="3 um")),
+        ("hold", "3", lambda: asp.age(CONTACT, [1.0], hold="area")),  # few sites: no area to keep
+        ("shift", "[1.0, 2.0, 3.0]", lambda: asp.slide(CONTACT, [1.0, 2.0, 3.0])),
+        ("shift and distance", "none", lambda: asp.slide(CONTACT)),
+        ("units", "'3 um'", lambda: asp.slide(CONTACT, distance="3 um")),
         ("slide", lambda: asp.slide(MIRRORED, 1)),
-        ("contact", lambda: asp.slide(CONTACT.heights, 1)),  # type: ignore[arg-type]
+        ("contact", "ndarray", lambda: asp.slide(CONTACT.heights, 1)),  # type: ignore[arg-type]
         ("heights", lambda: asp.press(CONTACT, asp.solids.spring_lattice(k0=1.0, k1=4.0), load=3.0)),
     )
 

@@ -296,6 +296,7 @@ CASES = [
     pytest.param(one, given, id=one.__qualname__, marks=[pytest.mark.slow] * (one in SLOW))
     for one, given in CALLS
 ]
+SEEDED = [(function, given) for function, given in CALLS if "seed" in given]
 TAKES_OTHERS = {"figures.html_of", "figures.plot_contact", "analysis.observe", "analysis.patch_table"}
 THINGS = [
     (name, function)
@@ -428,6 +429,24 @@ def test_a_wrong_thing_in_place_of_a_dataset_a_result_or_a_name_is_refused(name,
     needed = [one.name for one in inspect.signature(function).parameters.values() if one.default is one.empty]
     for wrong in WRONG:
         refused(function, dict.fromkeys(needed, wrong))
+
+
+@pytest.mark.parametrize(("function", "arguments"), SEEDED)
+def test_a_generator_or_its_seed_may_stand_in_place_of_the_seed(function, arguments):
+    seeded = {key: value for key, value in arguments.items() if key != "seed"}
+    expected, random = parts(function(**arguments)), np.random.default_rng(arguments["seed"])
+    assert parts(function(**seeded, rng=arguments["seed"])) == expected
+    assert parts(function(**seeded, rng=random)) == expected
+    assert parts(function(**seeded, rng=random)) != expected  # it advances
+    for wrong in (-1, 1.0, "1", True, np.random.RandomState(1)):
+        assert refused(function, seeded | {"rng": wrong}) == "rng"
+    assert refused(function, arguments | {"rng": 1}) == "seed and rng"
+
+
+def test_what_takes_a_seed_takes_a_generator():
+    taken = [set(inspect.signature(function).parameters) & {"seed", "rng"} for _, function in functions()]
+    assert {"seed", "rng"} in taken
+    assert {"seed"} not in taken
 
 
 def test_no_public_argument_result_or_attribute_is_any():

@@ -278,7 +278,7 @@ def test_files_say_the_parameters_and_their_units(here):
     first, second = csv.DictReader((here / "f.csv").read_text().splitlines())
     assert [first["law"], second["law"]] == ["slip", "aging"]
     assert float(second["D_c_m"]) == aging.D_c
-    with refuses("path"):
+    with refuses("path", "f.txt"):
         F.save_parameters(found, "f.txt")
 
 
@@ -336,7 +336,15 @@ BAD = {
 
 
 def test_bad_records_are_refused():
-    each_refuses(*BAD.values())
+    each_refuses(
+        *BAD.values(),
+        got=(
+            "7 after 8 | -1.0 | 3 | 0.0 | 3 | 7 after 8 m | 9 | 1 | rest at all times | none | "
+            "rests only | 5 | 'both' | 'ageing' | none | 251 and 351 times | 0.0 | 1 | 1.0 | none | "
+            "1, 1.1 | float | none | a slide at once | none | 0.0 | '40 MPa' |  | -1.5262 at 1 |  |  | "
+            "History"
+        ),
+    )
 
 
 @pytest.mark.parametrize(

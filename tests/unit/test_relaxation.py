@@ -252,4 +252,11 @@ def test_wrong_numbers_are_refused_in_one_line():
         ("last", lambda: zener(relaxed=0.0, exponent=1, last=1e4)),
         ("exponent", lambda: zener(relaxed=0.0, exponent=1.5, last=10.0)),
     ]
-    each_refuses(*calls)
+    each_refuses(
+        *calls,
+        got=(
+            "1.1 together | 0.0 | inf | (0.1, 1.0, 2.0) | 0.1 | '0.1' | shape (2,) | -1.0 | "
+            "2.0 before 1.0 | 1 loads | -1.0 | (2.0, 1.0) | shape (2,) | 0.0 | -5 | 321 K | 10 | 1.0 | "
+            "1.0 | 60.0 | 1e-09 | 5.0 | 0 | 1.5"
+        ),
+    )

@@ -3,7 +3,6 @@
 import itertools
 import math
 import re
-from collections.abc import Callable
 from functools import partial
 from math import pi, sin
 from pathlib import Path
@@ -233,29 +232,29 @@ def test_what_is_no_relaxation_or_no_fit_is_refused():
     flat, swept = (measured(kind, TO_LAST, SECONDS) for kind in ("relaxation", "dynamic"))
     found = fit(flat, per_decade=1)
     found.require(0.1, 1e3)
-    calls: list[tuple[str, Callable[[], Any]]] = [
-        ("time", lambda: Relaxation(changed(T, 2, 0.5), G)),
-        ("time", lambda: Relaxation(changed(T, 0, -0.1), G)),
-        ("modulus", lambda: Relaxation(T, changed(G, 3, 3.3))),
-        ("modulus", lambda: Relaxation(T, changed(G, 5, math.nan))),
+    calls: list[tuple[Any, ...]] = [
+        ("time", "0.5", lambda: Relaxation(changed(T, 2, 0.5), G)),
+        ("time", "-0.1", lambda: Relaxation(changed(T, 0, -0.1), G)),
+        ("modulus", "3", lambda: Relaxation(T, changed(G, 3, 3.3))),
+        ("modulus", "1", lambda: Relaxation(T, changed(G, 5, math.nan))),
         # Each step is small; their sum is not.
-        ("modulus", lambda: Relaxation(T, np.array([5.0, 5.2, 5.4, 5.6, 5.8, 6.0]))),
-        ("time", lambda: Relaxation(T[:4], G[:4])),
-        ("modulus", lambda: Relaxation(T, G[:5])),
-        ("compliance", lambda: Creep(T, G)),
-        ("storage", lambda: Dynamic(T, G, G)),
-        ("loss", lambda: Dynamic(T, 1 / G, changed(G, 1, -2))),
-        ("data", lambda: fit(T)),  # type: ignore[arg-type]
-        ("per_decade", lambda: fit(falling, per_decade=99)),
-        ("branches", lambda: fit(falling, branches=3)),
-        ("branches", lambda: fit(falling, branches=1, per_decade=1.0)),
-        ("compliance", lambda: fit(Creep(TIME, 1e-3 * TIME))),
-        ("times", lambda: found.require(0.01, 1.0)),
-        ("times", lambda: fit(flat, per_decade=1, over=(0.1, 5e3))),
-        ("over", lambda: fit(flat, per_decade=1, over=3)),  # type: ignore[arg-type]
-        ("extrapolate", lambda: fit(swept, extrapolate="plateau")),
-        ("extrapolate", lambda: fit(flat, extrapolate="flat")),  # type: ignore[arg-type]
-        ("times", lambda: fit(flat, per_decade=1, over=(0.01, 5e3), extrapolate="plateau")),
+        ("modulus", "5", lambda: Relaxation(T, np.array([5.0, 5.2, 5.4, 5.6, 5.8, 6.0]))),
+        ("time", "4", lambda: Relaxation(T[:4], G[:4])),
+        ("modulus", "5", lambda: Relaxation(T, G[:5])),
+        ("compliance", "5", lambda: Creep(T, G)),
+        ("storage", "5", lambda: Dynamic(T, G, G)),
+        ("loss", "2", lambda: Dynamic(T, 1 / G, changed(G, 1, -2))),
+        ("data", "ndarray", lambda: fit(T)),  # type: ignore[arg-type]
+        ("per_decade", "99", lambda: fit(falling, per_decade=99)),
+        ("branches", "3", lambda: fit(falling, branches=3)),
+        ("branches", "1", lambda: fit(falling, branches=1, per_decade=1.0)),
+        ("compliance", "0.0001", lambda: fit(Creep(TIME, 1e-3 * TIME))),
+        ("times", "0.01", lambda: found.require(0.01, 1.0)),
+        ("times", "0.1", lambda: fit(flat, per_decade=1, over=(0.1, 5e3))),
+        ("over", "3", lambda: fit(flat, per_decade=1, over=3)),  # type: ignore[arg-type]
+        ("extrapolate", "'plateau'", lambda: fit(swept, extrapolate="plateau")),
+        ("extrapolate", "'flat'", lambda: fit(flat, extrapolate="flat")),  # type: ignore[arg-type]
+        ("times", "0.01", lambda: fit(flat, per_decade=1, over=(0.01, 5e3), extrapolate="plateau")),
     ]
     each_refuses(*calls)
     assert Relaxation(T, changed(G, 3, 3.3), noise=0.11).noise == 0.11
@@ -313,7 +312,7 @@ def test_columns_without_units_are_refused_unless_units_are_stated(write):
     for header, columns, name, units, factors in cases:
         kind: Kind | None = None if header else "creep"
         file = write(header, *columns)
-        with refuses(f"column {name} of table.csv"):
+        with refuses(f"column {name} of table.csv", "none"):
             read(file, kind=kind)
         x, values = read(file, kind=kind, units=units).columns
         for found, column, factor in zip((x, *values), columns, factors, strict=True):
@@ -330,18 +329,21 @@ def test_tables_that_are_several_or_none(write):
         ("columns", {"columns": [0, 0], "kind": "relaxation"}),
         ("kind", {"kind": "dma"}),
     ]
-    each_refuses(*((name, partial(read, file, **options)) for name, options in calls))
-    for header, columns, name in (
-        ("time_s,E_MPa", [changed(T, 2, 0.5), G], "table.csv, time"),
-        ("time_s,E_MPa", [T, changed(G, 2, math.nan)], "table.csv"),
-        ("time_s,E [furlong]", [T, G], "column 'E [furlong]' of table.csv"),
-        ("time [m],E [Pa]", [T, G], "column 'time [m]' of table.csv"),
-        ("a,b", [T, G], "table.csv"),
-        ("", [T, G], "table.csv"),
-        ("log t [s],E [Pa]", [T, G], "column 'log t [s]' of table.csv"),
+    each_refuses(
+        *((name, partial(read, file, **options)) for name, options in calls),
+        got="'time_s' | no such column | 0 0 | 'dma'",
+    )
+    for header, got, columns, name in (
+        ("time_s,E_MPa", "0.5", [changed(T, 2, 0.5), G], "table.csv, time"),
+        ("time_s,E_MPa", "'10, nan'", [T, changed(G, 2, math.nan)], "table.csv"),
+        ("time_s,E [furlong]", "'furlong'", [T, G], "column 'E [furlong]' of table.csv"),
+        ("time [m],E [Pa]", "'m'", [T, G], "column 'time [m]' of table.csv"),
+        ("a,b", "columns 'a', 'b'", [T, G], "table.csv"),
+        ("", "2 columns without names", [T, G], "table.csv"),
+        ("log t [s],E [Pa]", "none", [T, G], "column 'log t [s]' of table.csv"),
     ):
         write(header, *columns)
-        with refuses(name):
+        with refuses(name, got):
             read(file)
 
 

@@ -27,7 +27,13 @@ def test_what_is_no_solid_is_refused():
         ("poisson", contact_modulus, {"young": 1.0, "poisson": 0.6}),
         ("young and poisson", contact_modulus, {"young": [1.0, 2.0], "poisson": 0.3}),
     ]
-    each_refuses(*((name, partial(make, **wrong)) for name, make, wrong in made))
+    each_refuses(
+        *((name, partial(make, **wrong)) for name, make, wrong in made),
+        got=(
+            "-1.0 | -1.0 | -1.0 | -1.0 | both 0 | 0.0 | '1' | -1.0 | 1.1 together | 1 branches | 0.0 | "
+            "0.0 | 0.6 | 2"
+        ),
+    )
 
 
 def test_spectra_are_checked_on_the_lattice():
@@ -65,4 +71,6 @@ def test_transforms_and_the_laplacian(shape):
 
 
 def test_other_shapes_are_refused():
-    each_refuses(*(("shape", Lattice, shape) for shape in ((), (0,), (3, 0), (2, 2, 2))))
+    each_refuses(
+        *(("shape", Lattice, shape) for shape in ((), (0,), (3, 0), (2, 2, 2))), got="() | 0 | 0 | (2, 2, 2)"
+    )

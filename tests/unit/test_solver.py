@@ -105,12 +105,12 @@ def test_gives_up_with_advice(monkeypatch):
 
 
 def test_settings_and_array_libraries_are_checked():
-    with refuses("max_iterations"):
+    with refuses("max_iterations", -1):
         ActiveSet(max_iterations=-1)
     problem = half_space_problem(correlated(8), 0.05)
     with pytest.raises(MissingExtraError, match="arrays='nowhere' needs the library nowhere"):
         ActiveSet(arrays="nowhere").solve(problem, None, PUBLISHED)
-    with refuses("arrays"):
+    with refuses("arrays", "'json'"):
         ActiveSet(arrays="json").solve(problem, None, PUBLISHED)
 
 

@@ -54,7 +54,10 @@ def test_door_refuses_what_is_no_surface():
     ]
     if np.finfo(np.longdouble).max > np.finfo(float).max:
         wrong.append(np.array([np.longdouble("1e4000"), 0]))
-    each_refuses(*(("heights", check_heights, heights) for heights in wrong))
+    each_refuses(
+        *(("heights", check_heights, heights) for heights in wrong),
+        got="'rough' | None | list of type bool |  | ndarray of type object | 2 | 0",
+    )
     with pytest.raises(InputError):  # in words of numpy's
         check_heights([[1, 2], [3]])
 
@@ -86,7 +89,7 @@ def test_slope_of_a_plane_and_curvature_of_a_paraboloid_are_exact():
     for small in (bowl[:2], bowl[:, :2], bowl[0, :2]):
         assert statistics(small).rms_curvature == 0
     wrong: list[Any] = [(1.0,), (1.0, 0.0)]
-    each_refuses(*(("pixel_size", statistics, plane, size) for size in wrong))
+    each_refuses(*(("pixel_size", statistics, plane, size) for size in wrong), got="(1.0,) | 0.0")
 
 
 def test_flat_and_small_and_periodic_surfaces():
@@ -145,7 +148,7 @@ def test_a_part_by_pixels_and_by_lengths():
     assert (part.edges, SIZED.crop([0, 24, 0, 30]).edges) == ("reflecting", "periodic")
     np.testing.assert_array_equal(SIZED.crop([1000, 5000, 1250, 6250], "nm").heights, part.heights)
     np.testing.assert_array_equal(Surface(ROUGH[0]).crop((3, 30)).heights, ROUGH[0, 3:])
-    with refuses("crop_unit"):
+    with refuses("crop_unit", "'furlong'"):
         SIZED.crop([0, 1, 0, 5], "furlong")
     wrong: list[tuple[Surface, list[float], str]] = [
         (SIZED, [0, 10], "pixel"),
@@ -155,7 +158,10 @@ def test_a_part_by_pixels_and_by_lengths():
         (SIZED, [0, 0.01, 0, 5], "um"),
         (Surface(ROUGH), [0, 1, 0, 1], "um"),
     ]
-    each_refuses(*(("crop", surface.crop, bounds, unit) for surface, bounds, unit in wrong))
+    each_refuses(
+        *(("crop", surface.crop, bounds, unit) for surface, bounds, unit in wrong),
+        got="[0, 10] | 5 to 31 | -2 to 10 | 10 to 10 | 0 to 0.01 um | none",
+    )
 
 
 @pytest.mark.parametrize("edges", ["periodic", "reflecting"])
@@ -173,7 +179,7 @@ def test_a_band_of_waves(edges):
     assert surface.band(longest=15, shortest=3).provenance == {"longest": 15.0, "shortest": 3.0}
     np.testing.assert_array_equal(surface.band().heights, surface.heights)
     wrong = (("longest", {"longest": 0}), ("shortest", {"shortest": 3.0, "longest": 2.0}))
-    each_refuses(*((name, partial(surface.band, **limits)) for name, limits in wrong))
+    each_refuses(*((name, partial(surface.band, **limits)) for name, limits in wrong), got="0 | 3")
 
 
 def test_a_band_of_a_reflecting_surface_is_that_of_its_mirror_images():
@@ -221,7 +227,10 @@ def test_two_rough_bodies_are_the_sum():
         (first, ROUGH),
         (relative, relative),
     ]
-    each_refuses(*(("second", combined, one, other) for one, other in wrong))
+    each_refuses(
+        *(("second", combined, one, other) for one, other in wrong),
+        got="(23, 30) | 0.5 x 0.4 um | unknown | heights in '1' | reflecting | ndarray | ",
+    )
 
 
 def test_a_surface_in_meters():
@@ -258,16 +267,19 @@ def test_pixel_sizes_with_a_unit():
 
 def test_a_surface_is_checked_when_it_is_made():
     wrong: list[Any] = ["1 kg", "1", "um", "-1 um", ("1 um", "x"), ("1 um",), (1.0,)]
-    each_refuses(*(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong))
+    each_refuses(
+        *(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong),
+        got="'1 kg' | '1' | 'um' | -1.0 | 'x' | [1.0] | (1.0,)",
+    )
     mirrored = partial(Surface, edges="mirror")  # type: ignore[arg-type]
-    each_refuses(("edges", mirrored, ROUGH), ("heights", Surface, [1.0, np.nan]))
+    each_refuses(("edges", "'mirror'", mirrored, ROUGH), ("heights", "1", Surface, [1.0, np.nan]))
 
 
 def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
     np.save("a.npy", ROUGH)
     surface = read("a.npy", pixel_size=(1.0, 3.0))
     pressed = partial(asperity.press, solid=asperity.solids.spring_lattice(k0=1, k1=1), load=1)
-    each_refuses(("heights", check_square, surface), ("heights", pressed, surface))
+    each_refuses(("heights", "1", check_square, surface), ("heights", "1", pressed, surface))
     # Pixels that are square, or nearly, or of unknown size, pass, and so does what has none.
     for size in ((2.0, 2.01), (2.0, 2.0), None):
         check_square(Surface(surface.heights, "nm", size, "nm"))

@@ -215,7 +215,7 @@ def test_points_of_no_grid_are_refused():
 def test_three_columns_of_text_are_points_or_remarked():
     holed = as_found(np.delete(GRID, HOLES, axis=0), "points.txt")
     assert (holed.shape, holed.provenance["undefined_pixels"]) == ((15, 20), len(HOLES))
-    with refuses("points.txt", kind=SurfaceFileError):
+    with refuses("points.txt", "1", kind=SurfaceFileError):
         as_found(np.vstack([GRID, GRID[7] + 0.1 * np.eye(3)[2]]), "points.txt")
     matrix = np.random.default_rng(1).normal(size=(300, 3))
     found = as_found(matrix, "heights.txt")

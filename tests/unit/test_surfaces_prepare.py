@@ -184,9 +184,9 @@ def test_what_is_no_spike_stays():
     # Pillars on a fifth of a plate: heights, whatever the median says.
     plate = 0.01 * rough(4) + 5.0 * (np.arange(80) % 5 == 0)
     each_refuses(
-        ("despike", lambda: as_read(plate, despike=True)),
-        ("despike", lambda: Surface(plate).level(despike=True)),
-        ("tilt", Surface(plate).level, "parabola"),
+        ("despike", "0.2", lambda: as_read(plate, despike=True)),
+        ("despike", "0.2", lambda: Surface(plate).level(despike=True)),
+        ("tilt", "'parabola'", Surface(plate).level, "parabola"),
     )
 
 
@@ -225,7 +225,7 @@ def test_units_are_converted_or_kept_or_become_the_rms():
     factor, unit = prepare.scale_factor(heights, "1", "rms", largest=3.0)
     assert unit == "rms"
     assert np.std(heights * factor) == pytest.approx(1.0)
-    with refuses("unit"):
+    with refuses("unit", "heights in 'V'"):
         prepare.scale_factor(heights, "V", "nm", largest=1.0)
 
 
@@ -258,7 +258,7 @@ def test_square_and_unknown_pixels_stay():
         kept = as_read(heights, tilt="none", pixel_size=size, resample=True)
         np.testing.assert_array_equal(kept.heights, heights)
         assert kept.pixel_size == size
-    with refuses("resample"):
+    with refuses("resample", "5 along an axis"):
         as_read(heights, pixel_size=(3.0, 1.0), resample=True)
 
 
@@ -297,7 +297,7 @@ def test_filled_pixels_are_remembered_wherever_the_surface_goes():
     assert as_read(rough(6)).filled is None
     oblong = as_read(heights, pixel_size=(2.0, 1.0), resample=True)
     np.testing.assert_array_equal(oblong.filled, mask[:, ::2] | mask[:, 1::2])
-    with refuses("filled"):
+    with refuses("filled", "(95, 80)"):
         Surface(rough(6), filled=mask[1:])
 
 
@@ -381,8 +381,8 @@ def test_lines_are_levelled_by_their_medians():
     array = as_read(lined, tilt="none", max_undefined=0.2).level(lines="median")
     np.testing.assert_allclose(array.heights, found.heights, atol=1e-12)
     each_refuses(
-        ("lines", lambda: as_read(lined[0], lines="median", max_undefined=0.5)),
-        ("lines", lambda: Surface(heights).level(lines=wrong)),
+        ("lines", "'median'", lambda: as_read(lined[0], lines="median", max_undefined=0.5)),
+        ("lines", "'mean'", lambda: Surface(heights).level(lines=wrong)),
     )
 
 
@@ -394,7 +394,7 @@ def test_an_undefined_frame_is_told_how_to_be_cropped():
             as_read(framed, **first)
     assert as_read(framed, crop=[4, 30, 7, 50]).filled is None
     framed[::2] = np.nan
-    with refuses("scan.npy", kind=SurfaceFileError):  # which no crop helps
+    with refuses("scan.npy", "1441", kind=SurfaceFileError):  # which no crop helps
         as_read(framed)
 
 

@@ -227,7 +227,7 @@ def two(first, second):
     ids=short,
 )
 def test_of_several_channels_in_one_text_none_is_taken(name, content, channel, right):
-    with refuses(name, kind=SurfaceFileError):
+    with refuses(name, "none", kind=SurfaceFileError):
         found(name, content)
     surface, record = found(name, channel=channel)
     np.testing.assert_array_equal(surface.heights, right)
@@ -238,7 +238,7 @@ def test_of_several_arrays_none_is_taken():
     scipy.io.savemat("a.mat", {"x": X[0], "y": Y[:, 0], "z": Z})
     hdf5("a.h5", scan__z=(Z, {}), x=(X[0], {}))
     for name, channel in (("a.mat", "z"), ("a.h5", "scan/z")):
-        with refuses(name, kind=SurfaceFileError):
+        with refuses(name, "none", kind=SurfaceFileError):
             found(name)
         np.testing.assert_array_equal(found(name, channel=channel)[0].heights, Z)
 
@@ -255,7 +255,7 @@ def test_what_stands_beside_heights_is_not_pressed():
     for name in (hdf5("b.h5", **beside), "volts.h5", "a.h5-jpk"):
         with refuses(name, kind=SurfaceFileError):
             found(name)
-    with refuses("a.txt", kind=SurfaceFileError):
+    with refuses("a.txt", "'Phase' in deg", kind=SurfaceFileError):
         found("a.txt", files.text(H, "# Channel: Phase\n# Width: 1 um\n# Height: 1 um\n# Value units: deg\n"))
 
 
@@ -382,13 +382,13 @@ def test_whole_files_of_another_kind_are_not_called_damaged():
             places[:], places.unit, places.length = np.arange(n), "um", float(n)
         heights: Any = file.createVariable("heights", "d", ("x", "y"))
         heights[:], heights.unit = H.T, "nm"
-    for name, content in (
-        ("a.nc", None),
-        ("a.sur", files.sur(WHOLE, unit=b"%")),
-        ("a.sdf", files.sdf(H[:0], "bISO-1.0")),
-        ("b.sur", files.sur(WHOLE, magic=b"DSCOMPRESSED")),
-        ("a.gwy", files.gwy({"Phase": (H, "deg")})),
+    for name, got, content in (
+        ("a.nc", "", None),
+        ("a.sur", "'%'", files.sur(WHOLE, unit=b"%")),
+        ("a.sdf", "'0'", files.sdf(H[:0], "bISO-1.0")),
+        ("b.sur", "a compressed one", files.sur(WHOLE, magic=b"DSCOMPRESSED")),
+        ("a.gwy", "", files.gwy({"Phase": (H, "deg")})),
     ):
-        with refuses(name, kind=SurfaceFileError) as raised:
+        with refuses(name, got, kind=SurfaceFileError) as raised:
             found(name, content)
         assert "damaged" not in str(raised.value)

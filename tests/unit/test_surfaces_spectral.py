@@ -81,7 +81,7 @@ def test_what_is_no_self_affine_surface_is_refused():
     # Other types of numbers are tried on all public functions, in test_public_calls.
     wrong: dict[str, Any] = {"size": (1, 3, 100), "hurst": (0, 1.01), "delta": (0, -1.0), "seed": (-1,)}
     for name, values in wrong.items():
-        each_refuses(*((name, partial(self_affine, **{"size": 8, name: value})) for value in values))
+        each_refuses(*((name, value, partial(self_affine, **{"size": 8, name: value})) for value in values))
 
 
 def waves(heights, spacing=1.0):
@@ -95,7 +95,8 @@ def waves(heights, spacing=1.0):
 @pytest.mark.parametrize(("shape", "spacing"), [((64, 48), (0.5, 2.0)), ((63, 31), 1e-7), ((200,), (3.0,))])
 def test_roughness_is_exact(shape, spacing):
     for power, name in enumerate(("rms_height", "rms_slope", "rms_curvature")):
-        heights = spectral(shape, spacing=spacing, seed=2, **{name: 0.25})
+        roughness: dict[str, Any] = {name: 0.25}
+        heights = spectral(shape, spacing=spacing, seed=2, **roughness)
         q, squared = waves(heights, spacing)
         measured = math.sqrt(np.sum(q ** (2 * power) * squared))
         assert measured / (heights.ndim if power == 2 else 1) == pytest.approx(0.25, rel=1e-12)
@@ -292,7 +293,10 @@ def test_what_is_no_spectrum_is_refused():
         ("q", ([0.0, 1.0], [1.0, 1.0])),
         ("C", ([1.0, 2.0], [1.0, 0.0])),
     ]
-    each_refuses(*((name, from_spectrum, (32, 16), wrong) for name, wrong in of_own))
+    each_refuses(
+        *((name, from_spectrum, (32, 16), wrong) for name, wrong in of_own),
+        got=" | shapes (2,) and (3,) | none | 3.0 | others | NaN among them | shape (3,) | 0.0 | 0.0",
+    )
     of_hurst: list[tuple[str, dict[str, Any]]] = [
         ("hurst", {"hurst": 1.1}),
         ("cutoff", {"cutoff": 1.0}),
@@ -303,9 +307,12 @@ def test_what_is_no_spectrum_is_refused():
         ("spacing", {"spacing": (1.0, 2.0, 3.0)}),
         ("shape", {"cutoff": 50.0, "roll_off": 60.0}),
     ]
-    each_refuses(*((name, partial(spectral, (32, 16), **options)) for name, options in of_hurst))
-    for name, longest, shortest in (("longest, shortest", 2.2, 2.1), ("shortest", 5.0, 6.0)):
-        with refuses(name):
+    each_refuses(
+        *((name, partial(spectral, (32, 16), **options)) for name, options in of_hurst),
+        got="1.1 | 1.0 | 17.0 | 1.0 | 0.0 | rms_height and rms_slope | (1.0, 2.0, 3.0) | 32",
+    )
+    for name, got, longest, shortest in (("longest, shortest", "0", 2.2, 2.1), ("shortest", "6", 5.0, 6.0)):
+        with refuses(name, got):
             power_spectrum(gaussian((32, 32)), longest=longest, shortest=shortest)
 
 
@@ -328,16 +335,16 @@ def test_tables_of_spectra(tmp_path, table, options, q, power):
 
 
 def test_tables_that_are_no_spectrum(here):
-    for header, name, unit in (
-        ("f,C", "psd.csv", None),
-        ("q,C,PSD", "psd.csv", None),
-        ("q_1/um,C_um^4", "unit", None),
-        ("q (s),C", "column 'q (s)' of psd.csv", None),
-        ("q_1/um,C_um^3", "column 'C_um^3' of psd.csv", "um"),
+    for header, got, name, unit in (
+        ("f,C", "columns 'f', 'C'", "psd.csv", None),
+        ("q,C,PSD", "columns 'q', 'C', 'PSD'", "psd.csv", None),
+        ("q_1/um,C_um^4", "none", "unit", None),
+        ("q (s),C", "'s'", "column 'q (s)' of psd.csv", None),
+        ("q_1/um,C_um^3", "'um^3'", "column 'C_um^3' of psd.csv", "um"),
     ):
         row = ",".join("1" * (header.count(",") + 1))
         (here / "psd.csv").write_text(f"{header}\n{row}\n")
-        with refuses(name):
+        with refuses(name, got):
             read_spectrum("psd.csv", unit=unit)
 
 
@@ -439,4 +446,6 @@ def test_what_is_no_asperity_is_refused():
         given: dict[str, Any] = {"shape": (64, 48), "pixel_size": 1e-6}
         given |= {"places": places, "radii": 1e-3} if make is array else {"radius": 1e-3}
         assert isinstance(make(**given), Surface)
-        each_refuses(*((name, partial(make, **given | {name: wrong})) for wrong in values))
+        for wrong in values:
+            with refuses(name, wrong if isinstance(wrong, str | float) else ""):
+                make(**given | {name: wrong})

@@ -82,8 +82,11 @@ def test_other_texts_are_refused() -> None:
     ):
         with refuses("pressure"):
             quantity(text, "Pa", "pressure")
-    each_refuses(*(("load", quantity, wrong, "N", "load") for wrong in (None, True, float("nan"), 1j)))
-    with refuses("quantity"):
+    each_refuses(
+        *(("load", quantity, wrong, "N", "load") for wrong in (None, True, float("nan"), 1j)),
+        got="None | True | nan | 1j",
+    )
+    with refuses("quantity", "'1 m'"):
         quantity("1 m", "V")
     assert factor("GPa^-1", "1/Pa") == pytest.approx(1e-9)
     assert factor("GPa", "1/Pa") is None
@@ -100,7 +103,7 @@ def test_solids_take_units() -> None:
     assert relaxing == HALF_SPACE
     same(press(SCAN, relaxing, pressure=1e7), press(SCAN, HALF_SPACE, pressure=1e7))
     for solid in (coated, relaxing):
-        with refuses("units"):
+        with refuses("units", "'3 GPa'"):
             press(BARE, solid, load=1.0)
 
 
@@ -130,9 +133,9 @@ def test_quantities_of_pint_are_texts_with_units() -> None:
     both = press(SCAN, HALF_SPACE, load=of([5, 10], "mN"))
     np.testing.assert_allclose([one.load for one in both], [0.005, 0.01])
     np.testing.assert_allclose(age(both[0], of([1, 2], "ms")).time, [0, 1e-3, 2e-3])
-    with refuses("load"):
+    with refuses("load", "'10 MPa'"):
         press(SCAN, HALF_SPACE, load=of(10, "MPa"))
-    with refuses("units"):
+    with refuses("units", "'1 newton'"):
         press(BARE, HALF_SPACE, load=of(1, "N"))
 
 
@@ -148,6 +151,7 @@ def test_units_are_refused_where_there_are_none_and_others_than_expected() -> No
         ("units", partial(age, protocol=legs[0]), plain, [1.0]),
         ("load", partial(press, load="1 N"), RIDGES, HALF_SPACE),
         ("load", partial(age, protocol=legs[1]), line, [1.0]),
+        got="'10 MPa' | 'ten N' | '5' | '10 mN 5' | '1 N' | '1 N' | '1 s' | '1 min' | '1 N' | '1 N'",
     )
 
 
@@ -161,4 +165,6 @@ def test_times_and_legs_take_units() -> None:
     assert legs == plain_legs
     written = age(contact, "30 s", protocol=legs)
     assert written.dataset.identical(age(contact, [30.0], protocol=plain_legs).dataset)
-    each_refuses(("times", age, contact, ["10 m"]), ("times", age, contact, ["10 s", "soon"]))
+    each_refuses(
+        ("times", "'10 m'", age, contact, ["10 m"]), ("times", "'soon'", age, contact, ["10 s", "soon"])
+    )

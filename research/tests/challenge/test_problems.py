@@ -100,12 +100,12 @@ def test_any_type_of_number_gives_the_same_answer():
     wrongs = (("rtol", "0.01"), ("rtol", True), ("halvings", 1.0), ("halvings", True), ("halvings", -1))
     for name, value in wrongs:
         wrong: dict[str, Any] = {name: value}
-        with refuses(name):
+        with refuses(name, value):
             challenge.solve(small, **wrong)
 
 
 def test_only_a_continuum_has_something_between_its_sites():
-    with refuses("halvings"):
+    with refuses("halvings", "1"):
         challenge.problem("dense").surface(halvings=1)
 
 
@@ -307,7 +307,7 @@ def test_inputs_say_all_that_is_needed(tmp_path):
 
 def test_another_scan_is_refused(tmp_path):
     made = challenge.problem("measured-scan")
-    with refuses("scan"):
+    with refuses("scan", "none"):
         made.surface()
     (tmp_path / "mi-1.mi").write_bytes(b"something else")
     with pytest.raises(asp.errors.InputError, match="something else"):

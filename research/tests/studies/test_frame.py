@@ -106,7 +106,7 @@ def test_a_folder_is_for_one_seed_and_for_one_at_a_time(command):
 
 def test_an_unknown_study_in_python(study):
     assert "study: expected one of unloading" in study("unloadin")[2]
-    with refuses("study"):
+    with refuses("study", "'unload'"):
         studies.named("unload")
 
 

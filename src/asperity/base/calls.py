@@ -11,7 +11,7 @@ from types import FrameType, FunctionType
 from typing import Any
 
 from asperity.base.words import MEANT, closest, shortened
-from asperity.errors import CallError, Remark
+from asperity.errors import CallError, InputError, Remark
 
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
@@ -51,6 +51,8 @@ def _answering(member: Any) -> Any:
 
     @functools.wraps(member)
     def call(*args: Any, **kwargs: Any) -> Any:
+        if kwargs.get("rng") is not None and "seed" in kwargs:
+            raise InputError("seed and rng", expected="one of them", got="both")
         try:
             return member(*args, **kwargs)
         except TypeError:

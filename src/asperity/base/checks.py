@@ -72,9 +72,17 @@ def integer(
     return int(item)
 
 
-def seed(value: object) -> int:
-    """Seed of random numbers. None is refused: nobody could make the same surface again."""
-    return integer("seed", value, least=0, expected="an integer, 0 or more")
+def seed(value: object, rng: object = None) -> int:
+    """Seed of random numbers, or a draw of a generator; never None: a surface can be made again."""
+    if isinstance(rng, np.random.Generator):
+        return int(rng.integers(2**63))
+    name, value = ("seed", value) if rng is None else ("rng", rng)
+    return integer(name, value, least=0, expected="an integer, 0 or more")
+
+
+def generator(value: object, rng: object = None) -> np.random.Generator:
+    """Generator of random numbers: `rng`, or one of this seed."""
+    return rng if isinstance(rng, np.random.Generator) else np.random.default_rng(seed(value, rng))
 
 
 def lattice_shape(

@@ -97,6 +97,7 @@ def synthetic_record(
     per_leg: int = 50,
     noise: float = 0.0,
     seed: int = 0,
+    rng: int | np.random.Generator | None = None,
     strength_at_rest: bool = False,
     si: bool = True,
 ) -> Record:
@@ -113,8 +114,8 @@ def synthetic_record(
         constant.
     noise
         Standard deviation of normal noise, independent from entry to entry.
-    seed
-        Seed of the noise.
+    seed, rng
+        Seed of the noise; or a numpy generator, which advances, or its seed.
     strength_at_rest, si
         As in `Record`.
 
@@ -133,8 +134,8 @@ def synthetic_record(
         velocity.append(np.full(per_leg, leg.speed))
         time.append(time[-1][-1] + leg.duration * np.arange(1, per_leg + 1) / per_leg)
     times, velocities = np.concatenate(time), np.concatenate([velocity[0][:1], *velocity])
-    rng = np.random.default_rng(checks.seed(seed))
-    friction = law.friction(times, velocities) + noise * rng.standard_normal(times.size)
+    random = checks.generator(seed, rng)
+    friction = law.friction(times, velocities) + noise * random.standard_normal(times.size)
     return Record(
         times, velocities, friction, strength_at_rest=strength_at_rest, si=si, source="synthetic record"
     )

@@ -195,6 +195,7 @@ def infer(
     absolute: bool = False,
     ramp: float | str = 0.0,
     seed: int = 0,
+    rng: int | np.random.Generator | None = None,
     walkers: int = 1000,
     effective: int = 1000,
     workers: int = 1,
@@ -226,8 +227,8 @@ def infer(
         Areas are in m^2 (of a lattice, over the nominal one): then load, modulus and roughness count.
     ramp
         Time, s, within which the load was put on in proportion to time; times count from its beginning.
-    seed
-        Of the random numbers.
+    seed, rng
+        Seed of the random numbers; or a numpy generator, which draws one, or its seed.
     walkers
         In each of four ensembles.
     effective
@@ -261,7 +262,7 @@ def infer(
     t, v, errors = t[chosen], v[chosen], None if errors is None else errors[chosen]
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
-    checks.seed(seed)
+    seed = checks.seed(seed, rng)
     checks.integer("walkers", walkers, least=50)
     checks.integer("effective", effective, least=1)
     if branches is not None:

@@ -29,7 +29,14 @@ from asperity.surfaces.making import in_unit
 
 
 @in_unit("delta")
-def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int = 0) -> Field:
+def self_affine(
+    size: int,
+    *,
+    hurst: float = 0.5,
+    delta: float = 0.01,
+    seed: int = 0,
+    rng: int | np.random.Generator | None = None,
+) -> Field:
     """Make a periodic self-affine surface by successive random midpoints.
 
     Parameters
@@ -41,9 +48,7 @@ def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int
     delta
         Roughness at the scale of the mesh, Delta: the width of the random values at l = 1, in the
         unit that the heights shall have.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
-    unit, pixel_size
+    seed, rng, unit, pixel_size
         As in `gaussian`.
 
     Returns
@@ -65,11 +70,11 @@ def self_affine(size: int, *, hurst: float = 0.5, delta: float = 0.01, seed: int
     expected = "a number above 0 and up to 1"
     exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
     width = checks.number("delta", delta, above=0)
-    rng = np.random.default_rng(checks.seed(seed))
+    random = checks.generator(seed, rng)
 
     def noise(distance: float) -> Field:
         """Random values for new centers at this distance from their corners: width l^H delta."""
-        return rng.normal(scale=distance**exponent * width, size=corners.shape)
+        return random.normal(scale=distance**exponent * width, size=corners.shape)
 
     xi = np.zeros((length, length))
     step = length  # side of the squares whose corners are known

@@ -52,6 +52,7 @@ def spectral(
     pixel_size: ArrayLike | None = None,
     spacing: ArrayLike | None = None,
     seed: int = 0,
+    rng: int | np.random.Generator | None = None,
 ) -> Field:
     """Make a periodic self-affine surface of a given power spectrum, with random phases.
 
@@ -73,10 +74,8 @@ def spectral(
         pixels, the curvature in that over its square.
     pixel_size
         Distance between sites: one number, or one an axis; by default 1. Or `spacing`, the same.
-    unit
-        Of all lengths, as in `gaussian`.
-    seed
-        Seed of the random numbers; the same seed gives the same surface.
+    unit, seed, rng
+        As in `gaussian`.
 
     Returns
     -------
@@ -104,7 +103,7 @@ def spectral(
     q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
     power, roughness = _roughness(rms_height, rms_slope, rms_curvature, len(lengths))
-    phases = _phases(lengths, seed)
+    phases = _phases(lengths, checks.generator(seed, rng))
     kept = (q > 0) & (q <= 2 * math.pi / shortest * (1 + _ROUNDING))
     if not kept.any():
         expected = "a lattice on which a wave as long as the cut-off has room"
@@ -128,6 +127,7 @@ def from_spectrum(
     *,
     pixel_size: ArrayLike = 1.0,
     seed: int = 0,
+    rng: int | np.random.Generator | None = None,
 ) -> Field:
     r"""Make a periodic surface of a power spectrum of one's own, with random phases.
 
@@ -141,7 +141,7 @@ def from_spectrum(
         ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared
         unit of the heights times the squared unit of the pixel size; of a profile, times that unit.
     pixel_size
-        Distance between sites; unit, seed and result are those of `spectral`.
+        Distance between sites; unit, seed, rng and result are those of `spectral`.
 
     Raises
     ------
@@ -174,13 +174,15 @@ def from_spectrum(
     if not power.any():
         known = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
         raise InputError("spectrum", expected=f"power between wave numbers of {known}", got="none")
-    modes = _phases(lengths, seed) * np.sqrt(power * (math.prod(lengths) / math.prod(sides)))
+    modes = _phases(lengths, checks.generator(seed, rng)) * np.sqrt(
+        power * (math.prod(lengths) / math.prod(sides))
+    )
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
 
-def _phases(shape: tuple[int, ...], seed: int) -> NDArray[np.complex128]:
+def _phases(shape: tuple[int, ...], random: np.random.Generator) -> NDArray[np.complex128]:
     """Numbers of magnitude 1 with random phases, for each mode of the half spectrum of a real field."""
-    noise = scipy.fft.rfftn(np.random.default_rng(checks.seed(seed)).normal(size=shape))
+    noise = scipy.fft.rfftn(random.normal(size=shape))
     return np.asarray(noise / np.abs(noise))
 
 

@@ -16,7 +16,13 @@ from asperity.surfaces.making import in_unit
 
 
 @in_unit("rms")
-def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
+def gaussian(
+    shape: int | tuple[int, ...],
+    *,
+    rms: float = 1.0,
+    seed: int = 0,
+    rng: int | np.random.Generator | None = None,
+) -> Field:
     """Draw independent Gaussian heights of mean 0.
 
     Parameters
@@ -27,6 +33,8 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
         Standard deviation of the heights, in the unit that the heights shall have.
     seed
         Seed of the random numbers; the same seed gives the same surface.
+    rng
+        In place of the seed: a numpy generator, which advances, or its seed.
     unit
         Unit of all lengths, such as ``"um"``; they may then be texts with a unit, such as ``"50 nm"``.
     pixel_size
@@ -43,15 +51,21 @@ def gaussian(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -
         seed is not an integer of 0 or more.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
-    return np.random.default_rng(checks.seed(seed)).normal(scale=width, size=lengths)
+    return checks.generator(seed, rng).normal(scale=width, size=lengths)
 
 
 @in_unit("rms")
-def exponential(shape: int | tuple[int, ...], *, rms: float = 1.0, seed: int = 0) -> Field:
+def exponential(
+    shape: int | tuple[int, ...],
+    *,
+    rms: float = 1.0,
+    seed: int = 0,
+    rng: int | np.random.Generator | None = None,
+) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 
     Their standard deviation is `rms`, and so is their mean: the mean is not removed. Arguments, result and
     errors are those of `gaussian`.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
-    return np.random.default_rng(checks.seed(seed)).exponential(scale=width, size=lengths)
+    return checks.generator(seed, rng).exponential(scale=width, size=lengths)
