@@ -1,6 +1,7 @@
 """The multigrid solver: its parts against their definitions, its results against the Fourier solver."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.multigrid import solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy, empty
 from asperity.contact.multigrid.loops import Sites, rows
-from asperity.contact.multigrid.pins import coherent_potential, compliance
+from asperity.contact.multigrid.pins import compliance
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
+from asperity.contact.pinning import coherent_potential
 from asperity.contact.problem import PUBLISHED, Guess
 from asperity.solids import Springs
 from tests.independent import assert_equilibrium, laplacian
@@ -77,7 +79,7 @@ def test_compliance_of_a_site_is_the_mean_over_the_zone(springs, level, sigma):
 @pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.5, 0.99])
 def test_coherent_potential_solves_its_condition(fraction):
     springs = Springs(1.0, 0.5, 10.0)
-    sigma = coherent_potential(springs, fraction)
+    sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
     assert sigma * zone_mean(springs, 0, sigma) == pytest.approx(fraction, rel=0.05)
 
 
@@ -94,7 +96,8 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     hierarchy.set_pins(surface, gap, contacts / heights.size, springs)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
-        heights.size * coherent_potential(springs, contacts / heights.size), rel=0.15
+        heights.size * coherent_potential(partial(compliance, springs, 0), contacts / heights.size, 1.0),
+        rel=0.15,
     )
 
 

@@ -32,7 +32,7 @@ from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.contact_sites import solved_on_contacts
-from asperity.contact.free_sites import Enough, FreeSites
+from asperity.contact.free_sites import FreeSites
 from asperity.contact.problem import (
     Accuracy,
     ContactProblem,
@@ -252,8 +252,9 @@ class _Run:
         goal = max(target, 0.5 * acceptable) / self.worst
         if self.single:
             goal = max(goal, TUNING.digits)
-        enough = Enough(goal, left, self.allowed_error, self.allowed_imbalance)
-        correction = self.linear_problem().correct(self.force, self.worst, enough)
+        correction = self.linear_problem().correct(
+            self.force, self.worst, goal, left, self.allowed_error, self.allowed_imbalance
+        )
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.fresh = False

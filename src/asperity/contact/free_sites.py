@@ -59,21 +59,6 @@ class Tuning:
 TUNING = Tuning()
 
 
-@dataclass(frozen=True)
-class Enough:
-    """When a correction of the free sites may end.
-
-    No force on them exceeds ``goal`` times the worst. It ends earlier after ``most`` iterations, or when the
-    displacement is off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off
-    contact is at most ``allowed_imbalance``.
-    """
-
-    goal: float
-    most: int
-    allowed_error: float = 0.0
-    allowed_imbalance: float = math.inf
-
-
 @dataclass(frozen=True, eq=False)
 class Correction:
     """A displacement of the free sites and the forces that it should leave.
@@ -162,9 +147,20 @@ class FreeSites:
         assert waves is not None
         self.waves = waves
 
-    def correct(self, force: Field, worst: float, enough: Enough) -> Correction:
-        """Displace the free sites until forces, of which ``worst`` is the largest there, are small enough."""
-        allowed_error, allowed_imbalance = enough.allowed_error, enough.allowed_imbalance
+    def correct(
+        self,
+        force: Field,
+        worst: float,
+        goal: float,
+        most: int,
+        allowed_error: float,
+        allowed_imbalance: float,
+    ) -> Correction:
+        """Displace the free sites until no force on them exceeds ``goal`` times the ``worst`` there.
+
+        It ends earlier after ``most`` iterations, or when the displacement is off by no more than an error,
+        rms over the sites, and the sum of the forces off contact by no more than an imbalance.
+        """
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
@@ -172,7 +168,7 @@ class FreeSites:
         total = xp.zeros_like(residual)
         direction, slope, iterations = None, 1.0, 0
         unit, left_over = worst / self.unit, math.inf
-        while iterations < enough.most:
+        while iterations < most:
             estimate = self.waves.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
@@ -204,7 +200,7 @@ class FreeSites:
                     left_over = max(left_over, allowed_error * share)
                 if left_over <= allowed_error:
                     break
-            if largest(defect, xp) <= enough.goal:
+            if largest(defect, xp) <= goal:
                 break
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)

@@ -13,6 +13,7 @@ Phys. Rev. 175, 747 (1968), DOI 10.1103/PhysRev.175.747.)
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -57,16 +58,22 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     if stiffest == 0:
         return 1.0
 
-    def excess(log_sigma: float) -> float:
-        sigma = np.exp(log_sigma)
-        return float(np.dot(weight, sigma / (sample + sigma))) - contact_fraction
+    return coherent_potential(lambda x: float(np.dot(weight, 1 / (sample + x))), contact_fraction, stiffest)
 
-    low, high = np.log(stiffest) - TUNING.lowest, np.log(stiffest) + TUNING.highest
+
+def coherent_potential(compliance: Callable[[float], float], fraction: float, stiffest: float) -> float:
+    """Sigma for the compliance of a site, a function of sigma, and a fraction 0 < a <= 1 of contacts."""
+
+    def excess(log_sigma: float) -> float:
+        sigma = math.exp(log_sigma)
+        return sigma * compliance(sigma) - fraction
+
+    low, high = math.log(stiffest) - TUNING.lowest, math.log(stiffest) + TUNING.highest
     if excess(low) >= 0:
-        return float(np.exp(low))
+        return math.exp(low)
     if excess(high) <= 0:
-        return float(np.exp(high))
-    return float(np.exp(brentq(excess, low, high, xtol=TUNING.closeness)))
+        return math.exp(high)
+    return math.exp(brentq(excess, low, high, xtol=TUNING.closeness))
 
 
 @lru_cache

@@ -6,14 +6,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
 
 from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
-from asperity.contact.multigrid.pins import coherent_potential, softening
+from asperity.contact.multigrid.pins import compliance, softening
 from asperity.contact.multigrid.processor import Processor
+from asperity.contact.pinning import coherent_potential
 from asperity.lattice import Field
 from asperity.solids import Springs
 
@@ -164,7 +165,7 @@ class Hierarchy:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
-        sigma = coherent_potential(springs, fraction)
+        sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
         first, strength = self.grids[0], 1.0 / softening(springs, 0, sigma)
         self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
         first.pins *= np.float32(strength)
