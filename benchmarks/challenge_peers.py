@@ -6,7 +6,7 @@ Tamaas and ContactMechanics press their half-spaces, and on the lattice of sprin
 another kernel: the contact at time 0. Tamaas marches the viscoelastic half-spaces by implicit Euler steps of
 one length: `STEPS` and twice as many from 0 to each time, extrapolated to no step (the error is of first
 order). Areas are the sites under pressure; where the answer is that of a continuum, once as counted and once
-less the rim, by Yastrebov's formula as in `asperity.contact.response`. Prints the table of docs/challenge.md.
+less the rim, by Yastrebov's formula as in `asperity.contact.rim`. Prints the table of docs/challenge.md.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from running import answered, head, line
 from solvers import SolverError, Worker
 
 import asperity as asp
-from asperity.contact.response import RIM, rim_sides
+from asperity.contact.rim import RIM, rim_sides
 
 PRESSES = ("tamaas", "contactmechanics")
 TOLERANCE, LIMIT = 1e-10, 900.0

@@ -6,7 +6,6 @@ from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet, Multigrid
 from asperity.contact.problem import TOLERANCE
-from asperity.contact.state import AnchorModes
 
 PRECISE = Aim((TOLERANCE, TOLERANCE), (1e-9, 1e-9))
 
@@ -17,8 +16,7 @@ def anchors_after(count, kind, contact, system, end=1.0, aim=PRECISE):
     for number in range(1, count + 1):
         assert now.attempt(end / count, aim).failure is None
         now.accept(end * number / count)
-    u, creep, *_ = now.state()
-    anchors = contact.lattice.backward(creep.modes) if isinstance(creep, AnchorModes) else u - creep
+    anchors = now.state().anchors.on(contact.lattice)
     return (anchors + system.datum).reshape(len(anchors), -1)
 
 

@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from asperity.analysis import observe
     from asperity.app import campaign
     from asperity.app.predict import predict
-    from asperity.contact import ActiveSet, Carried, Contact, Load, Multigrid, Separation
+    from asperity.carried import Carried
+    from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.inference import infer
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, relax, slide
@@ -81,7 +82,8 @@ _HOME = {
     "asperity.aging": ("Frame",),
     "asperity.analysis": ("observe",),
     "asperity.app.predict": ("predict",),
-    "asperity.contact": ("ActiveSet", "Carried", "Contact", "Load", "Multigrid", "Separation"),
+    "asperity.carried": ("Carried",),
+    "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.inference": ("infer",),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "relax", "slide"),

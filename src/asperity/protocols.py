@@ -72,7 +72,10 @@ class Shifts:
 
 
 class Leg(Checked):
-    """A part of a history: `Hold`, `Ramp`, `Step`, `Slide` or `Repeat`.
+    """A part of a history: `Hold`, `Ramp`, `Step`, `Slide`, `Repeat`, or a class of your own.
+
+    Derive a frozen dataclass whose fields are annotated with bounds and an
+    `asperity.base.parameters.Quantity`; `target`, `value` and `words` say what it does.
 
     Attributes
     ----------
@@ -85,10 +88,8 @@ class Leg(Checked):
     speed
         How fast the rough surface slides.
     target
-        What it leads to: ``"load"``, ``"separation"``, ``"pressure"`` or ``"approach"``; empty where nothing
-        that is prescribed changes.
-    end
-        The value of that.
+        What it prescribes: ``"load"``, ``"separation"``, ``"pressure"`` or ``"approach"``; empty where
+        nothing that is prescribed changes.
     every
         Of how many shifts one is recorded.
     """
@@ -98,7 +99,6 @@ class Leg(Checked):
     mobility: float = 1.0
     speed: float = 0.0
     target: str = ""
-    end: float = math.nan
     every: int = 1
 
     def __post_init__(self) -> None:
@@ -107,6 +107,20 @@ class Leg(Checked):
             value = getattr(self, name)
             if parameter.bounds.get("above") == 0 and value is not None and value < 1 / LARGEST:
                 raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")
+
+    def value(self, time: float, start: float) -> float:
+        """What is prescribed at a time since the beginning of the leg, where it was ``start``."""
+        raise NotImplementedError
+
+    def rises(self, start: float) -> bool:
+        """Whether what is prescribed never falls; False, if in doubt, costs time and no accuracy."""
+        del start
+        return False
+
+    @property
+    def longest(self) -> float:
+        """Longest time step that follows `value`, for instance a twentieth of a period."""
+        return self.duration
 
     @property
     def rests(self) -> bool:
@@ -121,10 +135,10 @@ class Leg(Checked):
     @property
     def moves_the_body(self) -> bool:
         """Whether the rigid body is held or moved."""
-        return "separation" in (self.hold, self.target) or self.target == "approach"
+        return bool({self.hold, self.target} & {"separation", "approach"})
 
     def load_on(self, area: float) -> float | None:
-        """Load to which it leads on a nominal area, if it does."""
+        """Load to which it leads on a nominal area, if that is known beforehand."""
         del area
         return None
 
@@ -197,9 +211,17 @@ class Change(Leg):
         return next(name for name in _TARGETS if getattr(self, name) is not None)
 
     @property
-    def end(self) -> float:  # type: ignore[override]
+    def end(self) -> float:
         """What it is at the end."""
         return float(getattr(self, self.target))
+
+    def value(self, time: float, start: float) -> float:
+        """See `Leg`."""
+        return start + (self.end - start) * (time / self.duration) if self.duration else self.end
+
+    def rises(self, start: float) -> bool:
+        """See `Leg`."""
+        return self.end >= start
 
     def load_on(self, area: float) -> float | None:
         """See `Leg`."""
@@ -219,17 +241,12 @@ class Ramp(Change):
     ----------
     duration
         How long, time > 0.
-    load
-        The load at the end > 0.
-    separation
-        The separation at the end: the rigid body moves by what it differs from the mean of u0 at the
-        beginning. Give this, the approach, the load or the pressure.
-    pressure
-        The load at the end over the nominal area > 0.
+    load, pressure, separation, approach
+        One of these at the end: the load > 0; the same over the nominal area; the separation, where the rigid
+        body moves by what it differs from the mean of u0 at the beginning; or how far the rigid body has
+        moved since time 0, as the dataset has it.
     mobility
         As in `Hold`.
-    approach
-        The approach at the end: how far the rigid body has moved since time 0, as the dataset has it.
     """
 
     duration: _Duration
@@ -252,14 +269,8 @@ class Step(Change):
 
     Parameters
     ----------
-    load
-        The new load > 0.
-    separation
-        The new separation. Give this, the approach, the load or the pressure.
-    pressure
-        The new load over the nominal area > 0.
-    approach
-        The new approach, as in `Ramp`.
+    load, pressure, separation, approach
+        The new value of one of these, as in `Ramp`.
     """
 
     example = "Step(load=400.0)"
@@ -289,13 +300,12 @@ class Slide(Leg):
     distance
         How far > 0, in the unit of the distance between sites, which is 1 on a solid defined on sites.
     velocity
-        How fast > 0, distance / time; `math.inf` or ``"inf"`` slides at once, so that nothing creeps.
+        How fast > 0, distance / time; ``"inf"`` slides at once, so that nothing creeps.
     direction
         Where the rough surface goes: ``"x"`` along the last axis, ``"-x"``, ``"y"``, ``"-y"``; or the sites
         of one shift along each axis, such as ``(1, 1)``.
     substeps
-        Shifts from site to site, >= 1. If there are several, heights between the sites are interpolated; see
-        `asperity.slide`.
+        Shifts from site to site, >= 1; heights between sites are interpolated, see `asperity.slide`.
     every
         Record the states after one in so many shifts, and before the next one, >= 1.
     mobility
@@ -419,8 +429,8 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     if not isinstance(protocol, Sequence) or len(protocol) == 0:
         raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
     if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
-        expected = "Hold, Ramp, Step, Slide or Repeat"
-        raise InputError("protocol", expected=expected, got=repr(others[0]), advice=advice)
+        got = repr(others[0])
+        raise InputError("protocol", expected="legs, such as Hold or Ramp", got=got, advice=advice)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:
@@ -448,7 +458,7 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
     """Legs as `described` writes them, in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
     words = []
     for leg in legs:
-        usual, said, named = parameters_of(KINDS[leg["kind"]]), [leg["kind"]], []
+        usual, said, named = parameters_of(_kind_of(leg["kind"])), [leg["kind"]], []
         for key, value in leg.items():
             short = f"{value:g}" if isinstance(value, float | int) else str(value)
             if key in ("duration", "count"):
@@ -465,11 +475,19 @@ def leg_of(values: Mapping[str, Any]) -> Leg:
     arguments = {name: value for name, value in values.items() if name != "kind"}
     if "legs" in arguments:
         arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
-    return KINDS[values["kind"]](**arguments)
+    return _kind_of(values["kind"])(**arguments)
 
 
 KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Step, Slide, Repeat)}
-"""Legs by their kind in a configuration."""
+"""Legs by their kind in a configuration. What is added before `asperity.app` is imported has keys too."""
+
+
+def _kind_of(name: str) -> type[Leg]:
+    """The class of a kind, of this module or of an imported one."""
+    others = {kind.__name__.lower(): kind for kind in (*Leg.__subclasses__(), *Change.__subclasses__())}
+    if found := (others | KINDS).get(name):
+        return found
+    raise InputError("protocol", expected="legs whose classes are imported", got=repr(name))
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,13 @@ from asperity.aging.march import DEFAULT_RTOL, check_rtol
 from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
+from asperity.carried import Carried
 from asperity.contact.bodies import Bodies, bodies_of
-from asperity.contact.carried import Carried
 from asperity.contact.choice import chosen_solver
+from asperity.contact.contact import WHERE_FROM, Contact, control_of
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import WHERE_FROM, Contact, control_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
@@ -281,7 +281,8 @@ def age(
             if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
-    dataset = dataset_of(contact, control, protocol, hold == "area", rows, snapshots, rtol=tolerance)
+    legs = protocol, schedule.switches, hold == "area"
+    dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")

@@ -5,8 +5,10 @@ import pytest
 
 from asperity import age, press, relax
 from asperity.aging import creep
+from asperity.contact.anchors import AnchorFields
+from asperity.contact.contact import control_of
 from asperity.contact.problem import Solution
-from asperity.contact.state import contact_from, control_of
+from asperity.contact.publish import contact_from
 from asperity.solids import spring_lattice
 from asperity.theory import (
     EmpiricalHeights,
@@ -120,7 +122,7 @@ def test_modes_decay_exponentially_without_contact(R_viscous):
     free = press(np.full((n, n), -50.0), solid, separation=0.0)
     system, surface = free.system(), k1 / (k1 + k0 * lam) * waves
     solution = Solution(surface - system.datum, np.zeros((n, n), dtype=bool), 0, 0)
-    bent = contact_from(system, solution, waves[np.newaxis] - system.datum, 0.0, bodies=free)
+    bent = contact_from(system, solution, AnchorFields(waves[np.newaxis] - system.datum), 0.0, bodies=free)
     rate = (R * lam + R_viscous) * k0 * k1 * lam / (k1 + k0 * lam)
     for frame in creep(bent, [0.1, 1.0, 5.0], rtol=1e-5):
         exact = np.exp(-rate * frame.time) * waves

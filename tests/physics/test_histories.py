@@ -9,6 +9,7 @@ import asperity as asp
 from asperity.aging.field_steps import FieldSteps
 from asperity.aging.spring_steps import SpringSteps
 from asperity.contact import ActiveSet, Load, Multigrid, Separation
+from asperity.contact.controls import Course
 from tests.equal_steps import orders, shape_after
 from tests.history_reference import assert_follows, explicit_history, second_order
 from tests.independent import assert_equilibrium, laplacian
@@ -160,17 +161,18 @@ def test_a_step_to_what_it_was_changes_nothing(change):
 
 
 @pytest.mark.parametrize("kind", [SpringSteps, FieldSteps])
+@pytest.mark.parametrize(("control", "rate"), [(Load, 6.0), (Separation, -3.0)], ids=["load", "separation"])
 @pytest.mark.parametrize(
-    "control",
-    [lambda contact: Load(contact.load, 6.0), lambda contact: Separation(contact.separation, -3.0)],
-    ids=["load", "separation"],
+    "change", [lambda time: time, lambda time: np.sin(3 * time) / 3], ids=["ramp", "sine"]
 )
-def test_ramps_converge_at_second_order(kind, control):
+def test_ramps_and_oscillations_converge_at_second_order(kind, control, rate, change):
     # One asperity: the contact stays one site, so that nothing but the steps makes an error.
     heights = np.full((16, 16), -100.0)
     heights[5, 7] = 0.0
     contact = asp.press(heights, springs(R_viscous=0.2), load=2.0)
-    system = contact.system(control(contact))
+    start = getattr(contact, control.name)
+    course = Course(lambda time: start + rate * change(time), 1.0)
+    system = contact.system(control(start, course))
     exact, *tried = (shape_after(count, kind, contact, system) for count in (512, 16, 32, 64))
     assert orders([np.linalg.norm(found - exact) for found in tried]) == pytest.approx(2.0, abs=0.1)
 

@@ -7,10 +7,11 @@ import pytest
 
 import asperity as asp
 from asperity.contact import ActiveSet, Multigrid, Separation
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import inverse
 from asperity.contact.choice import chosen_solver
 from asperity.contact.problem import PUBLISHED
-from asperity.contact.state import contact_from
+from asperity.contact.publish import contact_from
 from asperity.errors import ConvergenceError
 from asperity.solids import half_space, layer, spring_lattice
 from asperity.surfaces import Surface
@@ -47,7 +48,7 @@ def pressed_beside(known, contact, *, control=None, solver=None):
     if system.load is not None:
         flat = np.full((mechanics.branches, *solution.u.shape), level)
         level = system.displacement(solution.u, flat, level)
-    return contact_from(system, solution, level, level, bodies=contact)
+    return contact_from(system, solution, AnchorFields.flat(level, system), level, bodies=contact)
 
 
 def indentation(known, contact):
@@ -146,4 +147,5 @@ def test_forces_off_contact_that_are_not_the_known_ones_are_refused():
     solution = ActiveSet().solve(problem, None, PUBLISHED)
     level = float(solution.u.mean())
     with refuses(kind=ConvergenceError):
-        contact_from(replace(system, known=None), solution, level, level, bodies=contact)
+        anchors = AnchorFields.flat(level, system)
+        contact_from(replace(system, known=None), solution, anchors, level, bodies=contact)

@@ -10,8 +10,8 @@ from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim
 from asperity.contact import ActiveSet
+from asperity.contact.contact import control_of
 from asperity.contact.problem import TOLERANCE
-from asperity.contact.state import control_of
 from asperity.solids import spring_lattice
 from tests.continua import pressed
 from tests.dense_reference import Dense

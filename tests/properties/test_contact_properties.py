@@ -7,7 +7,7 @@ from hypothesis.extra import numpy as hnp
 
 from asperity import press, relax
 from asperity.aging import creep
-from asperity.contact.state import control_of
+from asperity.contact.contact import control_of
 from asperity.solids import spring_lattice
 from tests.independent import assert_equilibrium
 

@@ -3,6 +3,7 @@
 import importlib
 import re
 import sys
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,6 +15,7 @@ from asperity.app.cli.app import with_others
 from asperity.app.config.keys import sections
 from asperity.contact import Multigrid, active_set
 from tests.named import ROOT, SOURCE, Source, in_docstrings, in_pages
+from tests.surfaces import uncorrelated
 from tests.unit.test_house import ROOMS, ROOMS_OF_RESEARCH
 
 DOCS = ROOT / "docs"
@@ -230,7 +232,7 @@ def test_rooms_of_contributing_are_those_of_the_house():
         ("accuracy", f"At the default, {march.DEFAULT_RTOL * 1000:g}e-3"),
         ("histories", f"{100 * constant_area.TUNING.allowed:g} %, the step is repeated once"),
         ("histories", f"shorter than {constant_area.TUNING.lapse:g} in ln t"),
-        ("histories", f"fewer than {constant_area.FEWEST_SITES} sites in contact"),
+        ("histories", f"fewer than {constant_area.TUNING.fewest_sites} sites in contact"),
         ("design", f"did not solve in {Multigrid().max_cycles} cycles"),
         ("design", f"After {active_set.TUNING.careful_after} revisions"),
         ("design", f"residual has fallen to {active_set.TUNING.reduction:g}"),
@@ -248,3 +250,25 @@ def test_a_speed_on_a_page_names_its_version(page):
     assert timed
     for section in timed:
         assert re.search(r"([Vv]ersions?|Asperity) 0\.\d+\.\d+", section), section.splitlines()[0]
+
+
+def test_the_page_of_one_step_names_the_functions_in_the_order_of_their_calls():
+    named = re.findall(r"^ *(\S+\.py) +(\w+) ", (DOCS / "step.md").read_text(), re.MULTILINE)
+    called = []
+
+    def note(frame, event, _):
+        place = Path(frame.f_code.co_filename)
+        if event == "call" and place.is_relative_to(SOURCE):
+            one = place.relative_to(SOURCE).as_posix(), frame.f_code.co_name
+            if one in named and one not in called:
+                called.append(one)
+
+    solid = asp.solids.half_space(modulus=1.0, branches=[(0.5, 1.0)])
+    contact = asp.press(uncorrelated(8), solid, load=1.0)
+    sys.setprofile(note)
+    try:
+        asp.age(contact, [5.0], protocol=asp.protocols.Ramp(10.0, load=2.0), exact=False)
+    finally:
+        sys.setprofile(None)
+    assert called == named
+    assert len(named) == 12

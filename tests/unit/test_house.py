@@ -25,6 +25,7 @@ ROOMS = [
     {"relaxation", "patches", "creep"},
     {"surfaces", "solids", "protocols"},
     {"contact"},
+    {"carried"},
     {"aging"},
     {"progress", "results"},
     {"simulate"},

@@ -105,7 +105,7 @@ def test_it_is_saved_and_read_again(tmp_path):
     again = load_contact(tmp_path / "contact", OUTSIDE)
     np.testing.assert_array_equal(again.in_contact, contact.in_contact)
     np.testing.assert_allclose(again.u0, contact.u0, atol=1e-18)
-    with refuses("solid"):
+    with refuses("solid", "delay 50.0"):
         load_contact(tmp_path / "contact", delayed(MODULUS, MODULUS, TIME))
     assert "delayed" in OUTSIDE._repr_html_()
 

@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from asperity.lattice import Lattice
-from asperity.solids import CreepBranch, LaplacianSpectrum, Solid, contact_modulus, half_space, spring_lattice
+from asperity.solids import (
+    CreepBranch,
+    LaplacianSpectrum,
+    Norton,
+    Solid,
+    Springs,
+    contact_modulus,
+    half_space,
+    spring_lattice,
+)
 from tests.independent import laplacian
 from tests.refusals import each_refuses, refuses
 
@@ -34,6 +43,24 @@ def test_what_is_no_solid_is_refused():
             "0.0 | 0.6 | 2"
         ),
     )
+
+
+def test_what_is_stated_twice_or_in_part_is_refused():
+    law, springs = LaplacianSpectrum(uniform=1.0), Springs(1.0, 3.0)
+    shares: dict[str, Any] = {"stiffness": law, "shares": [(0.5, 1.0)]}
+    made: list[tuple[str, dict[str, Any]]] = [
+        ("permanent", {"permanent": law, "springs": springs}),
+        ("branches", {"branches": [CreepBranch(law, law)], **shares}),
+        ("stiffness", {"shares": [(0.5, 1.0)]}),
+        ("branches", shares | {"shares": [(0.5, 1.0), (0.6, 1.0)]}),
+        ("modulus", shares | {"half_space": True}),
+    ]
+    each_refuses(
+        *((name, partial(Solid, **wrong)) for name, wrong in made), got="both | both | none | 1.1 | none"
+    )
+    assert Solid(**shares).with_hardness(1.0).branches == Solid(**shares).branches
+    creeping = Solid(springs=springs, creep=Norton(1.0, 1.0, 2.0))
+    assert creeping.without_law().springs == Springs(1.0, 3.0, 0.0, 3.0)
 
 
 def test_spectra_are_checked_on_the_lattice():

@@ -19,11 +19,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from asperity.contact.controls import Load
-
-FEWEST_SITES = 20
-"""Sites in contact of which the area can be kept: of fewer, one site is too large a part. 12 were enough in
-every case tried, 3 were not."""
+from asperity.contact.controls import Course, Load
 
 
 @dataclass(frozen=True)
@@ -43,6 +39,15 @@ class Tuning:
     """Lapse of ln t over which the area is corrected and growth is averaged, and to which steps may shrink.
 
     Of few contacts one more or less is no growth to follow.
+    """
+
+    weight: float = 0.5
+    """Largest weight of one step in the growth."""
+
+    fewest_sites: int = 20
+    """Sites in contact of which the area can be kept: of fewer, one site is too large a part.
+
+    12 were enough in every case tried, 3 were not.
     """
 
 
@@ -73,7 +78,8 @@ class ConstantArea:
         self.gain = min(1.0, lapse / TUNING.lapse) if self.since else 1.0
         change = self.gain * math.log(self.wanted / max(self.area, 1.0)) - self.growth * lapse
         change = min(max(change, -TUNING.largest_change), TUNING.largest_change) + self.correction
-        return Load(self.load, self.load * math.expm1(change) / length, since=self.time)
+        begun, load, rate = self.time, self.load, self.load * math.expm1(change) / length
+        return Load(load, Course(lambda time: load + rate * (time - begun), length))
 
     def longest(self) -> float:
         """Longest next step, so that the load changes little."""
@@ -95,13 +101,12 @@ class ConstantArea:
         """Begin a step of another length."""
         self.correction, self.repeated = 0.0, False
 
-    def accept(self, time: float, area: int, load: Load) -> None:
-        """Update the growth G, and begin at the end of a step that was taken."""
-        reached = load.at(time).value
+    def accept(self, time: float, area: int, reached: float) -> None:
+        """Update the growth G, and begin at the end of a step that was taken, at the load that it reached."""
         lapse = self._lapse(time - self.time)
         if lapse > 0:
             shown = (math.log(max(area, 1) / max(self.area, 1.0)) - math.log(reached / self.load)) / lapse
-            weight = min(0.5, lapse / TUNING.lapse) if self.growth else 1.0
+            weight = min(TUNING.weight, lapse / TUNING.lapse) if self.growth else 1.0
             self.growth += weight * (shown - self.growth)
         self.since = self.since or time
         self.time, self.load, self.area = time, reached, float(area)

@@ -20,6 +20,19 @@ class Tuning:
     tests of ``rtol``, which hold with it.)
     """
 
+    first: float = 0.1
+    """Part of the deformation by which the anchors move in the first step, at a tolerance of 1; goes like its
+    cube root."""
+
+    margin: float = 0.9
+    """Length of the next step over that with which it would err by what is allowed."""
+
+    growth: float = 4.0
+    """Largest growth of the length from step to step."""
+
+    shrinkage: float = 0.2
+    """Smallest part to which the length falls when a step is repeated, and where it was not solved."""
+
     most_unsolved: int = 20
     """Steps that are not solved, while time doubles, after which others are not going to succeed."""
 
@@ -56,7 +69,7 @@ class Controller:
     def begin(self, deformation: float, speed: float) -> None:
         """Set the length of the first step: u0 changes by a small part of the deformation."""
         if speed > 0 and deformation > 0:
-            self.length = 0.1 * self.tolerance ** (1 / 3) * deformation / speed
+            self.length = TUNING.first * self.tolerance ** (1 / 3) * deformation / speed
 
     def step(self, time: float, stop: float, longest: float = math.inf) -> float:
         """Length of the step from a time toward a stop, exactly all that is left where it ends there."""
@@ -76,18 +89,20 @@ class Controller:
     def accepts(self, length: float, error: float) -> bool:
         """Whether a step that was tried was accurate, by its error in units of what is allowed.
 
-        That of a step that was not solved is infinite. The length of the next one follows: errors grow like
-        its cube, and 0.9 leaves a margin.
+        That of a step that was not solved is infinite. The length of the next one follows, as errors grow
+        like its cube.
         """
         self.tried += 1
-        change = min(4.0, max(0.2, 0.9 * error ** (-1 / 3))) if error > 0 else 4.0
+        growth = TUNING.growth
+        change = max(TUNING.shrinkage, TUNING.margin * error ** (-1 / 3)) if error > 0 else growth
+        change = min(change, growth)
         if not math.isfinite(error):
             self.wished = self.wished if self.unsolved else length
             self.unsolved += 1
         if error > 1:
             self.length = length * change
             return False
-        self.length = max(length * change, min(self.length, 4.0 * length))
+        self.length = max(length * change, min(self.length, growth * length))
         return True
 
     def start_over(self, time: float) -> None:

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
+from asperity.contact.anchors import AnchorFields, AnchorModes
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
+from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import Accuracy, ContactSolver, Guess
-from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.stencils import extrapolated
 from asperity.contact.system import System
 from asperity.lattice import Field, Modes
@@ -44,6 +45,7 @@ class FieldSteps(TrBdf2):
     """
 
     kind, through = "fields", 2
+    implicit: ImplicitStep
 
     def __init__(self, system: System, solver: ContactSolver, arrays: Arrays) -> None:
         super().__init__(system, arrays)
@@ -52,7 +54,6 @@ class FieldSteps(TrBdf2):
         self.point = Point(u, modes, arrays["stretch"], float(arrays["position"]))
         self.earlier = list(arrays["earlier"])
         self.tried = [self.point]
-        self.implicit: ImplicitStep | None = None
         # Whether contact problems are solved no better than a step needs: what that leaves off contact is
         # balanced where a state is published.
         self.eager = system.mechanics.anchors_can_balance
@@ -60,13 +61,14 @@ class FieldSteps(TrBdf2):
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> FieldSteps:
         """At the start of a history."""
-        (u, anchors, _), position = start.whole, start.separation - system.datum
-        return cls.going_on(system, solver, 0.0, State(u - system.datum, u - anchors, position))
+        u, anchors, _, position = start.relative
+        return cls.going_on(system, solver, 0.0, np.array(u), u - anchors, position)
 
     @classmethod
-    def going_on(cls, system: System, solver: ContactSolver, time: float, state: State[Field]) -> FieldSteps:
+    def going_on(
+        cls, system: System, solver: ContactSolver, time: float, u: Field, stretch: Field, position: float
+    ) -> FieldSteps:
         """From where other steps have come to."""
-        u, stretch, position = state
         arrays = {
             "times": np.array([time, time]),
             "u": u,
@@ -90,12 +92,13 @@ class FieldSteps(TrBdf2):
         """See `Steps`."""
         return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
 
-    def state(self) -> State[Field | AnchorModes]:
+    def state(self) -> State:
         """See `Steps`."""
-        point, mechanics = self.point, self.system.mechanics
+        point, mechanics, system = self.point, self.system.mechanics, self.system.at(self.time)
         if not self.eager:
-            return State(point.u, mechanics.lattice.backward(point.stretch), point.position)
-        held, touching = self.system.at(self.time).held(point.position), point.u <= self.system.heights
+            stretch = system.balanced_stretch(point.u, mechanics.lattice.backward(point.stretch))
+            return State(point.u, AnchorFields(point.u - stretch), point.position)
+        held, touching = system.held(point.position), point.u <= system.heights
         change = mechanics.balancing(point.modes, point.stretch, touching, held)
         return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
 
@@ -111,16 +114,17 @@ class FieldSteps(TrBdf2):
         rate[mechanics.lattice.mean] += system.drift * system.sites
         return mechanics.rms(rate)
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        self.tried, self.implicit = [self.point], self.system.mechanics.implicit_step(tau)
+
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`; problems are solved to the error allowed, where that can be balanced."""
         system, mechanics, start = self.system, self.system.mechanics, self.point
         lattice = mechanics.lattice
-        if not stage.is_last:
-            self.tried, self.implicit = [start], mechanics.implicit_step(stage.tau)
-        assert self.implicit is not None
         numbers = (-1.0, 0.0)[: len(stage.creeps)]
         before = self._combined(start.modes, numbers, stage.creeps)
-        before[lattice.mean] += stage.tau * system.drift * system.sites
+        before[lattice.mean] += system.moved(self.time, stage.time) * system.sites
         held = system.at(stage.time).held(start.position)
         problem = self.implicit.problem_of_modes(system.heights, before, held)
         latest = self.tried[-1]
@@ -142,17 +146,15 @@ class FieldSteps(TrBdf2):
 
     def _combined(self, u: Modes | float, numbers: Sequence[float], durations: Sequence[float]) -> Modes:
         """Modes u and of each w_b tried a number of times and what u_b creeps at the rate there in a time."""
-        system, spectra = self.system, self.system.mechanics.spectra
+        spectra = self.system.mechanics.spectra
         modes = np.empty_like(self.point.stretch)
         modes[...] = u
         for number, duration, point in zip(numbers, durations, self.tried, strict=True):
             add_creep(modes, number, duration, spectra.rate, point.stretch)
-        modes[system.mechanics.lattice.mean] += system.drift * system.sites * sum(durations)
         return modes
 
     def left_of(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
-        assert self.implicit is not None
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness

@@ -13,8 +13,9 @@ from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.tr_bdf2 import Origin, Steps
+from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
-from asperity.contact.state import AnchorModes, Contact
+from asperity.contact.publish import contact_from
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,9 +106,8 @@ class Counts:
 
 def published(start: Contact, now: Steps, origin: Origin, counts: Counts) -> Frame:
     """The present state of what a contact has become, in exact equilibrium."""
-    system, (u, creep, position) = now.system.at(now.time), now.state()
-    anchors = creep if isinstance(creep, AnchorModes) else u - system.balanced_stretch(u, creep)
+    system, (u, anchors, position) = now.system.at(now.time), now.state()
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
-    state = start.become(system, solution, anchors, position)
+    state = contact_from(system, solution, anchors, position, bodies=start)
     approach = now.approach(origin, state.separation)
     return Frame(now.time, state, approach, **vars(counts), solved_by=now.kind)

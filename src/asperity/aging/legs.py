@@ -14,13 +14,15 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from asperity.aging.frames import Frame, Midway, Pace
 from asperity.aging.march import creep
-from asperity.contact.controls import Control, control_from
+from asperity.contact.contact import Contact, control_of
+from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact, control_of
+from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.protocols import Leg, Schedule, Shifts
 from asperity.solids import Solid
@@ -30,14 +32,16 @@ from asperity.solids import Solid
 class LegMidway:
     """State from which a history resumes within a leg, to identical results.
 
-    ``begun``, ``control`` and ``approach`` are those at the beginning of the march in the leg, whose times
-    are since then; ``shifts`` says how often the rough surface was shifted in this leg, and ``pace`` how the
+    ``begun`` and ``approach`` are those at the beginning of the march in the leg, whose times are since then;
+    ``control`` is what was prescribed at the beginning of the leg, and ``level`` the separation at which the
+    approach was 0; ``shifts`` says how often the rough surface was shifted in this leg, and ``pace`` how the
     march began, where it slides.
     """
 
     leg: int
     begun: float
     control: Control
+    level: float
     approach: float
     midway: Midway
     shifts: int = 0
@@ -87,7 +91,7 @@ def follow(
         elif shifts is not None:
             yield from way.slide(leg, shifts, number, span, here)
         elif leg.jumps:
-            pressed = pressed_anew(way.now.contact, _target(way.now, leg), solver)
+            pressed = pressed_anew(way.now.contact, way.target(leg), solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
             if here is not None:
@@ -162,16 +166,16 @@ class _Way:
         """March through a span of time; returns what it tells of the length of steps."""
         now, (begun, end) = self.now, span
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
+        start, level = (self.start(leg), self.level) if here is None else (here.control, here.level)
+        control = self.prescribed(leg, start, level, end - begun)
         if here is not None:
-            begun, control = here.begun, here.control
+            begun, control = here.begun, control.after((here.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
-        else:
-            control = _control(now, leg, end - begun)
-            if control.rate and not now.contact.load and now.contact.has_not_crept:
-                begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
-                stops = stops[stops > begun]
-                if not stops.size:
-                    return pace
+        elif control.course and not now.contact.load and now.contact.has_not_crept:
+            begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
+            stops = stops[stops > begun]
+            if not stops.size:
+                return pace
         approach = self.now.approach if here is None else here.approach
         told = None if here is None else here.pace
 
@@ -179,7 +183,8 @@ class _Way:
             nonlocal told
             told = Pace(pace.length if told is None else told.length, pace.deformation)
             if self.after_step is not None:
-                self.after_step(lambda: LegMidway(number, begun, control, approach, midway(), shifts, told))
+                where = number, begun, start, level, approach
+                self.after_step(lambda: LegMidway(*where, midway(), shifts, told))
 
         frames = creep(
             self.now.contact,
@@ -219,40 +224,78 @@ class _Way:
         to that time is put on at once; what creeps before is half the square of rtol of that at the first
         state.
         """
-        now, touching, rate = self.now, begun, control.rate * leg.mobility
-        if not control.load_controlled:
-            touching += (float(now.contact.heights.max()) - control.value) / rate if rate < 0 else math.inf
+        now, pace, top = self.now, leg.mobility, float(self.now.contact.heights.max())
+        times, touching = _resolved(control, begun, float(stops[-1]), pace), begun
 
         def at(time: float) -> Control:
-            return control.at((time - begun) * leg.mobility)
+            return control.at((time - begun) * pace)
 
+        near = 1
+        if not control.load_controlled:
+            near = next((n for n, time in enumerate(times) if at(time).value < top), 0)
+            way = times[near - 1 : near + 1]
+            touching = _root(lambda time: at(time).value - top, *way) if near else math.inf
         for time in stops[stops <= touching].tolist():
             apart = pressed_anew(now.contact, at(time), self.solver)
             yield self.at_once(apart, replace(now, time=time, leg=number))
         if not (stops > touching).any():
             return math.inf, control, None
-        reached = float(stops[stops > touching][0])
+        reached = min(float(stops[stops > touching][0]), times[near])
         first, begun_at = pressed_anew(now.contact, at(reached), self.solver), touching
         begun_at += self.rtol * (reached - touching)
         start = pressed_anew(now.contact, at(begun_at), self.solver, least_force=first.residual_scale)
         self.at_once(start, now)
-        return begun_at, replace(at(begun_at), rate=control.rate), Pace(0.0, float(first.u.std()))
+        return begun_at, control.after((begun_at - begun) * pace), Pace(0.0, float(first.u.std()))
+
+    @property
+    def level(self) -> float:
+        """Separation at which the approach was 0: under viscous creep the body is not at the mean of u0."""
+        return self.now.contact.separation + self.now.approach
+
+    def start(self, leg: Leg) -> Control:
+        """What is prescribed when a leg begins."""
+        contact = self.now.contact
+        if not leg.target:
+            return control_of(contact, leg.hold)
+        if leg.moves_the_body:
+            return Separation(contact.separation)
+        return contact.control if contact.control.load_controlled else control_of(contact, "load")
+
+    def target(self, leg: Leg) -> Control:
+        """What a leg prescribes at once."""
+        kind, zero, unit = self.measured(leg, self.level)
+        return kind(zero + unit * leg.value(0.0, math.nan))
+
+    def measured(self, leg: Leg, level: float) -> tuple[type[Control], float, float]:
+        """What a leg prescribes, with the zero and the unit of its values."""
+        units = {"load": 1.0, "pressure": self.contact.nominal_area}
+        if leg.target in units:
+            return Load, 0.0, units[leg.target]
+        return (Separation, level, -1.0) if leg.target == "approach" else (Separation, 0.0, 1.0)
+
+    def prescribed(self, leg: Leg, start: Control, level: float, lasting: float) -> Control:
+        """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
+        if not leg.target:
+            return start
+        _, zero, unit = self.measured(leg, level)
+        first, pace = (start.value - zero) / unit, leg.duration / (lasting * leg.mobility)
+
+        def at(time: float) -> float:
+            return zero + unit * leg.value(time * pace, first)
+
+        if abs(at(0.0) - start.value) > 1e-9 * max(abs(zero), abs(start.value)):
+            expected, got = f"legs that begin at what is prescribed, {start.value:g}", f"{at(0.0):g}"
+            raise InputError("protocol", expected=expected, got=got, advice="a Step before it")
+        return replace(start, course=Course(at, min(leg.longest, leg.duration) / pace, leg.rises(first)))
 
 
-def _control(now: Frame, leg: Leg, lasting: float) -> Control:
-    """What a leg prescribes, in times since its beginning and as fast as its mobility lets time pass."""
-    if not leg.target:
-        return control_of(now.contact, leg.hold)
-    target = _target(now, leg)
-    start, control = now.contact.separation, now.contact.control
-    if target.load_controlled:
-        start = control.value if control.load_controlled else control_of(now.contact, "load").value
-    return replace(target, value=start, rate=(target.value - start) / (lasting * leg.mobility))
+def _resolved(control: Control, begin: float, end: float, pace: float) -> list[float]:
+    """Times between which what is prescribed is followed."""
+    count = max(1, math.ceil((end - begin) * pace / control.longest))
+    return [begin + (end - begin) * n / count for n in range(count)] + [end]
 
 
-def _target(now: Frame, leg: Leg) -> Control:
-    if leg.target == "approach":  # under viscous creep the mean of u0 is not where the body was put
-        return control_from(None, now.contact.separation + now.approach - leg.end)
-    if leg.target == "separation":
-        return control_from(None, leg.end)
-    return control_from(leg.load_on(now.contact.nominal_area), None)
+def _root(function: Callable[[float], float], begin: float, end: float) -> float:
+    """Where a function is 0 between times at which its signs differ, to the last digits."""
+    eps = float(np.finfo(float).eps)
+    return float(brentq(function, begin, end, xtol=eps**2 * (end - begin), rtol=4 * eps))

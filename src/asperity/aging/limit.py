@@ -17,11 +17,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.choice import chosen_solver
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
 from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
 from asperity.contact.problem import PUBLISHED, ContactSolver, Guess, Solution
-from asperity.contact.state import Contact
+from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -45,19 +47,21 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
         got = "none, so that the body sinks for ever"
     if expected:
         raise InputError("solid", expected=expected, got=got, advice="asperity.age with late times")
-    u, anchors, in_contact = contact.whole
-    before, position = anchors - system.datum, contact.separation - system.datum
+    u, before, in_contact, position = contact.relative
     step = mechanics.implicit_step(np.inf)
     if some_soft:
         solution = _without_stiffness(system, step, before, position)
     elif system.free_mean:
-        return contact.become(system, *_unloaded(contact, system), position)
+        level = 0.0 if contact.area else max(0.0, position)  # flat, touching unless the body hung above
+        flat = Solution(np.full(u.shape, level), system.heights >= level, 0, 0)
+        return contact_from(system, flat, AnchorFields.flat(level, system), position, bodies=contact)
     else:
-        guess = Guess(u - system.datum, in_contact, disposable=True)
+        guess = Guess(np.array(u), in_contact, disposable=True)
         problem = system.problem(step, before)
         solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     stretch, position = system.stretch(step, solution, before, position)
-    return contact.become(system, solution, solution.u - stretch, position)
+    how = system, solution, AnchorFields(solution.u - stretch), position
+    return contact_from(*how, bodies=contact)
 
 
 def _without_law(mechanics: Mechanics) -> Mechanics:
@@ -91,10 +95,3 @@ def _without_stiffness(system: System, step: ImplicitStep, before: Field, positi
             advice="asperity.age with late times, or a solid with permanent stiffness",
         )
     return everywhere
-
-
-def _unloaded(start: Contact, system: System) -> tuple[Solution, Field]:
-    """The load has died out: flat, touching the highest point unless the body hung above it."""
-    level = 0.0 if start.in_contact.any() else max(0.0, start.separation - system.datum)
-    flat = np.full(system.heights.shape, level)
-    return Solution(flat, system.heights >= level, 0, 0), flat[np.newaxis]

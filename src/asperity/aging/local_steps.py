@@ -20,11 +20,12 @@ from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Aim, Arrays, Attempt, Extent, Origin, State, TrBdf2, rms
 from asperity.aging.tr_bdf2 import Stage as TimeStage
+from asperity.contact import Contact
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
 from asperity.contact.choice import local_solver
 from asperity.contact.local_creep import LocalState, Stage
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact
 from asperity.contact.stencils import combined, extrapolated
 from asperity.contact.system import System
 from asperity.lattice import Field
@@ -51,10 +52,12 @@ class LocalSteps(TrBdf2):
         self.rates, self.tried = [arrays["rate"]], self.known[:1]
 
     @classmethod
-    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps:
-        """At the start of a history."""
-        u, anchors, _ = start.whole
-        u, shape = np.maximum(u - system.datum, system.heights), anchors[0] - system.datum
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps | None:
+        """See `Steps`."""
+        if system.mechanics.law is None:
+            return None
+        u, (shape,), _, position = start.relative
+        u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
         check_stress(system, force)
         arrays = {
@@ -65,7 +68,7 @@ class LocalSteps(TrBdf2):
             "shape": shape,
             "rate": local_solver(system).velocity(force),
             "crept": np.zeros(()),
-            "begun_at": np.array(start.separation - system.datum),
+            "begun_at": np.array(position),
         }
         return cls(system, solver, arrays)
 
@@ -88,11 +91,11 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
 
-    def state(self) -> State[Field]:
+    def state(self) -> State:
         """See `Steps`."""
         now = self.known[0]
         stretch = self.solver.balanced(now, self.system.at(self.time).load)
-        return State(now.u, stretch[np.newaxis], self.begun_at + self.position)
+        return State(now.u, AnchorFields((now.u - stretch)[np.newaxis]), self.begun_at + self.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""
@@ -104,13 +107,16 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return rms(self._about_mean(self.rates[0]))
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        del tau
+        self.tried, self.rates = [], self.rates[:1]
+
     def solve(self, stage: TimeStage) -> int:
         """See `TrBdf2`."""
-        if not stage.is_last:
-            self.tried, self.rates = [], self.rates[:1]
         before = combined(self.shape, *zip(stage.creeps, self.rates, strict=True))
         system, again = self.system.at(stage.time), stage.is_last
-        position = self.system.drift * stage.time + self.crept
+        position = self.system.moved(0.0, stage.time) + self.crept
         problem = Stage(stage.tau, before, system.load, position, again=again)
         guess = self._in_frame(self._extrapolated(stage.weights))
         self.run = self.solver.solve(problem, guess, stage.allowed_error)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.aging.constant_area import FEWEST_SITES, ConstantArea
+from asperity.aging import constant_area
+from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
 from asperity.aging.frames import Counts, Frame, Midway, Pace, published
@@ -21,11 +22,9 @@ from asperity.aging.spring_steps import SpringSteps
 from asperity.aging.tr_bdf2 import Aim, Origin, Steps
 from asperity.base import checks
 from asperity.contact.choice import chosen_solver
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control, Load
-from asperity.contact.mechanics import SpringMechanics
-from asperity.contact.multigrid import Multigrid
 from asperity.contact.problem import TOLERANCE, ContactSolver
-from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
@@ -35,9 +34,6 @@ DEFAULT_RTOL = 2e-3
 
 SMALLEST_RTOL, LARGEST_RTOL = 1e-6, 0.1
 """The number of time steps grows as rtol^(-1/2); rtol below 1e-6 is refused as too slow."""
-
-LONGEST = 1e30
-"""Longest time, in units of the time in which the fastest mode creeps; single precision ends at 1e38."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +46,14 @@ class Tuning:
     published: float = 0.01
     """The same in the last stage before a frame."""
 
+    passing: float = 5e-4
+    """Tolerance of contact problems on the way, in units of rtol."""
+
 
 TUNING = Tuning()
 
-KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, SpringSteps, FieldSteps, LocalSteps)}
+KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, LocalSteps, SpringSteps, FieldSteps)}
+"""Kinds of time steps by name; the first that suits is taken."""
 
 
 def creep(
@@ -73,22 +73,12 @@ def creep(
 
     Parameters
     ----------
-    contact
-        Where to start, from `press`, `relax` or an earlier frame.
-    times
-        Strictly increasing times >= 0.
+    contact, times, rtol, solver, exact
+        As those of `asperity.age`.
     control
-        What is prescribed, constant or linear in time; by default what the contact was pressed by.
+        What is prescribed, a function of these times; by default what the contact was pressed by.
     keep_area
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
-    rtol
-        Bound on the error of u0 at every time, rms over the sites, relative to the largest
-        deformation reached so far: the rms of u about its mean (or of u - u0, if that is larger,
-        where the mean of u0 creeps too or u is flat). See `asperity.aging.controller`.
-    solver
-        How to solve the contact problems; by default as `asperity.press` does.
-    exact
-        Whether to use the exact contact of a separable solid where it holds.
     pace
         What an earlier march tells of the length of steps.
     midway
@@ -113,8 +103,8 @@ def creep(
         system = contact.system(control).lowered(arrays["obstacle"])
     else:
         system = contact.system(control)
-    if keep_area and contact.area < FEWEST_SITES and midway is None:
-        expected = f"at least {FEWEST_SITES} sites in contact to keep the area"
+    if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
+        expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
@@ -122,24 +112,8 @@ def creep(
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
-    if not isinstance(march.now, SeparableSteps):  # those are exact, in double precision, at any time
-        _check_pace(system, stops)
+    march.now.check(stops)
     return march.frames(stops, from_start=midway is None)
-
-
-def _begun(system: System, solver: ContactSolver, start: Contact, exact: bool) -> Steps:
-    """The steps that suit a system."""
-    steps = SeparableSteps.begin(system, solver, start) if exact else None
-    if steps is not None:
-        return steps
-    mechanics = system.mechanics
-    if mechanics.law is not None:
-        return LocalSteps.begin(system, solver, start)
-    creeps = isinstance(mechanics, SpringMechanics) and mechanics.springs.creep
-    hangs = start.area == 0 and system.load is None  # its surface is known to the last digit
-    if creeps and not hangs and isinstance(solver, Multigrid) and Multigrid.suits(mechanics):
-        return SpringSteps.begin(system, solver, start)
-    return FieldSteps.begin(system, solver, start)
 
 
 def check_rtol(rtol: float) -> float:
@@ -149,21 +123,6 @@ def check_rtol(rtol: float) -> float:
     return checks.number(
         "rtol", rtol, least=SMALLEST_RTOL, most=LARGEST_RTOL, expected=expected, advice=advice
     )
-
-
-def _check_pace(system: System, stops: Field) -> None:
-    """Refuse numbers that overflow single precision."""
-    fastest, advice = system.mechanics.fastest_creep, "another unit of time"
-    if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
-        expected = f"0, or times from {1 / LONGEST:.0e}"
-        raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
-    if stops.size and fastest * stops[-1] > LONGEST:
-        expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
-        advice = "asperity.relax for what comes in the end"
-        raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
-    if fastest > LONGEST:
-        expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
-        raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
 
 
 class _March:
@@ -185,7 +144,7 @@ class _March:
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
         self.controller = Controller(step_tolerance(rtol))
-        self.passing = max(TOLERANCE, rtol / 2000)
+        self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
 
@@ -204,7 +163,8 @@ class _March:
         start = self.start
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
-        self.now = _begun(system, self.solver, start, exact and not keep_area)
+        kinds = [kind for kind in KINDS.values() if kind is not SeparableSteps or (exact and not keep_area)]
+        self.now = next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
         self.deformation = 0.0
         self.raise_deformation()
         self.controller.begin(self.deformation, self.now.speed())
@@ -218,7 +178,7 @@ class _March:
         self.controller, self.area = copy(midway.controller), copy(midway.area)
         self.deformation = midway.deformation
         if self.area is not None:
-            system = replace(system, control=Load(self.area.load, since=self.area.time))
+            system = replace(system, control=Load(self.area.load))
         self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
         self.extent = self.now.extent()
 
@@ -262,7 +222,8 @@ class _March:
         """Step until the time is exactly ``stop``."""
         controller, failure = self.controller, None
         while (time := self.now.time) < stop:
-            length = controller.step(time, stop, self.area.longest() if self.area else math.inf)
+            longest = self.area.longest() if self.area else self.now.system.control.longest
+            length = controller.step(time, stop, longest)
             landing = length == stop - time
             if controller.is_stuck(time, length):
                 shrank = ConvergenceError(
@@ -297,15 +258,11 @@ class _March:
         return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation)
 
     def fall_back(self, failure: ConvergenceError) -> None:
-        """Go on by whole fields where steps in corrections get nowhere; any others fail.
-
-        Near rest rounding in single precision, and what cycles leave, can look like errors of steps.
-        """
-        now = self.now
-        if not isinstance(now, SpringSteps):
+        """Go on by other steps where these get nowhere; the failure if there are none."""
+        if (others := self.now.instead()) is None:
             raise failure
-        self.now = FieldSteps.going_on(now.system, self.solver, now.time, now.state())
-        self.controller.start_over(now.time)
+        self.now = others
+        self.controller.start_over(self.now.time)
 
     def take(self, time: float) -> None:
         """Accept the step that was tried and ends at a time."""
@@ -314,8 +271,7 @@ class _March:
         self.now.accept(time)
         self.origin.passed(control, since, time)
         if self.area:
-            assert isinstance(control, Load)
-            self.area.accept(time, contacts, control)
+            self.area.accept(time, contacts, control.at(time).value)
         self.raise_deformation()
         if self.after_step is not None:
             self.after_step(Pace(self.controller.length, self.deformation), self.midway)

@@ -18,8 +18,10 @@ that is what the length of the steps is chosen by.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -27,9 +29,10 @@ from numpy.typing import NDArray
 
 from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
+from asperity.contact.anchors import AnchorModes
 from asperity.contact.arrays import largest
+from asperity.contact.contact import Contact
 from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver, Guess, SpectralProblem
-from asperity.contact.state import AnchorModes, Contact
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
 from asperity.relaxation import PronySeries, interlacing
@@ -49,12 +52,18 @@ class Tuning:
     safety: float = 2.0
     """Factor on the error of u between two steps."""
 
+    ahead: float = 2.0
+    """Largest extrapolation of u beyond a step, in units of that step."""
+
+    pieces: int = 32
+    """Pieces, linear in time, of the longest time step that follows the load."""
+
 
 TUNING = Tuning()
 
 
 class EffectiveLoad:
-    """The effective loads L_b of branches of given shares and times, exact for a load linear in time.
+    """The effective loads L_b of branches of given shares and times, exact for loads linear in time.
 
     In the variables sqrt(g tau) L_b the equations are symmetric: D - w w^T with D = 1/tau, w = sqrt(g/tau).
     Its eigenvalues are the rates of retardation, known to full accuracy over any number of decades.
@@ -110,13 +119,11 @@ class SeparableSteps(Steps):
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
-        """At the start of a history, if its surface and anchors are those of an elastic solid."""
+        """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
-        if not (
-            start.solid.separable and control.load_controlled and control.rate >= 0 and len(start.anchors)
-        ):
+        if not (start.solid.separable and control.load_controlled and control.rises and len(start.anchors)):
             return None
-        u, anchors, in_contact = start.whole
+        u, anchors, in_contact, _ = start.relative
         free = ~in_contact
         if not free.any():
             return None
@@ -125,7 +132,7 @@ class SeparableSteps(Steps):
             return None
         loads = []
         for surface in (u, *anchors):
-            force = system.mechanics.lattice.apply(stiffness, surface - system.datum)
+            force = system.mechanics.lattice.apply(stiffness, surface)
             lifted = force[free]
             loads.append(-float(lifted.mean()) * system.sites)
             if largest(lifted - lifted.mean(), np) > TUNING.flat * max(loads[0], 0.0) / max(start.area, 1):
@@ -134,9 +141,9 @@ class SeparableSteps(Steps):
         most = TUNING.flat * loads[0]
         if not -most <= own.min() <= own.max() <= loads[0] + most:
             return None
-        own, u = np.maximum(own, 0.0), u - system.datum
+        own = np.maximum(own, 0.0)
         loads = [0.0, 0.0, control.value + float(shares @ own), *own]
-        modes = system.mechanics.lattice.forward(anchors - system.datum)
+        modes = system.mechanics.lattice.forward(anchors)
         flat = np.zeros_like(u)  # as before any load
         return cls(system, solver, {"loads": np.array(loads), "u": u, "before": flat, "anchors": modes})
 
@@ -144,7 +151,7 @@ class SeparableSteps(Steps):
         """Number of sites in contact at the end of the time step that was tried."""
         return int(np.count_nonzero(self.tried[0] <= self.system.heights))
 
-    def state(self) -> State[AnchorModes]:
+    def state(self) -> State:
         """See `Steps`."""
         mechanics, now, stretch = self.system.mechanics, self.system.at(self.time), self._stretch()
         hanging = mechanics.hanging
@@ -172,11 +179,13 @@ class SeparableSteps(Steps):
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Find the contact a time later; the error is that of the anchors."""
         system, effective = self.system, self.effective
-        now = system.at(self.time)
-        assert now.load is not None
-        own = effective.after(self.loads[1:], now.load, system.control.rate, duration)
-        own = np.maximum(own, self.loads[1:])
-        load = now.load + system.control.rate * duration
+        pieces = max(1, math.ceil(TUNING.pieces * duration / system.control.longest))
+        times = np.linspace(self.time, self.time + duration, pieces + 1).tolist()
+        loads, own = [system.control.at(time).value for time in times], self.loads[1:]
+        for begin, end in pairwise(loads):
+            length = duration / pieces
+            own = np.maximum(effective.after(own, begin, (end - begin) / length, length), own)
+        load = loads[-1]
         total = max(load + float(effective.shares @ own), float(self.loads[0]))
         ahead = self._ahead(total)
         u = self.u + ahead * (self.u - self.before)
@@ -219,9 +228,9 @@ class SeparableSteps(Steps):
         return {"loads": loads, "u": self.u, "before": self.before, "anchors": self.anchors.copy()}
 
     def _ahead(self, load: float) -> float:
-        """How far a load is beyond the present one, over how far that is beyond the one before; at most 2."""
+        """How far a load is beyond the present one, over how far that is beyond the one before."""
         last = float(self.loads[0]) - self.load_before
-        return min((load - float(self.loads[0])) / last, 2.0) if last > 0 else 0.0
+        return min((load - float(self.loads[0])) / last, TUNING.ahead) if last > 0 else 0.0
 
     def _stretch(self) -> NDArray[np.complex128]:
         """Fourier modes of w_b, without the mean."""

@@ -21,17 +21,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.aging.field_steps import FieldSteps
 from asperity.aging.tr_bdf2 import DIAGONAL, WEIGHT, Arrays, Extent, Stage, State, TrBdf2, rms
+from asperity.contact import Contact
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import largest
-from asperity.contact.mechanics import SpringMechanics
 from asperity.contact.multigrid import Multigrid
 from asperity.contact.multigrid.loops import Measured, Pair, Past, Scales, Single, Surface
 from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
-from asperity.contact.state import Contact
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
-from asperity.lattice import Field
 
 
 class SpringSteps(TrBdf2):
@@ -39,21 +39,23 @@ class SpringSteps(TrBdf2):
 
     In units of ``unit`` are the changes of u and w in the last two steps, the rate of u0 at its end and the
     flow M C w. ``moments`` are sums over the state, rises above ``level``; ``offset`` is what f lacks after a
-    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed.
+    stage for the mean of w to be exact, and ``mean_u0`` that of u0 where the separation is prescribed. Rates
+    have velocities ``drifts`` of the rigid body in them that take it to where it is at the ends of stages.
     """
 
     kind, through = "springs", 3
 
     def __init__(self, system: System, solver: Multigrid, arrays: Arrays) -> None:
         super().__init__(system, arrays)
-        assert isinstance(system.mechanics, SpringMechanics)
-        self.springs, self.max_cycles = system.mechanics.springs, solver.max_cycles
+        mechanics: Any = system.mechanics
+        self.springs, self.solver, self.max_cycles = mechanics.springs, solver, solver.max_cycles
         self.k0 = working_stiffness(self.springs.k0, self.springs.k1)
-        self.work = solver.work_on(system.mechanics)
+        self.work = solver.work_on(mechanics)
         self.heights = np.ascontiguousarray(system.heights)
         self.u, self.w, self.rate = arrays["u"], arrays["stretch"], arrays["rate"]
         self.unit, self.level = map(float, arrays["scales"][:2])
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
+        self.drifts = [float(arrays["drift"])]
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
         self.flow, self.middle = self.work.fields()
         self.error = np.zeros_like(self.flow)
@@ -62,36 +64,52 @@ class SpringSteps(TrBdf2):
         self.settle(0.0)
 
     @classmethod
-    def begin(cls, system: System, solver: Multigrid, start: Contact) -> SpringSteps:
-        """At the start of a history."""
-        assert isinstance(system.mechanics, SpringMechanics)
-        u, stretch = np.maximum(start.u - system.datum, system.heights), start.u - start.anchors
-        (rate,), w = system.creep_rate(stretch), stretch[0]
-        work, unit = solver.work_on(system.mechanics), max(largest(u, np), largest(w, np)) or 1.0
+    def begin(cls, system: System, solver: Any, start: Contact) -> SpringSteps | None:
+        """See `Steps`; they suit a solver that has cycles on fields of changes."""
+        mechanics: Any = system.mechanics
+        if not (hasattr(solver, "work_on") and solver.suits(mechanics) and mechanics.springs.creep):
+            return None
+        if start.area == 0 and not system.control.load_controlled:
+            return None  # it hangs, and its surface is known to the last digit
+        u, anchors, *_ = start.relative
+        u, stretch = np.array(u), u - anchors
+        (rate,), w = mechanics.creep_rate(stretch), stretch[0]
+        rate += -rate.mean() if system.control.load_controlled else system.drift  # the load decides its mean
+        work, unit = solver.work_on(mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:
             arrays |= zip(names, work.fields(), strict=True)
-        means = {"scales": np.array([unit, u.mean()]), "mean_u0": np.array(u.mean() - w.mean())}
-        return cls(system, solver, arrays | means | {"times": np.zeros(2)})
+        means = {"scales": [unit, u.mean()], "mean_u0": u.mean() - w.mean(), "drift": system.drift}
+        arrays |= {name: np.array(value) for name, value in means.items()}
+        return cls(system, solver, arrays | {"times": np.zeros(2)})
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
         arrays: dict[str, NDArray[Any]] = {"u": self.u, "stretch": self.w, "rate": self.rate}
         for names, change in zip(_CHANGES, self.changes, strict=True):
             arrays |= zip(names, change, strict=True)
-        return {**arrays, "scales": np.array([self.unit, self.level]), "mean_u0": np.array(self.mean_u0)}
+        means = {"scales": [self.unit, self.level], "mean_u0": self.mean_u0, "drift": self.drifts[0]}
+        return arrays | {name: np.array(value) for name, value in means.items()}
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
         return int(np.count_nonzero(self.work.correction.e <= self.work.bound))
 
-    def state(self) -> State[Field]:
+    def instead(self) -> FieldSteps:
+        """See `Steps`: near rest rounding in single precision, and what cycles leave, look like errors."""
+        u, anchors, position = self.state()
+        stretch = u - anchors.on(self.system.mechanics.lattice)
+        return FieldSteps.going_on(self.system, self.solver, self.time, u, stretch, position)
+
+    def state(self) -> State:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
-        mean = self.system.at(self.time).mean_stretch
+        system = self.system.at(self.time)
+        mean = system.mean_stretch
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
         stretch = self.w + (mean - float(self.w.mean()))
-        return State(self.u, stretch[np.newaxis], self.mean_u0)
+        stretch = system.balanced_stretch(self.u, stretch[np.newaxis])
+        return State(self.u, AnchorFields(self.u - stretch), self.mean_u0)
 
     def extent(self) -> Extent:
         """See `Steps`."""
@@ -103,20 +121,26 @@ class SpringSteps(TrBdf2):
         """See `Steps`."""
         return rms(self.unit * self.work.backend.unpacked(self.rate, self.work.sites))
 
+    def prepare(self, tau: float) -> None:
+        """See `TrBdf2`."""
+        s = self.springs
+        self.tau, self.weight, self.drifts = tau, tau * (WEIGHT / DIAGONAL), self.drifts[:1]
+        self.work.prepare(s.k1 / self.k0, tau * s.spread, tau * s.drag)
+
     def solve(self, stage: Stage) -> int:
         """See `TrBdf2`."""
-        s, work, tau, size = self.springs, self.work, stage.tau, self.u.size
+        work, tau, size = self.work, stage.tau, self.u.size
+        _, *weights = stage.weights
+        numbers = 0.0, 0.0, tau, 0.0
         if stage.is_last:
             growth, _, *weights = stage.weights
             numbers = growth, self.offset, self.weight, self.weight
-        else:
-            self.tau, self.weight = tau, tau * (WEIGHT / DIAGONAL)
-            work.prepare(s.k1 / self.k0, tau * s.spread, tau * s.drag)
-            _, *weights = stage.weights
-            numbers = 0.0, 0.0, tau, 0.0
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
-        mean, moved = self.system.at(stage.time).mean_stretch, -tau * self.system.drift / self.unit
+        mean = self.system.at(stage.time).mean_stretch
+        moved = np.dot(stage.creeps, self.drifts) - self.system.moved(self.time, stage.time)
+        self.drifts.append(float(-moved / tau))
+        moved = float(moved / self.unit)
         wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
         shift = moved if wanted is None else work.mean_lag * f - e - source
         work.begin(wanted, self.moments.stretch / self.unit, shift)
@@ -148,15 +172,18 @@ class SpringSteps(TrBdf2):
         rates = self.rate, self.middle, work.source.f
         numbers = self.offset, self.tau, self.weight, *shares
         work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
+        if drift := np.dot(shares, self.drifts):  # how the rigid body moves is no error
+            self.error -= np.float32(drift / self.unit)
         return self.unit * work.left_of(self.error)[1]
 
     def advance(self) -> None:
         """See `TrBdf2`."""
         work, (last, before) = self.work, self.changes
-        if self.system.free_mean or self.system.drift:
+        if self.system.free_mean or any(self.drifts):
             e, f = map(self.mean, work.correction)
             self.mean_u0 += self.unit * (e - f - self.offset)
         self.settle(self.unit * self.offset)
+        self.drifts = self.drifts[-1:]
         self.changes, work.correction = [work.correction, last], before
         self.rate, work.source = work.source.f, Pair(work.source.e, self.rate)
 

@@ -14,10 +14,10 @@ Stage 2 is the result (stiffly accurate). The difference to the companion of ord
 
 estimates its error, after one more implicit step of duration d h, from e and with the contacts as they are:
 that keeps what decays quickly, in contact above all, from being overrated. Each kind of steps says how well
-it solves that one. Branches count by their stiffness. A load that changes in time enters at the stages' own
-times; a rigid body that moves adds its velocity V to f, and the contact problem of a stage starts from
-v + d h V. Each stage is guessed by the polynomial in the logarithm of time, in which contacts grow evenly,
-through the states before it.
+it solves that one. Branches count by their stiffness. What is prescribed enters at the stages' own times, and
+u_b is measured from the rigid body: v moves with it from the beginning of the step to the end of a stage.
+Each stage is guessed by the polynomial in the logarithm of time, in which contacts grow evenly, through the
+states before it.
 (R. E. Bank et al., IEEE Trans. Electron Devices 32, 1992 (1985),
 DOI 10.1109/T-ED.1985.22232; M. E. Hosea, L. F. Shampine, Appl. Numer. Math. 20, 21 (1996),
 DOI 10.1016/0168-9274(95)00115-8.)
@@ -29,21 +29,26 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact.anchors import Anchors
 from asperity.contact.arrays import largest
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
-from asperity.contact.state import AnchorModes
+from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError
+from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
 ERROR_WEIGHTS = ((1 - 4 * WEIGHT) / 3, 1 / 3, -2 * DIAGONAL / 3)
+
+LONGEST = 1e30
+"""Longest time, in units of the time in which the fastest mode creeps; single precision ends at 1e38."""
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -101,14 +106,11 @@ class Extent:
     largest: float
 
 
-Creep = TypeVar("Creep", covariant=True, bound=Field | AnchorModes)
-
-
-class State(NamedTuple, Generic[Creep]):
-    """A state to publish: u, w_b or the modes of the anchors, and the position of the rigid body."""
+class State(NamedTuple):
+    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position."""
 
     u: Field
-    creep: Creep
+    anchors: Anchors
     position: float
 
 
@@ -124,9 +126,10 @@ class Origin:
     impulse: float = 0.0
 
     def passed(self, control: Control, since: float, time: float) -> None:
-        """Count a time step."""
+        """Count a time step, by Simpson's rule."""
         if control.load_controlled:
-            self.impulse += control.at((since + time) / 2).value * (time - since)
+            begin, middle, end = (control.at(t).value for t in (since, (since + time) / 2, time))
+            self.impulse += (begin + 4 * middle + end) / 6 * (time - since)
 
 
 class Steps(ABC):
@@ -138,19 +141,32 @@ class Steps(ABC):
     system: System
     time: float
 
+    @classmethod
+    @abstractmethod
+    def begin(cls, system: System, solver: ContactSolver, start: Contact) -> Self | None:
+        """At the start of a history; None where these steps do not suit."""
+
+    def instead(self) -> Steps | None:
+        """Steps that go on from here where these get nowhere."""
+        return None
+
+    def check(self, stops: Field) -> None:
+        """Refuse times that these steps cannot reach."""
+        del stops
+
     @abstractmethod
     def contacts_tried(self) -> int:
         """Number of sites in contact at the end of the time step that was tried."""
 
     @abstractmethod
-    def state(self) -> State[Field | AnchorModes]:
+    def state(self) -> State:
         """What is to be published; not to be changed."""
 
     def approach(self, origin: Origin, separation: float) -> float:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
         system = self.system
         if system.load is None:
-            return -system.drift * self.time
+            return -system.moved(0.0, self.time)
         viscous = system.mechanics.mean_mobility * origin.impulse / system.sites
         return origin.separation - separation + viscous
 
@@ -195,6 +211,7 @@ class TrBdf2(Steps):
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
         known, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
+        self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):
                 here = math.log(self.time + ahead + origin)
@@ -211,13 +228,31 @@ class TrBdf2(Steps):
         self.origin = self.origin or time
         self.advance()
 
+    def check(self, stops: Field) -> None:
+        """Refuse numbers that overflow single precision."""
+        fastest, advice = self.system.mechanics.fastest_creep, "another unit of time"
+        if stops.size and fastest > 0 and stops[0] < 1 / LONGEST:
+            expected = f"0, or times from {1 / LONGEST:.0e}"
+            raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
+        if stops.size and fastest * stops[-1] > LONGEST:
+            expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+            advice = "asperity.relax for what comes in the end"
+            raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
+        if fastest > LONGEST:
+            expected = f"creep at rates (k1 R, k1 R_viscous) up to {LONGEST:.0e}"
+            raise InputError("solid", expected=expected, got=f"{fastest:.2g}", advice=advice)
+
     def resume_state(self) -> dict[str, NDArray[Any]]:
         """See `Steps`."""
         return {**self.arrays(), "times": np.array([self.origin, *self.times])}
 
     @abstractmethod
+    def prepare(self, tau: float) -> None:
+        """Prepare both stages of a step, whose implicit steps take tau."""
+
+    @abstractmethod
     def solve(self, stage: Stage) -> int:
-        """Solve a stage, the second one after the first; the iterations spent. `ConvergenceError` if not."""
+        """Solve a stage; the iterations spent. `ConvergenceError` if not."""
 
     @abstractmethod
     def left_of(self, shares: Sequence[float]) -> float:

@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.base import views
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import SaturationFit, saturation
 from asperity.lattice import Field

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.protocols import Hold, Leg, Schedule, leg_of, legs_of
+from asperity.protocols import Hold, Leg, leg_of, legs_of
 from asperity.results.history import check_dataset
 
 
@@ -64,15 +65,13 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
         Empty for a history without a protocol that ends at time 0.
     """
     check_dataset(dataset)
-    times = [dataset[name].values for name in ("time", "field_time") if name in dataset.coords]
-    lasted = float(times[0][-1])
-    protocol = protocol_of(dataset) or ([Hold(lasted)] if lasted > 0 else [])
-    # Times are given to the schedule as in the run, so that it finds the same switches to the last digit.
-    schedule = Schedule.of(legs_of(protocol) if protocol else (), np.unique(np.concatenate(times)))
-    ends = zip(schedule.switches, schedule.switches[1:], strict=False)
+    lasted = float(dataset["time"].values[-1])
+    if not (protocol := protocol_of(dataset)):
+        return [_row(dataset, 0, Hold(lasted), 0.0, lasted)] if lasted > 0 else []
+    spans = pairwise(json.loads(dataset.attrs["switches"]))
     return [
         _row(dataset, number, leg, *span)
-        for number, (leg, span) in enumerate(zip(schedule.legs, ends, strict=True))
+        for number, (leg, span) in enumerate(zip(legs_of(protocol), spans, strict=True))
     ]
 
 

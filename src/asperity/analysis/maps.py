@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asperity.analysis.scan import lateral_unit, readable
 from asperity.base import views
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.results.history import check_fields

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.analysis.field_values import ONE_TIME, lattice_of, pressure_of
 from asperity.base import views
 from asperity.base.checks import kind_of
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.patches import Patches, Shapes, ages_of, linked, shapes_of
@@ -92,8 +92,8 @@ def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Datase
     -------
     Dataset
         Over ``patch``, from 1 on, largest first: ``size`` (sites), ``contact_area`` (continua),
-        ``perimeter``, ``aspect`` (not on a line), the center ``y`` and ``x`` (``x`` on a line), and where
-        pressures are known ``load``, ``mean_pressure`` and ``largest_pressure``; with their units. Its
+        ``perimeter``, ``aspect`` (not on a line), the center ``y`` and ``x`` (``x`` on a line), ``load``,
+        ``mean_pressure`` and ``largest_pressure``; with their units. Its
         ``to_dataframe().to_csv(...)`` writes a file.
 
     Raises
@@ -102,7 +102,7 @@ def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Datase
         No contact and no dataset with fields of one time; a connectivity other than 1 or 2.
     """
     units: Mapping[str, str]
-    pressure: Field | None
+    pressure: Field
     if isinstance(image, Contact):
         lattice, touching, units = image.lattice, image.in_contact, units_of(image)
         in_lengths, pressure = image.solid.in_lengths, image.pressure
@@ -203,9 +203,7 @@ def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
     return dataset["in_contact"].copy(data=ages_of(maps, times.tolist())).assign_attrs(attributes)
 
 
-def _columns(
-    shapes: Shapes, lattice: Lattice, in_lengths: bool, pressure: Field | None
-) -> dict[str, NDArray[Any]]:
+def _columns(shapes: Shapes, lattice: Lattice, in_lengths: bool, pressure: Field) -> dict[str, NDArray[Any]]:
     sizes = shapes.found.sizes
     columns: dict[str, NDArray[Any]] = {"size": sizes}
     if in_lengths:
@@ -214,13 +212,11 @@ def _columns(
     if lattice.dimension == 2:
         columns["aspect"] = shapes.aspect
     columns |= dict(zip(("y", "x")[2 - lattice.dimension :], shapes.center.T, strict=True))
-    if pressure is not None:
-        values = pressure.ravel()[shapes.sites]
-        total = np.bincount(shapes.numbers, values, minlength=sizes.size + 1)[1:]
-        largest = np.zeros(sizes.size)
-        np.maximum.at(largest, shapes.numbers - 1, values)
-        columns |= {"load": total * lattice.cell, "mean_pressure": total / sizes}
-        columns["largest_pressure"] = largest
+    values = pressure.ravel()[shapes.sites]
+    total = np.bincount(shapes.numbers, values, minlength=sizes.size + 1)[1:]
+    largest = np.zeros(sizes.size)
+    np.maximum.at(largest, shapes.numbers - 1, values)
+    columns |= {"load": total * lattice.cell, "mean_pressure": total / sizes, "largest_pressure": largest}
     return columns
 
 

@@ -1,7 +1,8 @@
 """How results show themselves: in one line, as Datasets, as pictures, and as HTML in notebooks.
 
-A contact knows nothing of figures and Datasets, which come after it. The rooms `results` and `figures`
-register here what they make, and are imported by name when it is first asked for.
+A contact knows nothing of what it carries, of Datasets and of figures, which come after it. The rooms
+`carried`, `results` and `figures` register here what they make, and are imported by name when it is first
+asked for.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ def maker(function: _Maker) -> _Maker:
 
 def made_by(name: str) -> Callable[..., Any]:
     """Return the function that was registered by a name."""
-    for room in ("asperity.contact.instantaneous", "asperity.results", "asperity.figures"):
+    for room in ("asperity.carried", "asperity.results", "asperity.figures"):
         if name not in _MAKERS:
             importlib.import_module(room)
     return _MAKERS[name]

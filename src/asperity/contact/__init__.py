@@ -2,10 +2,9 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.carried import Carried
+from asperity.contact.contact import Contact
 from asperity.contact.controls import Control, Load, Separation
 from asperity.contact.multigrid import Multigrid
-from asperity.contact.state import Contact
 
-__all__ = ["ActiveSet", "Carried", "Contact", "Control", "Load", "Multigrid", "Separation"]
+__all__ = ["ActiveSet", "Contact", "Control", "Load", "Multigrid", "Separation"]
 __dir__ = _answered(globals())

@@ -1,8 +1,10 @@
-"""What is prescribed while two bodies are in contact: the normal load or the separation."""
+"""What is prescribed while two bodies are in contact: the normal load or the separation, in time."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Self, cast
 
@@ -11,30 +13,29 @@ from asperity.errors import LARGEST
 
 
 @dataclass(frozen=True)
-class Control(ABC):
-    """A prescribed quantity, constant or linear in time.
+class Course:
+    """How a number changes in time: its value at a time, and the longest time step that follows it.
 
-    Parameters
-    ----------
-    value
-        Its value at the time ``since``.
-    rate
-        Its change per unit of time.
-    since
-        The time at which it has that value.
+    ``rises`` says that it never falls.
     """
 
+    at: Callable[[float], float]
+    longest: float
+    rises: bool = False
+
+
+@dataclass(frozen=True)
+class Control(ABC):
+    """A prescribed quantity: a constant value, or a course of which that is the value at time 0."""
+
     value: float
-    rate: float = 0.0
-    since: float = 0.0
+    course: Course | None = None
 
     name: ClassVar[str]
     load_controlled: ClassVar[bool]
     """Whether the sum of the contact forces is prescribed."""
 
     def __post_init__(self) -> None:
-        for name in ("rate", "since"):
-            object.__setattr__(self, name, checks.number(name, getattr(self, name)))
         object.__setattr__(self, "value", self._checked(self.value))
 
     @staticmethod
@@ -44,7 +45,35 @@ class Control(ABC):
 
     def at(self, time: float) -> Self:
         """Return what is prescribed at a time, constant from there."""
-        return type(self)(self.value + self.rate * (time - self.since)) if self.rate else self
+        return type(self)(self.course.at(time)) if self.course else self
+
+    def after(self, time: float) -> Self:
+        """Return the same with times that count from a time."""
+        if (course := self.course) is None:
+            return self
+        return type(self)(
+            course.at(time), Course(lambda since: course.at(time + since), course.longest, course.rises)
+        )
+
+    def change(self, since: float, time: float) -> float:
+        """By how much it changes from a time to another."""
+        return self.course.at(time) - self.course.at(since) if self.course else 0.0
+
+    @property
+    def rises(self) -> bool:
+        """Whether it never falls."""
+        return self.course is None or self.course.rises
+
+    @property
+    def longest(self) -> float:
+        """Longest time step that follows it."""
+        return self.course.longest if self.course else math.inf
+
+    @property
+    def rate(self) -> float:
+        """Its change per unit of time at time 0."""
+        lapse = self.longest / 1024
+        return self.change(0.0, lapse) / lapse if self.course else 0.0
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,17 @@ from fractions import Fraction
 
 import numpy as np
 
-from asperity.base import checks, units, views
+from asperity.base import checks
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
-from asperity.contact.controls import Control, Load
-from asperity.contact.partial_slip import PartialSlip
+from asperity.contact.contact import Contact
+from asperity.contact.controls import Control
 from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, ContactSolver, Guess, Solution
-from asperity.contact.response import check_half_space
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 from asperity.solids import Solid
 
 
@@ -44,18 +44,20 @@ def first_contact(
         if start.heights.shape != bodies.heights.shape:
             expected = f"a contact of shape {bodies.heights.shape}"
             raise InputError("start", expected=expected, got=start.heights.shape)
-        u, _, in_contact = start.whole
-        guess = Guess(u - system.datum, in_contact)
+        u, _, in_contact, _ = start.relative
+        guess = Guess(u + (start.datum - system.datum), in_contact)
     level = 0.0 if control.load_controlled else control.value - system.datum
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
-        return contact_from(system, touching, level, level, bodies=bodies, load_may_vanish=True)
+        anchors = AnchorFields.flat(level, system)
+        return contact_from(system, touching, anchors, level, bodies=bodies)
     problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
     solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.displacement(solution.u, flat, level)
-    return contact_from(system, solution, level, level, bodies=bodies)
+    how = system, solution, AnchorFields.flat(level, system), level
+    return contact_from(*how, bodies=bodies, load_may_vanish=False)
 
 
 def pressed_anew(
@@ -67,27 +69,10 @@ def pressed_anew(
     `contact_from` for the least force.
     """
     system = contact.system(control)
-    place = contact.separation if system.load is not None else control.value
-    u, _, in_contact = contact.whole
-    return _anew(contact, contact, system, (u, in_contact), place, solver, least_force)
-
-
-@views.maker
-def partial_slip(
-    contact: Contact, shear: float | str, friction: float, poisson: float | None = None
-) -> PartialSlip:
-    """Shear a contact; see `Contact.partial_slip`."""
-    check_half_space("partial_slip", contact.solid, contact.lattice)
-    force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
-    mu = checks.number("friction", friction, above=0)
-    ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
-    if force >= mu * contact.load:
-        expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"
-        raise InputError("shear", expected=expected, got=f"{force:.6g}", advice="less shear, or more load")
-    # Tractions are judged beside those of the whole contact, however small the load is that sticks.
-    held = Load(max(contact.load - force / mu, float(np.finfo(float).eps) * contact.load))
-    stuck = pressed_anew(contact, held, least_force=contact.residual_scale)
-    return PartialSlip.of(contact, stuck, force, mu, ratio)
+    place = None if control.load_controlled else control.value - system.datum
+    u, _, in_contact, _ = contact.relative
+    guess = Guess(np.array(u), in_contact, disposable=True)
+    return _anew(contact, contact, system, guess, place, solver, least_force)
 
 
 def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
@@ -113,50 +98,47 @@ def slid(
     indentation = np.roll(contact.permanent_indentation, near, axis=axes)
     bodies = Bodies(heights, contact.lattice, contact.solid, contact.surface, contact.si, indentation)
     system = contact.system().above(heights)
-    return _anew(contact, bodies, system, (u, in_contact), contact.separation, solver)
+    guess = Guess(u - system.datum, in_contact, disposable=True)
+    return _anew(contact, bodies, system, guess, None, solver)
 
 
 def _anew(
     contact: Contact,
-    bodies: Bodies | Contact,
+    bodies: Bodies,
     system: System,
-    near: tuple[Field, Mask],
-    place: float,
+    guess: Guess,
+    place: float | None,
     solver: ContactSolver | None,
     least_force: float = 0.0,
 ) -> Contact:
     """Solve for the surface above the anchors of a contact, in another system or above other heights.
 
-    ``near`` is a surface that may be near it, with its contacts; the rigid body takes the anchors to
-    ``place``.
+    The rigid body takes the anchors to a place relative to the datum of that system, or stays.
     """
     if system.load == 0:
         expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
         raise InputError("load", expected=expected, got="0", advice="a small load")
-    anchors = contact.whole[1] - system.datum
-    if place != contact.separation:
-        anchors += place - contact.separation
-    return above_anchors(anchors, place - system.datum, bodies, system, near, solver, least_force)
+    _, anchors, _, position = contact.relative
+    moved = contact.datum - system.datum if place is None else place - position
+    return above_anchors(anchors + moved, position + moved, bodies, system, guess, solver, least_force)
 
 
 def above_anchors(
     anchors: Field,
     position: float,
-    bodies: Bodies | Contact,
+    bodies: Bodies,
     system: System,
-    near: tuple[Field, Mask],
+    guess: Guess,
     solver: ContactSolver | None = None,
     least_force: float = 0.0,
 ) -> Contact:
     """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system."""
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
-    u, in_contact = near
-    guess = Guess(u - system.datum, in_contact, disposable=True)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
     solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(TUNING.strict * TOLERANCE))
     if system.load is not None:
         moved = system.displacement(solution.u, anchors, position)
         anchors += moved
         position += moved
-    how = system, solution, anchors, position
-    return contact_from(*how, bodies=bodies, load_may_vanish=True, least_force=least_force)
+    how = system, solution, AnchorFields(anchors), position
+    return contact_from(*how, bodies=bodies, least_force=least_force)

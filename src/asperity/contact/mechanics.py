@@ -177,10 +177,6 @@ class Mechanics:
             raise InputError("creep", expected=expected, got=got)
         return self.solid.shares[0][0]
 
-    def creep_rate(self, stretch: Field) -> Field:
-        """Rates d u_b / dt = M_b C_b w_b."""
-        return self.lattice.backward(self.spectra.rate * self.lattice.forward(stretch))
-
     def balanced_stretch(
         self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
     ) -> Field:

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from asperity.base import views
-from asperity.contact.response import shear_ratio
+from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 
 Pressed = Any
@@ -63,15 +63,6 @@ class PartialSlip(views.Brief):
     _whole: Pressed = field(repr=False)
     _stuck: Pressed = field(repr=False)
 
-    @classmethod
-    def of(
-        cls, whole: Pressed, stuck: Pressed, shear: float, friction: float, poisson: float | None
-    ) -> PartialSlip:
-        """From a contact, and what it becomes at once under the load P'."""
-        stick = stuck.in_contact & whole.in_contact
-        traction = friction * (whole.pressure - stuck.pressure)
-        return cls(shear, friction, stick, whole.in_contact & ~stick, traction, poisson, whole, stuck)
-
     @property
     def stick_fraction(self) -> float:
         """Share of the contact that sticks."""
@@ -100,3 +91,14 @@ class PartialSlip(views.Brief):
     def _compliance(self) -> float:
         """Displacement along the shear force over the approach that P' lacks."""
         return self.friction / shear_ratio(self.poisson)
+
+
+def shear_ratio(poisson: float | None) -> float:
+    """Tangential over normal stiffness of a contact on a half-space, 2 (1 - nu) / (2 - nu).
+
+    K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 7.2. `InputError` without Poisson's ratio.
+    """
+    if poisson is None:
+        expected, advice = "Poisson's ratio, which displacements under shear depend on", "poisson=0.3"
+        raise InputError("poisson", expected=expected, got="none", advice=advice)
+    return 2 * (1 - poisson) / (2 - poisson)

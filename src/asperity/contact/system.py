@@ -59,7 +59,7 @@ class System:
 
     def at(self, time: float) -> System:
         """Return the system with what is prescribed at a time, constant from there."""
-        return replace(self, control=self.control.at(time)) if self.control.rate else self
+        return replace(self, control=self.control.at(time)) if self.control.course else self
 
     def above(self, heights: Field) -> System:
         """Return the system above other heights."""
@@ -106,8 +106,12 @@ class System:
 
     @property
     def drift(self) -> float:
-        """Velocity at which a moving rigid body carries the anchors along; 0 under load control."""
+        """Velocity at which a rigid body that moves carries the anchors along at time 0; 0 under a load."""
         return 0.0 if self.control.load_controlled else self.control.rate
+
+    def moved(self, since: float, time: float) -> float:
+        """How far a moving rigid body carries the anchors along from a time to another; 0 under a load."""
+        return 0.0 if self.control.load_controlled else self.control.change(since, time)
 
     @property
     def free_mean(self) -> bool:
@@ -163,15 +167,6 @@ class System:
         if self.mechanics.hangs_on_one_branch:
             return float(np.mean(anchors[0]))
         return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
-
-    def creep_rate(self, stretch: Field) -> Field:
-        """Rates d u_b / dt; under load control the load decides their mean."""
-        rate = self.mechanics.creep_rate(stretch)
-        if self.control.load_controlled:
-            rate -= rate.mean()
-        elif self.drift:
-            rate += self.drift
-        return rate
 
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""

@@ -15,7 +15,8 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
 from asperity.base.words import thousands, uncertain
-from asperity.contact.state import ACCEPTED_RESIDUAL, Contact
+from asperity.contact import Contact
+from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
 from asperity.figures.page import Picture, pixels, quantity
 from asperity.figures.plots import plot_contact, plot_history, plot_surface

@@ -15,7 +15,7 @@ from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.maps import maps_between
 from asperity.analysis.scan import written
 from asperity.base import checks, views
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.figures.contacts import (

@@ -23,10 +23,9 @@ from asperity.base import checks
 from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
-from asperity.contact.carried import Carried
-from asperity.contact.controls import Load, Separation
+from asperity.carried import Carried
+from asperity.contact import Contact, Load, Separation
 from asperity.contact.problem import ContactSolver
-from asperity.contact.state import Contact
 from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.protocols import Schedule

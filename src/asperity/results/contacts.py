@@ -8,11 +8,12 @@ from pathlib import Path
 import xarray as xr
 
 from asperity.base import checks, views
+from asperity.contact import Contact, Load, Separation
+from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
-from asperity.contact.controls import Load, Separation
 from asperity.contact.instantaneous import above_anchors
-from asperity.contact.problem import Solution
-from asperity.contact.state import Contact, contact_from
+from asperity.contact.problem import Guess, Solution
+from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
@@ -80,7 +81,7 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     surface, anchors = (data[name].values - system.datum for name in ("u", "anchors"))
     whole = lattice.embedding
     if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
-        near = whole.extended(surface, position) + system.datum, whole.extended(touching, beyond=False)
+        near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     solution = Solution(surface, touching, int(data["iterations"]), 0)
-    return contact_from(system, solution, anchors, position, bodies=bodies, load_may_vanish=True)
+    return contact_from(system, solution, AnchorFields(anchors), position, bodies=bodies)

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
 from asperity.base.version import __version__
-from asperity.contact.carried import Carried
-from asperity.contact.controls import Control
-from asperity.contact.state import Contact
+from asperity.carried import Carried
+from asperity.contact import Contact, Control
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
+from asperity.results.store import HISTORY
 from asperity.solids import Solid
 
 Row = dict[str, float]
@@ -57,6 +57,7 @@ def dataset_of(
     start: Contact,
     control: Control,
     protocol: Sequence[Leg] | None,
+    switches: Sequence[float],
     keeps_area: bool,
     rows: Sequence[Row],
     snapshots: Sequence[Snapshot],
@@ -65,8 +66,8 @@ def dataset_of(
 ) -> xr.Dataset:
     """Gather a history into a Dataset: its entries, of which the first is at time 0, and the fields kept.
 
-    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs;
-    without one, `keeps_area` says whether the area was held.
+    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs,
+    and legs begin and end at `switches`; without one, `keeps_area` says whether the area was held.
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
@@ -97,7 +98,7 @@ def dataset_of(
             dataset = dataset.assign_coords(shifts)
         dataset = _with_patches(dataset, start, snapshots)
     describe(dataset, start)
-    attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
+    attributes = {"title": HISTORY, "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
     exact = {bool(row["exact"]) for row in rows if row["time"] > 0}
@@ -106,6 +107,7 @@ def dataset_of(
     if protocol is not None:
         told = [described(leg) for leg in protocol]
         attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
+        attributes["switches"] = json.dumps(list(switches))
     return dataset.assign_attrs(attributes)
 
 

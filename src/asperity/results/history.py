@@ -10,7 +10,7 @@ import xarray as xr
 
 from asperity.base import checks, views
 from asperity.base.words import closest
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.results.store import save
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from asperity.base.parameters import parameters_of
 from asperity.creep import PARAMETERS_OF_LAWS
+from asperity.protocols import KINDS
 from asperity.results.quantities import Units, select
 
 _RECORDED = {
@@ -95,17 +97,13 @@ PARAMETERS: dict[str, tuple[str, str]] = {
 }
 """Long name and dimension, or unit, of what a run or a campaign is told."""
 
+_IN_UNITS = {"s": "time", "N": "force", "m": "length", "Pa": "pressure", "": "1"}
 IN_A_LEG = {
-    **{name: _RECORDED[name] for name in ("load", "separation", "approach")},
-    "pressure": _PRESSURE,
-    "duration": ("duration", "time"),
-    "distance": ("distance", "place"),
-    "velocity": _RECORDED["velocity"],
-    "substeps": ("shifts from site to site", "1"),
-    "every": ("shifts from record to record", "1"),
-    "count": ("number of repetitions", "1"),
-    "mobility": ("factor on the mobility of creep", "1"),
-}
+    name: (parameter.quantity.meaning, _IN_UNITS.get(parameter.quantity.unit, parameter.quantity.unit))
+    for kind in KINDS.values()
+    for name, parameter in parameters_of(kind).items()
+    if {int, float} & set(parameter.kinds)
+} | {"distance": ("distance", "place"), "velocity": _RECORDED["velocity"]}
 """The same of what a leg of a history is told."""
 
 Plain = str | float | int | list[str] | list[float] | list[int]

@@ -12,7 +12,7 @@ from enum import Flag, auto
 from functools import partial
 from typing import Literal
 
-from asperity.contact.state import Contact
+from asperity.contact import Contact
 
 Home = Literal["coordinate", "series", "field", "contact", "map"]
 Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction", "carried"]

@@ -25,6 +25,9 @@ from asperity.errors import InputError, OutputError
 _OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
 """Suffixes of files that are no zarr folders."""
 
+HISTORY = "Aging of a rough contact"
+"""Title of the Dataset of a history."""
+
 _WHOLE = "every_chunk_is_written"
 """Mark of a folder in which a chunk that is not there was lost: zarr would read zeros in its place."""
 
@@ -114,10 +117,15 @@ def load(path: str | Path) -> xr.Dataset:
             arrays = zarr.open_group(folder, mode="r").arrays() if loaded.attrs.pop(_WHOLE, 0) else ()
             if lost := {name for name, array in arrays if array.nchunks_initialized < array.nchunks}:
                 raise ValueError(f"parts of {', '.join(sorted(lost))} are missing")
-            return loaded
     except Exception as error:  # descriptions are parsed, numbers decoded: a damaged byte leads anywhere
         got = f"{path}: {reason_of(error)}"
         raise InputError("path", expected="a folder that asperity wrote", got=got) from error
+    lacks_legs = "leg" in loaded.coords and "switches" not in loaded.attrs
+    lacks_forces = "field_time" in loaded.dims and not {"force", "pressure"} & set(loaded)
+    if loaded.attrs.get("title") == HISTORY and (lacks_legs or lacks_forces):
+        got = f"{path}, which version {loaded.attrs.get('asperity_version', 'unknown')} wrote"
+        raise InputError("path", expected="a history of version 0.4.17 or later", got=got)
+    return loaded
 
 
 class PlaceTakenError(OutputError):

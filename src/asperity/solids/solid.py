@@ -21,6 +21,7 @@ from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
+from asperity.relaxation import check_branches
 from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
@@ -157,33 +158,48 @@ class Solid(views.InNotebooks):
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
-        made: dict[str, Any] = {"branches": tuple(self.branches)}
+        if self.half_space:
+            self._set(loaded_from_afar=True, in_lengths=True)
+        parts = {"permanent": self.permanent, "branches": tuple(self.branches)}
         if self.springs is not None:
             k0, k1, *rates = astuple(self.springs)
             mobility = LaplacianSpectrum(*(rate / k1 for rate in rates)) if k1 > 0 else None
             branch = CreepBranch(LaplacianSpectrum(uniform=k1), mobility)
-            made = {"permanent": LaplacianSpectrum(k0), "branches": (branch,)}
+            parts = {"permanent": LaplacianSpectrum(k0), "branches": (branch,)}
         elif (law := self.stiffness) is not None:
-            shares = tuple((share, time) for share, time in self.shares or ())
-            branches = tuple(CreepBranch(Scaled(law, share), time=time) for share, time in shares)
+            shares = () if self.shares is None else self.shares
+            self._set(shares=check_branches(shares) if self.creep is None else tuple(shares))
+            branches = tuple(CreepBranch(Scaled(law, share), time=time) for share, time in self.shares or ())
             rest = Scaled(law, self.permanent_share) if self.permanent_share else None
-            made = {"shares": shares, "permanent": rest, "branches": branches}
-        if self.creep is not None and len(made["branches"]) != 1:
-            got = f"{len(made['branches'])} branches"
-            raise InputError("creep", expected="a solid of one branch", got=got)
-        if self.half_space:
-            made |= {"loaded_from_afar": True, "in_lengths": True}
-            if self.modulus is None:
-                raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
+            parts = {"permanent": rest, "branches": branches}
+        self._check(parts)
         known = {
-            **({"branches": made.get("shares")} if self.creep is None else self.creep.parameters),
+            **({"branches": self.shares} if self.creep is None else self.creep.parameters),
             "apparatus": self.apparatus,
             "hardness": self.hardness if self.yields else None,
         }
         known = {name: value for name, value in known.items() if value is not None}
         first = {} if self.modulus is None else {"modulus": self.modulus}
-        for name, value in (made | {"parameters": {**first, **self.parameters, **known}}).items():
+        self._set(**parts, parameters={**first, **self.parameters, **known})
+
+    def _set(self, **values: object) -> None:
+        for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def _check(self, parts: Mapping[str, Any]) -> None:
+        """Refuse what is stated in two ways, or lacks a part."""
+        for name, part in parts.items():
+            stated = getattr(self, name)
+            if stated not in (None, (), []) and (tuple(stated) if name == "branches" else stated) != part:
+                expected = "none beside springs, or a stiffness and its shares"
+                raise InputError(name, expected=expected, got="both")
+        if self.shares is not None and self.stiffness is None:
+            raise InputError("stiffness", expected="that of which the shares are", got="none")
+        if self.half_space and self.modulus is None:
+            raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
+        if self.creep is not None and len(parts["branches"]) != 1:
+            got = f"{len(parts['branches'])} branches"
+            raise InputError("creep", expected="a solid of one branch", got=got)
 
     def with_hardness(self, hardness: float | str | None = None) -> Solid:
         """Return the solid that yields plastically under a pressure.
@@ -216,11 +232,12 @@ class Solid(views.InNotebooks):
 
         It leads to the same limit, if the law creeps under every force.
         """
-        if self.springs is not None:
-            return replace(self, creep=None, springs=replace(self.springs, drag=self.springs.k1))
-        branches = tuple(replace(branch, mobility=None, time=1.0) for branch in self.branches)
-        shares = self.shares and tuple((share, 1.0) for share, _ in self.shares)
-        return replace(self, creep=None, branches=branches, shares=shares)
+        linear = replace(self.branches[0], mobility=None, time=1.0)
+        if self.shares is None and self.springs is None:
+            return replace(self, creep=None, branches=(linear,))
+        springs = self.springs and replace(self.springs, drag=self.springs.k1)
+        shares = self.shares and ((self.shares[0][0], 1.0),)
+        return replace(self, creep=None, permanent=None, branches=(), springs=springs, shares=shares)
 
     def __repr__(self) -> str:
         parameters = ", ".join(_shown(name, value) for name, value in self.parameters.items())

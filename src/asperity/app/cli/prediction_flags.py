@@ -17,7 +17,7 @@ from asperity.app.config.reading import file_surface, read_config, section_from
 from asperity.app.config.solids import POISSON, BesideTable
 from asperity.app.predict import predict, predict_config
 from asperity.base import units
-from asperity.contact import Carried
+from asperity.carried import Carried
 from asperity.errors import InputError
 from asperity.relaxation import arrhenius, wlf
 

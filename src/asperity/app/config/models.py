@@ -14,7 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, create_model, model_validator
 
 from asperity.app.config.sections import (
     Conductivity,
@@ -439,16 +439,17 @@ class LegSection(Section):
     """A leg of `asperity.protocols`, of one kind or another; its keys are the parameters of that class."""
 
     kind: str
+    _leg: Leg = PrivateAttr()
 
     @property
     def leg(self) -> Leg:
         """The leg itself."""
-        return leg_of(self.model_dump(exclude_none=True))
+        return self._leg
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
         try:
-            _ = self.leg
+            self._leg = leg_of(self.model_dump(exclude_none=True))
         except InputError as error:
             names = error.name.replace(" and ", ", ").split(", ")
             said = f"expected {any_of(names)}" if names[1:] else f"{error.name}: expected {error.expected}"

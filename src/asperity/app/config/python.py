@@ -8,7 +8,7 @@ from typing import Any
 
 from asperity.app.config.models import Asperities, MeasuredSurface, RunConfig, Spectrum, Waves
 from asperity.base.version import __version__
-from asperity.contact import Carried
+from asperity.carried import Carried
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.protocols import Leg

@@ -22,7 +22,7 @@ from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
 from asperity.errors import AsperityError, ConfigError, InputError, printable
-from asperity.protocols import described
+from asperity.protocols import Schedule, described
 from asperity.results.dataset import attributes_of_solid
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
@@ -181,9 +181,11 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
         heights = rough.in_meters()[0] if finished.lattice.get("si") else rough.heights
         dataset = xr.Dataset({"heights": (("y", "x")[2 - heights.ndim :], heights)})
     dataset.attrs |= finished.lattice | attributes_of_solid(config.solid.build())
+    series = dict(zip(QUANTITIES, finished.series, strict=True))
     if config.protocol:
         dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])
-    series = dict(zip(QUANTITIES, finished.series, strict=True))
+        schedule = Schedule.of(config.written_out, np.unique(series["time"]))
+        dataset.attrs["switches"] = json.dumps(schedule.switches)
     dataset = dataset.assign_coords(time=series["time"])
     for quantity, (long_name, unit) in finished.described.items():
         attrs = {"long_name": long_name, "units": unit}

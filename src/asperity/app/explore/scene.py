@@ -28,6 +28,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
+from asperity.protocols import Schedule
 from asperity.results.dataset import Row, dataset_of, row_of
 from asperity.results.quantities import PAGE, Quantity, areas_first, select
 
@@ -239,7 +240,8 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     """Describe a run by its first moment, as `recorded` does by the whole."""
     contact, rtol = frame.contact, config.aging.rtol
     row = row_of(frame, slides=any(leg.speed for leg in config.written_out))
-    return dataset_of(contact, contact.control, config.legs or None, False, [row], [], rtol=rtol)
+    switches = Schedule.of(config.written_out, np.empty(0)).switches
+    return dataset_of(contact, contact.control, config.legs or None, switches, False, [row], [], rtol=rtol)
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:
@@ -270,7 +272,6 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
         one = placed.isel(field_time=number)
         mask = np.asarray(one["in_contact"], dtype=bool)
         pressure = pressure_of(one)
-        assert pressure is not None, "a history knows its springs"
         depth = one["permanent_indentation"].values if "permanent_indentation" in one else None
         edges = dataset.attrs["edges"]
         time = float(one["field_time"])

@@ -46,7 +46,7 @@ from asperity.base import checks
 from asperity.base.columns import Chosen, Units
 from asperity.base.files import content_of, expanded
 from asperity.base.machine import require
-from asperity.contact import Carried
+from asperity.carried import Carried
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener

@@ -22,9 +22,9 @@ from asperity.app.runs import defaults
 from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
-from asperity.contact import Carried, Contact
+from asperity.carried import Carried, check_half_space
+from asperity.contact import Contact
 from asperity.contact.bodies import bodies_of
-from asperity.contact.response import check_half_space
 from asperity.errors import ConvergenceError, InputError, Remark
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field, Lattice

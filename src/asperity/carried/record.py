@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from asperity.base import checks, units
-from asperity.contact.response import check_half_space
-from asperity.contact.state import Contact, Each
+from asperity.carried.response import check_half_space
+from asperity.contact import Contact
+from asperity.contact.contact import Each
 from asperity.errors import InputError
 
 

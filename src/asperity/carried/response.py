@@ -1,0 +1,108 @@
+"""How a contact resists more load and shear, and what it conducts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from asperity.base import checks, units, views
+from asperity.contact import ActiveSet, Contact, Load
+from asperity.contact.contact import Each
+from asperity.contact.instantaneous import pressed_anew
+from asperity.contact.interface import Interface
+from asperity.contact.mechanics import Prescribed
+from asperity.contact.partial_slip import PartialSlip, shear_ratio
+from asperity.contact.problem import PUBLISHED, Guess
+from asperity.errors import InputError
+from asperity.lattice import Lattice
+from asperity.solids import Solid
+
+
+@views.maker
+def normal_stiffness(contact: Contact) -> float:
+    """See `Contact.normal_stiffness`: the contacts, one rigid punch, are pressed with a unit of load."""
+    in_contact = contact.relative[2]
+    if not in_contact.any():
+        return 0.0
+    flat = np.where(in_contact, 0.0, -np.inf)
+    mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
+    step = mechanics.implicit_step(0.0)
+    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
+    guess = Guess(np.zeros_like(flat), in_contact)
+    u = ActiveSet().solve(problem, guess, PUBLISHED).u
+    _, position = step.stretch_modes(mechanics.lattice.forward(u), step.flat_modes(0.0), held)
+    return -1.0 / position if position < 0 else math.inf
+
+
+@views.maker
+def tangential_stiffness(contact: Contact, poisson: float) -> float:
+    """See `Contact.tangential_stiffness`."""
+    check_half_space("tangential_stiffness", contact.solid, contact.lattice)
+    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * contact.normal_stiffness
+
+
+@views.maker
+def resistance(contact: Contact, resistivity: Each) -> float:
+    """See `Contact.resistance`."""
+    return _of_constrictions(contact, sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si)))
+
+
+@views.maker
+def thermal_resistance(contact: Contact, conductivity: Each) -> float:
+    """See `Contact.thermal_resistance`."""
+    one, other = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
+    return _of_constrictions(contact, 1 / one + 1 / other)
+
+
+def _of_constrictions(contact: Contact, resistivity: float) -> float:
+    r"""Constriction resistance of a contact, from its normal stiffness k_n.
+
+    1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the sum of the resistivities of the two half-spaces (J. R.
+    Barber, Proc. R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038); of one disc R is (rho_1 + rho_2) /
+    (4 a), as R. Holm has it.
+    """
+    modulus = check_half_space("resistance", contact.solid, contact.lattice)
+    stiffness = contact.normal_stiffness
+    return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
+
+
+def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, float]:
+    """A number of two bodies, from one for both or a pair."""
+    pair = given if isinstance(given, list | tuple) else (given, given)
+    if len(pair) != 2:
+        raise InputError(name, expected="one number, or one of each body", got=checks.shown(given))
+    one, other = (checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair)
+    return one, other
+
+
+def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
+    """Contact modulus of a half-space; `InputError` for what has not the compliance of one."""
+    if solid.modulus is not None and solid.half_space and lattice.dimension == 2:
+        return solid.modulus
+    raise InputError(
+        name,
+        expected="a half-space under a surface of two dimensions, whose normal displacements tell it",
+        got="a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}",
+        advice="asperity.solids.half_space(modulus=...)",
+    )
+
+
+@views.maker
+def partial_slip(
+    contact: Contact, shear: float | str, friction: float, poisson: float | None = None
+) -> PartialSlip:
+    """See `Contact.partial_slip`."""
+    check_half_space("partial_slip", contact.solid, contact.lattice)
+    force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
+    mu = checks.number("friction", friction, above=0)
+    ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
+    if force >= mu * contact.load:
+        expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"
+        raise InputError("shear", expected=expected, got=f"{force:.6g}", advice="less shear, or more load")
+    # Tractions are judged beside those of the whole contact, however small the load is that sticks.
+    held = Load(max(contact.load - force / mu, float(np.finfo(float).eps) * contact.load))
+    stuck = pressed_anew(contact, held, least_force=contact.residual_scale)
+    stick, traction = stuck.in_contact & contact.in_contact, mu * (contact.pressure - stuck.pressure)
+    return PartialSlip(force, mu, stick, contact.in_contact & ~stick, traction, ratio, contact, stuck)

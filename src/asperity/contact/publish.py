@@ -1,0 +1,112 @@
+"""The gate: a solution becomes a contact if the fields that are kept are in equilibrium."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from asperity.contact.anchors import Anchors, Balance
+from asperity.contact.bodies import Bodies
+from asperity.contact.contact import Contact
+from asperity.contact.problem import Solution, mean_by_rounding
+from asperity.contact.system import System
+from asperity.errors import ConvergenceError
+from asperity.lattice import Field, Mask
+
+ACCEPTED_RESIDUAL = 1e-8
+"""No fields are kept whose residual, evaluated on these very fields, is larger."""
+
+
+def contact_from(
+    system: System,
+    solution: Solution,
+    anchors: Anchors,
+    position: float,
+    *,
+    bodies: Bodies,
+    load_may_vanish: bool = True,
+    least_force: float = 0.0,
+) -> Contact:
+    """Publish a solution of a system: its fields, judged once more.
+
+    Anchors and the position of the rigid body are relative to the system's datum. `ConvergenceError` where
+    double precision cannot resolve the load, unless it may be so small, as it dies out at a held separation.
+    Residuals are relative to at least ``least_force``, a mean contact force: that of a contact with which
+    this one is compared.
+    """
+    lattice, yielding = system.mechanics.lattice, solution.u < system.heights
+    surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
+    if system.yields:
+        shift = system.datum
+        heights = _lowered(system, surface, heights)
+        indentation = indentation + (bodies.heights - heights)
+        system = system.above(heights)
+        shift = system.datum - shift
+        surface, position = surface - shift, position - shift
+        anchors = anchors.lowered(shift, lattice)
+    # What differs from the heights by less than their last digit touches.
+    touching = solution.in_contact | (surface + system.datum <= lattice.extended(heights, -math.inf))
+    surface = np.maximum(surface, system.heights)
+    np.copyto(surface, system.heights, where=touching)
+    vanishing = load_may_vanish and not system.load
+    floor = _smallest_force(system, surface) if vanishing or not touching.any() else least_force
+    state = anchors.balance(system, surface, position)
+    left = _judged(system, surface, state, touching, yielding, floor)
+    force = system.interface.admit(state.force, touching)
+    mean_force = float(force.sum()) / max(int(np.count_nonzero(touching)), 1)
+    return Contact._judged(
+        **vars(bodies)
+        | {
+            "heights": heights,
+            "permanent_indentation": np.broadcast_to(indentation, heights.shape),
+            "control": system.control,
+            "force": lattice.cut(force),
+            "in_contact": lattice.cut(touching),
+            "energy": state.energy(),
+            "residual": left,
+            "residual_scale": max(mean_force, floor),
+            "iterations": solution.iterations,
+            "_surface": surface,
+            "_anchors": anchors,
+            "_position": state.position,
+        }
+    )
+
+
+def _judged(
+    system: System, u: Field, state: Balance, in_contact: Mask, yielding: Mask, floor: float
+) -> float:
+    """The residual of a state, whose forces lose what is the rounding of a mean."""
+    mechanics = system.mechanics
+    if not system.control.load_controlled:
+        size = float(np.abs(u).max()) * mechanics.mean_stiffness
+        state.force[...] -= mean_by_rounding(state.force, in_contact, size)
+    left = system.interface.violation(state.force, in_contact, yielding, floor)
+    if system.load and state.carried is not None:
+        # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
+        most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
+        touching = np.count_nonzero(in_contact)
+        scale = max(system.load, floor * touching)
+        left = max(left, abs(state.carried - system.load) / scale * touching / most)
+        left = max(left, abs(float(state.force.sum()) - system.load) / scale)
+    if not left <= ACCEPTED_RESIDUAL:
+        raise ConvergenceError(
+            f"residual {left:.1e}, expected at most {ACCEPTED_RESIDUAL:.0e}: the load is too small for these "
+            "heights in double precision; try more load"
+        )
+    return left
+
+
+def _lowered(system: System, u: Field, heights: Field) -> Field:
+    """Heights of the rough surface, lower where it has yielded under a surface."""
+    obstacle = system.mechanics.lattice.cut(system.lowered(u).heights)
+    lower = obstacle < heights - system.datum
+    return np.where(lower, obstacle + system.datum, heights)
+
+
+def _smallest_force(system: System, u: Field) -> float:
+    """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
+    heights = system.mechanics.lattice.cut(system.heights)
+    largest = max(float(np.abs(field).max()) for field in (u, heights))
+    return 4 * float(np.spacing(largest)) * system.mechanics.greatest_stiffness / ACCEPTED_RESIDUAL
