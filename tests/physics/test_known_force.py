@@ -47,7 +47,7 @@ def pressed_beside(known, contact, *, control=None, solver=None):
     solution = chosen_solver(solver, system).solve(problem, None, PUBLISHED)
     if system.load is not None:
         flat = np.full((mechanics.branches, *solution.u.shape), level)
-        level = system.displacement(solution.u, flat, level)
+        level = system.body.displacement(solution.u, flat, system.held(level))
     return contact_from(system, solution, AnchorFields.flat(level, system), level, bodies=contact)
 
 

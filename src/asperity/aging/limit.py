@@ -86,7 +86,7 @@ def _without_stiffness(system: System, step: ImplicitStep, before: Field, positi
     stretch, position = system.stretch(step, everywhere, before, position)
     load = system.load
     if load is None:
-        load = system.carried(system.heights, stretch, position) or 0.0
+        load = system.body.carried(system.heights, stretch, position) or 0.0
     if load <= 0 or system.free_mean:
         raise InputError(
             "contact",

@@ -154,13 +154,12 @@ class SeparableSteps(Steps):
     def state(self) -> State:
         """See `Steps`."""
         mechanics, now, stretch = self.system.mechanics, self.system.at(self.time), self._stretch()
-        hanging = mechanics.hanging
-        load = now.load
+        body, load = mechanics.body, now.load
         assert load is not None
-        if hanging[1:].any():  # the stiffness at wave vector 0 is the solid's own
-            stretch[mechanics.lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
+        if body.creeping.any():  # the stiffness at wave vector 0 is the solid's own
+            stretch[mechanics.lattice.mean] = (self.loads[0] - self.loads[1:]) / body.stiffness
             load = float(self.loads[0])
-        drop = load / mechanics.mean_stiffness if mechanics.mean_stiffness > 0 else 0.0
+        drop = load / body.stiffness if body.stiffness > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
         held, touching = now.held(position), self.u <= self.system.heights
         change = mechanics.balancing(self.modes, stretch, touching, held) if self.eager else 0.0

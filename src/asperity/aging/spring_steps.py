@@ -104,7 +104,7 @@ class SpringSteps(TrBdf2):
     def state(self) -> State:
         """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
         system = self.system.at(self.time)
-        mean = system.mean_stretch
+        mean = system.body.stretch(system.load)
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
         stretch = self.w + (mean - float(self.w.mean()))
@@ -137,7 +137,7 @@ class SpringSteps(TrBdf2):
             numbers = growth, self.offset, self.weight, self.weight
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
-        mean = self.system.at(stage.time).mean_stretch
+        mean = self.system.body.stretch(self.system.at(stage.time).load)
         moved = np.dot(stage.creeps, self.drifts) - self.system.moved(self.time, stage.time)
         self.drifts.append(float(-moved / tau))
         moved = float(moved / self.unit)

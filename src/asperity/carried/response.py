@@ -12,9 +12,9 @@ from asperity.contact import ActiveSet, Contact, Load
 from asperity.contact.contact import Each
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.interface import Interface
-from asperity.contact.mechanics import Prescribed
 from asperity.contact.partial_slip import PartialSlip, shear_ratio
 from asperity.contact.problem import PUBLISHED, Guess
+from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
 from asperity.lattice import Lattice
 from asperity.solids import Solid

@@ -55,7 +55,7 @@ def first_contact(
     solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
-        level += system.displacement(solution.u, flat, level)
+        level += system.body.displacement(solution.u, flat, system.held(level))
     how = system, solution, AnchorFields.flat(level, system), level
     return contact_from(*how, bodies=bodies, load_may_vanish=False)
 
@@ -137,7 +137,7 @@ def above_anchors(
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
     solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(TUNING.strict * TOLERANCE))
     if system.load is not None:
-        moved = system.displacement(solution.u, anchors, position)
+        moved = system.body.displacement(solution.u, anchors, system.held(position))
         anchors += moved
         position += moved
     how = system, solution, AnchorFields(anchors), position

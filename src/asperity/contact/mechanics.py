@@ -8,14 +8,7 @@ An implicit step of duration tau from anchors v_b is u_b = v_b + tau M_b C_b (u 
 one contact problem however many branches there are. tau = 0 is the instantaneous contact; tau = infinity is
 the relaxed state, where D_b = 0 wherever M_b C_b > 0 and D_b = 1 elsewhere.
 
-At wave vector 0 the surface hangs on the rigid body, whose position is X: H acts on u - X there. Under
-separation control X is known, and wave vector 0 is a mode like any other. Under load control it drops out
-of S, its right-hand side is minus the load F, and the body moves, with all anchors, by what the load demands:
-
-    H (u - X) + sum_b C_b D_b (u - v_b) = F / N        in the means over the N sites.
-
-A solid with H = C_b = 0 there, such as a half-space, carries the load as a rigid body: the means of u and of
-u_b are X.
+What happens at wave vector 0 `asperity.contact.rigid_body` states.
 
 `Mechanics` states these things in Fourier modes, for any solid. `SpringMechanics` states some of them in
 terms of neighbors, for the lattice of springs in two dimensions, where a stencil costs a small part of a
@@ -30,11 +23,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
+from asperity.contact.rigid_body import Prescribed, RigidBody
 from asperity.contact.stencils import bond_energy, lattice_force
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
@@ -50,19 +43,6 @@ class Tuning:
 
 
 TUNING = Tuning()
-
-
-@dataclass(frozen=True)
-class Prescribed:
-    """What is prescribed at a moment: the load, if that is held, and the position X of the rigid body.
-
-    Where the load is prescribed, X is where the body was before. A force of each site that is ``known`` and
-    not of contact, positive where it pushes the bodies apart, bears its part of the load.
-    """
-
-    load: float | None
-    position: float
-    known: Field | None = None
 
 
 class Mechanics:
@@ -88,28 +68,11 @@ class Mechanics:
         return self.solid.on(self.lattice)
 
     @cached_property
-    def hanging(self) -> NDArray[np.float64]:
-        """H and then each C_b at wave vector 0: what hangs on the rigid body."""
+    def body(self) -> RigidBody:
+        """What hangs on the rigid body."""
         spectra, mean = self.spectra, self.lattice.mean
-        return np.concatenate(([spectra.permanent[mean]], spectra.creeping[mean]))
-
-    @property
-    def mean_stiffness(self) -> float:
-        """H + sum of C_b at wave vector 0."""
-        return float(self.hanging.sum())
-
-    @property
-    def hangs_on_one_branch(self) -> bool:
-        """Whether the rigid body is where the anchors of the only branch are, on average.
-
-        Never where edges are free: the body is then known from afar, by all that displaces its surface.
-        """
-        return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0 and not self.lattice.body
-
-    @cached_property
-    def mean_mobility(self) -> float:
-        """Of a solid of one branch that hangs on it alone: M at wave vector 0."""
-        return float(self.spectra.rate[0].flat[0] / self.hanging[1]) if self.hangs_on_one_branch else 0.0
+        hanging = float(spectra.permanent[mean]), spectra.creeping[mean], spectra.rate[mean]
+        return RigidBody(*hanging, self.lattice.sites, bool(self.lattice.body))
 
     @cached_property
     def greatest_stiffness(self) -> float:
@@ -139,10 +102,10 @@ class Mechanics:
     def force_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> Field:
         """The same from Fourier modes."""
         force = self.spectra.permanent * u
-        force.flat[0] -= self.hanging[0] * self.lattice.sites * held.position
+        force.flat[0] -= self.body.pull(held.position)
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
             force += stiffness * w
-        if held.load is not None and not 0 < self.mean_stiffness <= self.greatest_stiffness:
+        if held.load is not None and not 0 < self.body.stiffness <= self.greatest_stiffness:
             force.flat[0] = held.load  # stretches of a mean held stiffly are lost in rounding
         return self.lattice.backward(force, overwrite=True)
 
@@ -153,7 +116,7 @@ class Mechanics:
     def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
         """The same from Fourier modes."""
         density = weighted_power(self.spectra.permanent[np.newaxis], u[np.newaxis])
-        density.flat[0] = self.hanging[0] * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
+        density.flat[0] = self.body.permanent * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
             density += weighted_power(stiffness[np.newaxis], w[np.newaxis])
         return self.lattice.mean_over_modes(density) / 2
@@ -162,7 +125,7 @@ class Mechanics:
         """Force of the springs of the only branch; where nothing hangs, its share of a load from afar."""
         creeping = self.spectra.creeping[0]
         modes = creeping * self.lattice.forward(stretch[0])
-        if self.hanging[0] == 0 and load is not None:
+        if self.body.permanent == 0 and load is not None:
             modes.flat[0] = load
         if self.solid.loaded_from_afar:  # long waves are soft, and pass nothing from the one to the other
             modes.flat[0] *= self.creeping_share
@@ -282,7 +245,7 @@ class ImplicitStep:
         rhs = weighted_sum(self.damped_stiffness, anchors)
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
-            rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
+            rhs.flat[0] += mechanics.body.pull(held.position)
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
@@ -296,24 +259,14 @@ class ImplicitStep:
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
         """The same in Fourier modes, in the place of the anchors."""
-        before, modes = anchors[self.mechanics.lattice.mean].real.copy(), anchors
+        mean, modes = self.mechanics.lattice.mean, anchors
+        before, surface = anchors[mean].real.copy(), float(u.flat[0].real)
         damp_difference(self.damping, u, modes)
         if held.load is None:
             return modes, held.position
-        mechanics, mean = self.mechanics, self.mechanics.lattice.mean
-        sites, springs = mechanics.lattice.sites, self.damped_stiffness[mean]
-        hanging = float(mechanics.hanging[0] + springs.sum())
-        surface = float(u.flat[0].real)
-        if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
-            modes[mean] = 0.0
-            if mechanics.mean_stiffness > 0:
-                rate = mechanics.spectra.rate[mean]
-                slow = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate > 0)
-                modes[mean] = held.load * slow / np.dot(mechanics.hanging[1:], slow)
-            return modes, surface / sites
-        pull = held.load + mechanics.hanging[0] * sites * held.position + float(np.dot(springs, before))
-        modes[mean] = self.damping[mean] * (pull / hanging - before)
-        return modes, held.position + (surface - pull / hanging) / sites
+        how = self.damping[mean], held.load, held.position
+        modes[mean], position = self.mechanics.body.after_step(surface, before, *how)
+        return modes, position
 
     def flat_modes(self, level: float) -> Modes:
         """Fourier modes of anchors that are all flat."""
@@ -329,7 +282,7 @@ class SpringMechanics(Mechanics):
     def __init__(self, solid: Solid, lattice: Lattice, springs: Springs) -> None:
         super().__init__(solid, lattice)
         self.springs, self.interface = springs, RIGID
-        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.drag / springs.k1
+        self.body = RigidBody(0.0, np.array([springs.k1]), np.array([springs.drag]), lattice.sites)
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = 8 * springs.spread + springs.drag
 

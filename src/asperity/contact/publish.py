@@ -80,12 +80,12 @@ def _judged(
     """The residual of a state, whose forces lose what is the rounding of a mean."""
     mechanics = system.mechanics
     if not system.control.load_controlled:
-        size = float(np.abs(u).max()) * mechanics.mean_stiffness
+        size = float(np.abs(u).max()) * mechanics.body.stiffness
         state.force[...] -= mean_by_rounding(state.force, in_contact, size)
     left = system.interface.violation(state.force, in_contact, yielding, floor)
     if system.load and state.carried is not None:
         # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
-        most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
+        most = system.sites * max(1.0, mechanics.body.stiffness / mechanics.greatest_stiffness)
         touching = np.count_nonzero(in_contact)
         scale = max(system.load, floor * touching)
         left = max(left, abs(state.carried - system.load) / scale * touching / most)
