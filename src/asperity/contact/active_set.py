@@ -4,7 +4,7 @@ The sites are split into contacts, where u = xi, and free sites, where S u = b i
 gradients (`asperity.contact.free_sites`). Then contacts in tension (r < 0) are released and free sites that
 penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J.
 Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
-solved: the more sites a revision moved, the less accurate a solution the next is worth.
+solved, when its residual has fallen to a third or so.
 
 A stage of creep may stop as soon as u is as accurate as the step needs: what conjugate gradients leave is
 estimated by the preconditioned residual and the last correction.
@@ -57,9 +57,6 @@ class Tuning:
 
     digits: float = 1e-5
     """How far single precision can reduce a residual in one correction, with room to spare."""
-
-    reduction_per_change: float = 4.0
-    """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
 
     reduction: float = 0.3
     """How far, at least, the linear residual falls before the set of contacts is revised."""
@@ -319,9 +316,7 @@ class _Run:
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 f"try {advice}"
             )
-        count = int(xp.count_nonzero(wrong))
-        moved = count / max(self.contacts, 1)
-        self.reduction = min(TUNING.reduction, TUNING.reduction_per_change * moved)
+        count, self.reduction = int(xp.count_nonzero(wrong)), TUNING.reduction
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:

@@ -4,7 +4,7 @@ Conjugate gradients on the free sites, with the preconditioner M = M_0 of nested
 
     M_k = W_k [ 1 / (S + s_k) - 1 / (S + s_(k-1)) + R M_(k+1) R^T ] W_k,      1 / (S + s_(-1)) = 0.
 
-W_0 is 0 at contacts, and 1 / (1 + 0.05 n) at free sites with n neighbors in contact. Far from contacts the
+W_0 is 0 at contacts, and 1 / (1 + 0.1 n) at free sites with n neighbors in contact. Far from contacts the
 surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it is pinned more
 strongly, and yields over shorter distances. So long waves are split off onto lattices that are coarser by
 four and by four again (R, which keeps the long modes), and weighted there by
@@ -34,10 +34,10 @@ from asperity.lattice import Edges, Field, Lattice, Mask, Spectrum
 class Tuning:
     """Numbers of the method."""
 
-    shore: float = 0.05
+    shore: float = 0.1
     """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
-    pinning: float = 0.4
+    pinning: float = 0.3
     """Factor on the mean pinning sigma; near contacts the weights add to it."""
 
     coarser: int = 4
@@ -48,9 +48,6 @@ class Tuning:
 
     density_width: float = 0.6
     """Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
-
-    least_alone: float = 0.01
-    """Least part of the contacts that counts as standing alone."""
 
     usual_rate: float = 0.3
     """What an iteration is expected to leave of an error."""
@@ -126,7 +123,9 @@ class FreeSites:
         self.free = 1.0 - contacts
         mask = self.free / (1.0 + TUNING.shore * neighbors)
 
-        pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        # One contact pins the mean of the surface and nothing else.
+        fraction = max(float(xp.sum(contacts, dtype=xp.float64)), 2.0) / lattice.sites
+        pinning = TUNING.pinning * effective_pinning(lattice, spectrum, fraction)
         longest = Lattice((2,) * lattice.dimension)
         lattices, cuts = [lattice], [math.inf]
         for coarse in _coarse_lattices(lattice.shape, lattice.edges):
@@ -224,16 +223,6 @@ class FreeSites:
             iterations=iterations,
             left_over=left_over,
         )
-
-
-def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: Field, xp: Any) -> float:
-    """Pinning by contacts as they lie: those beside each other pin less than those that stand alone."""
-    count = float(xp.sum(contacts, dtype=xp.float64))
-    fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
-    together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
-    least = TUNING.least_alone
-    single = min(1.0, max(1 - together, least) / max(1 - fraction, least))  # 1 if they lie at random
-    return single * effective_pinning(lattice, spectrum, fraction)
 
 
 @lru_cache(maxsize=8)
