@@ -41,6 +41,8 @@ class Tuning:
     """Part of the contacts that opens or closes before pins are set anew."""
     usual_rate: float = 0.3
     """Ratio of successive errors expected before two are known."""
+    best_rate: float = 0.1
+    """Least ratio of successive errors that is believed."""
     force_error: float = 1e-3
     """Error of the sum of the forces that is allowed even where an error of u0 is."""
     stiff: float = 100.0
@@ -207,7 +209,7 @@ class TwoFields(Corrections):
             self.taken = _relaxed(self.taken, latest, self.latest)
         self.shift += self.taken * shift
         # Where nothing creeps e = f, and there are no two errors to compare.
-        return size, min(size / before, 1.0) if 0 < before < math.inf else TUNING.usual_rate
+        return size, max(size / before, TUNING.best_rate) if 0 < before < math.inf else TUNING.usual_rate
 
     def equations(self, level: int) -> CoarseTwo:
         """See `Corrections`."""
