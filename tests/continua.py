@@ -3,8 +3,8 @@
 import numpy as np
 import scipy.linalg
 
+from asperity.contact import Load, Separation
 from asperity.contact.bodies import Bodies
-from asperity.contact.controls import control_from
 from asperity.contact.instantaneous import first_contact
 from asperity.lattice import Lattice
 
@@ -13,7 +13,8 @@ def pressed(heights, solid, *, load=None, separation=None, spacing=(), edges="pe
     """Press a solid onto heights whose sites have a spacing, in any one unit of length."""
     heights = np.ascontiguousarray(heights, dtype=float)
     bodies = Bodies(heights, Lattice(heights.shape, spacing, edges), solid, {}, False)
-    return first_contact(bodies, control_from(load, separation), start=None, solver=None)
+    control = Separation(separation) if load is None else Load(load)
+    return first_contact(bodies, control, start=None, solver=None)
 
 
 def love(shape, sides):

@@ -1,12 +1,17 @@
 """A solid, a leg and a contact solver that are written outside the package go through all of it."""
 
+import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
+from annotated_types import Gt
 
 import asperity as asp
+from asperity.base.parameters import Quantity
 from asperity.contact import ActiveSet
+from asperity.protocols import Leg
 from asperity.results import load_contact
 from asperity.solids import Solid
 from tests.refusals import refuses
@@ -41,6 +46,26 @@ def delayed(modulus, later, time, **facts):
 
 
 OUTSIDE = delayed(MODULUS, MODULUS * (1 - SHARE) / SHARE, TIME / (1 - SHARE))
+
+
+@dataclass(frozen=True)
+class Sine(Leg):
+    """The load oscillates about what it was."""
+
+    duration: Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
+    part: Annotated[float, Gt(0), Quantity("amplitude over the load")]
+    period: Annotated[float, Gt(0), Quantity("period", "s")]
+    target = "load"
+
+    @property
+    def longest(self):
+        return self.period / 20
+
+    def value(self, time, start):
+        return start * (1 + self.part * math.sin(2 * math.pi * time / self.period))
+
+    def words(self, say):
+        return f"the load oscillates for {say('time', self.duration)}"
 
 
 @dataclass(frozen=True)
@@ -110,22 +135,23 @@ def test_it_is_saved_and_read_again(tmp_path):
     assert "delayed" in OUTSIDE._repr_html_()
 
 
-def test_a_solver_from_outside_solves_and_goes_on_from_a_checkpoint(tmp_path):
+def test_a_leg_and_a_solver_from_outside_go_on_from_a_checkpoint(tmp_path):
     place = asp.results.Checkpoint(tmp_path / "place.npz", every=0.0)
-    legs = [asp.protocols.Hold(2.0), asp.protocols.Ramp(1.0, load=5e-3), asp.protocols.Hold(7.0)]
+    legs = [asp.protocols.Hold(2.0), Sine(4.0, 0.2, 4.0), asp.protocols.Hold(3.0)]
+    times, spent = [1.0, 3.0, 4.0, 5.0, 9.0], ["residual", "iterations", "steps", "rejected"]
 
     def stop(frame):
-        if frame.time >= 2.5:
+        if frame.time >= 4.0:
             raise InterruptedError
 
-    def run(solver, **more):
-        contact = pressed(OUTSIDE, solver=solver)
-        return asp.age(contact, [1.0, 2.5, 10.0], protocol=legs, solver=solver, **more).dataset
+    def run(solver, solid=OUTSIDE, **more):
+        contact = pressed(solid, solver=solver)
+        return asp.age(contact, times, protocol=legs, solver=solver, **more).dataset
 
     with pytest.raises(InterruptedError):
         run(Wrapped(ActiveSet()), checkpoint=place, progress=stop)
     whole = run(Wrapped(ActiveSet()))
     assert_equal(run(Wrapped(ActiveSet()), checkpoint=place), whole, rtol=0)
-    spent = ["residual", "iterations", "steps", "rejected"]
-    usual = run(None).drop_vars(spent)
-    assert_equal(whole.drop_vars(spent), usual, rtol=1e-4)
+    assert_equal(whole.drop_vars(spent), run(None, INSIDE).drop_vars(spent), rtol=1e-4)
+    at = whole.sel(time=[3.0, 4.0, 5.0])["load"].values
+    np.testing.assert_allclose(at, [1.2e-2, 1e-2, 0.8e-2], rtol=1e-7)

@@ -87,14 +87,6 @@ class Midway:
     area: ConstantArea | None = None
 
 
-@dataclass(frozen=True)
-class Pace:
-    """What a march begins with: the length of its first step, 0 for its own, and the scale of errors."""
-
-    length: float
-    deformation: float
-
-
 @dataclass
 class Counts:
     """Steps taken, steps repeated, and iterations since the last frame."""

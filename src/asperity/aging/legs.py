@@ -2,7 +2,7 @@
 
 Contacts grow like the logarithm of the time since the last switch, so the length of the steps and the
 guesses of where contacts will be begin anew with each leg. While the rough surface slides, each shift is such
-a switch; there the first step is as long as the march after the shift before found it could be.
+a switch.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from asperity.aging.frames import Frame, Midway, Pace
+from asperity.aging.frames import Frame, Midway
 from asperity.aging.march import creep
 from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
@@ -34,8 +34,7 @@ class LegMidway:
 
     ``begun`` and ``approach`` are those at the beginning of the march in the leg, whose times are since then;
     ``control`` is what was prescribed at the beginning of the leg, and ``level`` the separation at which the
-    approach was 0; ``shifts`` says how often the rough surface was shifted in this leg, and ``pace`` how the
-    march began, where it slides.
+    approach was 0; ``shifts`` says how often the rough surface was shifted in this leg.
     """
 
     leg: int
@@ -45,7 +44,6 @@ class LegMidway:
     approach: float
     midway: Midway
     shifts: int = 0
-    pace: Pace | None = None
 
 
 def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
@@ -138,7 +136,7 @@ class _Way:
     ) -> Iterator[Frame]:
         """Shift, creep until the next shift, and so on."""
         begun, end = span
-        lasting, start, pace = shifts.length / leg.speed, self.now, None
+        lasting, start = shifts.length / leg.speed, self.now
         for n in range(0 if here is None else here.shifts - 1, shifts.count):
             last, since = n + 1 == shifts.count, begun + n * lasting
             moved = replace(_moved(start, shifts, n + 1), leg=number, velocity=leg.speed)
@@ -151,20 +149,14 @@ class _Way:
                 self.resume()
             if lasting > 0:
                 span = since, end if last else begun + (n + 1) * lasting
-                pace = yield from self.creep(leg, number, span, here, n + 1, pace)
+                yield from self.creep(leg, number, span, here, n + 1)
             here = None
 
     def creep(
-        self,
-        leg: Leg,
-        number: int,
-        span: tuple[float, float],
-        here: LegMidway | None,
-        shifts: int = 0,
-        pace: Pace | None = None,
-    ) -> Generator[Frame, None, Pace | None]:
-        """March through a span of time; returns what it tells of the length of steps."""
-        now, (begun, end) = self.now, span
+        self, leg: Leg, number: int, span: tuple[float, float], here: LegMidway | None, shifts: int = 0
+    ) -> Iterator[Frame]:
+        """March through a span of time."""
+        now, (begun, end), deformation = self.now, span, 0.0
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
         start, level = (self.start(leg), self.level) if here is None else (here.control, here.level)
         control = self.prescribed(leg, start, level, end - begun)
@@ -172,19 +164,16 @@ class _Way:
             begun, control = here.begun, control.after((here.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
         elif control.course and not now.contact.load and now.contact.has_not_crept:
-            begun, control, pace = yield from self.touch(control, leg, number, begun, stops)
+            begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
             stops = stops[stops > begun]
             if not stops.size:
-                return pace
+                return
         approach = self.now.approach if here is None else here.approach
-        told = None if here is None else here.pace
 
-        def keep(pace: Pace, midway: Callable[[], Midway]) -> None:
-            nonlocal told
-            told = Pace(pace.length if told is None else told.length, pace.deformation)
+        def keep(midway: Callable[[], Midway]) -> None:
             if self.after_step is not None:
                 where = number, begun, start, level, approach
-                self.after_step(lambda: LegMidway(*where, midway(), shifts, told))
+                self.after_step(lambda: LegMidway(*where, midway(), shifts))
 
         frames = creep(
             self.now.contact,
@@ -194,7 +183,7 @@ class _Way:
             rtol=self.rtol,
             solver=self.solver,
             exact=self.exact,
-            pace=pace,
+            deformation=deformation,
             midway=None if here is None else here.midway,
             after_step=keep,
         )
@@ -212,12 +201,11 @@ class _Way:
                 at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now
-        return told
 
     def touch(
         self, control: Control, leg: Leg, number: int, begun: float, stops: Field
-    ) -> Generator[Frame, None, tuple[float, Control, Pace | None]]:
-        """Go, from where nothing is deformed, to where a march can begin: its time, control and pace.
+    ) -> Generator[Frame, None, tuple[float, Control, float]]:
+        """Go, from where nothing is deformed, to where a march can begin: its time, control and deformation.
 
         Without a deformation there is none that errors could be relative to. So errors until the first time
         with contact are relative to the deformation there, and what is prescribed within ``rtol`` of the way
@@ -239,13 +227,13 @@ class _Way:
             apart = pressed_anew(now.contact, at(time), self.solver)
             yield self.at_once(apart, replace(now, time=time, leg=number))
         if not (stops > touching).any():
-            return math.inf, control, None
+            return math.inf, control, 0.0
         reached = min(float(stops[stops > touching][0]), times[near])
         first, begun_at = pressed_anew(now.contact, at(reached), self.solver), touching
         begun_at += self.rtol * (reached - touching)
         start = pressed_anew(now.contact, at(begun_at), self.solver, least_force=first.residual_scale)
         self.at_once(start, now)
-        return begun_at, control.after((begun_at - begun) * pace), Pace(0.0, float(first.u.std()))
+        return begun_at, control.after((begun_at - begun) * pace), float(first.u.std())
 
     @property
     def level(self) -> float:

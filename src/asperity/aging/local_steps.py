@@ -85,7 +85,7 @@ class LocalSteps(TrBdf2):
 
     def approach(self, origin: Origin, separation: float) -> float:
         """See `Steps`."""
-        return super().approach(origin, separation) if self.system.load is None else -self.position
+        return -self.position if self.system.control.load_controlled else super().approach(origin, separation)
 
     def contacts_tried(self) -> int:
         """See `Steps`."""

@@ -15,7 +15,7 @@ from asperity.aging import constant_area
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller, step_tolerance
 from asperity.aging.field_steps import FieldSteps
-from asperity.aging.frames import Counts, Frame, Midway, Pace, published
+from asperity.aging.frames import Counts, Frame, Midway, published
 from asperity.aging.local_steps import LocalSteps
 from asperity.aging.separable import SeparableSteps
 from asperity.aging.spring_steps import SpringSteps
@@ -65,9 +65,9 @@ def creep(
     rtol: float = DEFAULT_RTOL,
     solver: ContactSolver | None = None,
     exact: bool = True,
-    pace: Pace | None = None,
+    deformation: float = 0.0,
     midway: Midway | None = None,
-    after_step: Callable[[Pace, Callable[[], Midway]], None] | None = None,
+    after_step: Callable[[Callable[[], Midway]], None] | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0 and then at exactly each of the times, under one control.
 
@@ -79,14 +79,13 @@ def creep(
         What is prescribed, a function of these times; by default what the contact was pressed by.
     keep_area
         Whether the load changes so that the area stays what it is; ``control`` is then the load at first.
-    pace
-        What an earlier march tells of the length of steps.
+    deformation
+        What errors are relative to at least, length.
     midway
         Go on from here, with the frames after it; all other arguments as at first, but for the contact,
         which may be any above the same surface.
     after_step
-        Called after each step with what it tells of the length of steps, and what makes the state from which
-        to go on.
+        Called after each step with what makes the state from which to go on.
 
     Raises
     ------
@@ -108,7 +107,7 @@ def creep(
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
     march = _March(contact, chosen_solver(solver, system), rtol, after_step)
     if midway is None:
-        march.begin(system, exact, keep_area, pace)
+        march.begin(system, exact, keep_area, deformation)
     else:
         march.resume(system, midway)
         stops = stops[stops >= midway.time]
@@ -140,7 +139,7 @@ class _March:
         start: Contact,
         solver: ContactSolver,
         rtol: float,
-        after_step: Callable[[Pace, Callable[[], Midway]], None] | None,
+        after_step: Callable[[Callable[[], Midway]], None] | None,
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
         self.controller = Controller(step_tolerance(rtol))
@@ -158,7 +157,7 @@ class _March:
             yield published(start, self.now, self.origin, self.counts)
             self.counts = Counts()
 
-    def begin(self, system: System, exact: bool, keep_area: bool, pace: Pace | None) -> None:
+    def begin(self, system: System, exact: bool, keep_area: bool, deformation: float) -> None:
         """At the start."""
         start = self.start
         if keep_area:  # the load falls, so that no contact is exact
@@ -168,9 +167,7 @@ class _March:
         self.deformation = 0.0
         self.raise_deformation()
         self.controller.begin(self.deformation, self.now.speed())
-        if pace is not None:
-            self.controller.length = pace.length or self.controller.length
-            self.deformation = max(self.deformation, pace.deformation)
+        self.deformation = max(self.deformation, deformation)
 
     def resume(self, system: System, midway: Midway) -> None:
         """Where another march was."""
@@ -274,4 +271,4 @@ class _March:
             self.area.accept(time, contacts, control.at(time).value)
         self.raise_deformation()
         if self.after_step is not None:
-            self.after_step(Pace(self.controller.length, self.deformation), self.midway)
+            self.after_step(self.midway)

@@ -53,7 +53,7 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[s
     if not (load[at] > 0 and slope > 0):
         return ()
     modulus = cast(float, solid.modulus)
-    series = PronySeries(modulus, tuple(solid.shares or ()))
+    series = PronySeries(modulus, tuple(solid.relaxing))
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
     expected = float(persson_area(effective / nominal, modulus=modulus, slope=slope))
     found = float(dataset["contact_area_corrected"][at]) / nominal

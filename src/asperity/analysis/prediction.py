@@ -283,7 +283,7 @@ class Prediction(views.InNotebooks):
     @property
     def branches(self) -> Branches:
         """Shares of E* and the times in which they relax, s."""
-        return () if self.solid.creep is not None else tuple(self.solid.shares or ())
+        return tuple(self.solid.relaxing)
 
     @property
     def plateau(self) -> float:

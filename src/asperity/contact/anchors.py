@@ -33,10 +33,6 @@ class Anchors(ABC):
         """Fields on the sites, with the branches as first axis."""
 
     @abstractmethod
-    def lowered(self, by: float, lattice: Lattice) -> Anchors:
-        """The same relative to a datum that is higher."""
-
-    @abstractmethod
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """Forces and energy of a surface above them, with the rigid body near a position."""
 
@@ -57,11 +53,6 @@ class AnchorFields(Anchors):
         del lattice
         return self.fields
 
-    def lowered(self, by: float, lattice: Lattice) -> AnchorFields:
-        """See `Anchors`."""
-        del lattice
-        return AnchorFields(self.fields - by)
-
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """See `Anchors`."""
         position, stretch = system.body.position(u, self.fields, position), u - self.fields
@@ -79,10 +70,6 @@ class AnchorModes(Anchors):
     def on(self, lattice: Lattice) -> Field:
         """See `Anchors`."""
         return lattice.backward(self.modes)
-
-    def lowered(self, by: float, lattice: Lattice) -> AnchorModes:
-        """See `Anchors`."""
-        return AnchorModes(self.modes - lattice.flat_modes(by))
 
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """See `Anchors`; what hangs at wave vector 0 are sums over the sites."""

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self, cast
+from typing import ClassVar, Literal, Self
 
 from asperity.base import checks
 from asperity.errors import LARGEST
@@ -103,9 +103,3 @@ class Separation(Control):
 
 
 Hold = Literal["load", "separation", "area"]
-
-
-def control_from(load: float | None, separation: float | None) -> Control:
-    """One control from two arguments of which exactly one is given."""
-    checks.one_of("load=800.0", load=load, separation=separation)
-    return Load(load) if load is not None else Separation(cast(float, separation))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from asperity.contact.anchors import Anchors, Balance
+from asperity.contact.anchors import AnchorFields, Anchors, Balance
 from asperity.contact.bodies import Bodies
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution, mean_by_rounding
@@ -38,13 +38,13 @@ def contact_from(
     lattice, yielding = system.mechanics.lattice, solution.u < system.heights
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
     if system.yields:
-        shift = system.datum
         heights = _lowered(system, surface, heights)
         indentation = indentation + (bodies.heights - heights)
-        system = system.above(heights)
-        shift = system.datum - shift
-        surface, position = surface - shift, position - shift
-        anchors = anchors.lowered(shift, lattice)
+        lower = system.above(heights)
+        shift, system = lower.datum - system.datum, lower
+        if shift:  # the highest point has yielded
+            surface, position = surface - shift, position - shift
+            anchors = AnchorFields(anchors.on(lattice) - shift)
     # What differs from the heights by less than their last digit touches.
     touching = solution.in_contact | (surface + system.datum <= lattice.extended(heights, -math.inf))
     surface = np.maximum(surface, system.heights)

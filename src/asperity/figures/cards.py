@@ -130,8 +130,8 @@ def _(surface: Surface) -> str:
 @html_of.register
 def _(solid: Solid) -> str:
     rows = [("kind", solid.kind.replace("_", " "))]
-    rows += [(name, _number(value)) for name, value in solid.parameters.items() if name != "branches"]
-    pairs = list(solid.shares or ()) if solid.creep is None else []
+    pairs = tuple(solid.relaxing)
+    rows += [(name, _number(value)) for name, value in solid.parameters.items() if value != pairs]
     rows += [(f"share {share:.3g}", f"relaxes in {time:.3g}") for share, time in pairs[:_MOST_BRANCHES]]
     if len(pairs) > _MOST_BRANCHES:
         rows.append(("and", f"{len(pairs) - _MOST_BRANCHES} more branches"))

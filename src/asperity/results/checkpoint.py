@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
-from asperity.aging.frames import Counts, Midway, Pace
+from asperity.aging.frames import Counts, Midway
 from asperity.aging.legs import LegMidway
 from asperity.aging.tr_bdf2 import Origin
 from asperity.base import checks
@@ -161,10 +161,10 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for index, one in enumerate(facts["snapshots"])
     ]
     here = facts["here"]
-    area, pace = here["midway"]["area"], here["pace"]
+    area = here["midway"]["area"]
     midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
     parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
     midway |= {name: part(**midway[name]) for name, part in parts.items()}
     kind = Load if facts["control"] == Load.name else Separation
-    restored = {"control": kind(**here["control"]), "midway": Midway(**midway), "pace": pace and Pace(**pace)}
+    restored = {"control": kind(**here["control"]), "midway": Midway(**midway)}
     return Place(LegMidway(**here | restored), facts["rows"], snapshots)

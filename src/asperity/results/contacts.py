@@ -78,10 +78,14 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     kind = Load if facts["held"] == Load.name else Separation
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
-    surface, anchors = (data[name].values - system.datum for name in ("u", "anchors"))
+    # The gap has digits that u has lost beside a large datum; so have anchors, which a load puts in place.
+    surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
     whole = lattice.embedding
     if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
+    if system.load:
+        moved = system.displacement(surface, anchors, position)
+        anchors, position = anchors + moved, position + moved
     solution = Solution(surface, touching, int(data["iterations"]), 0)
     return contact_from(system, solution, AnchorFields(anchors), position, bodies=bodies)

@@ -51,16 +51,9 @@ class CreepBranch:
 
 @dataclass(frozen=True)
 class Spectra:
-    """The spectra of a solid on one lattice; branches are the first axis.
+    """H, of shape `Lattice.spectral_shape`; C_b, and M_b C_b, the rate at which a mode of branch b creeps.
 
-    Attributes
-    ----------
-    permanent
-        H, of shape `Lattice.spectral_shape`.
-    creeping
-        C_b, shape ``(branches, *spectral_shape)``.
-    rate
-        M_b C_b, the rate at which a mode of branch b creeps at a given u; the same shape.
+    These have the branches as first axis.
     """
 
     permanent: Spectrum
@@ -72,8 +65,8 @@ class Spectra:
 class Springs:
     """The lattice of springs: a force k0 L u + k1 w, and a creep of u - w at the rate spread L w + drag w.
 
-    L is minus the Laplacian, and w the stretch of the springs to the bulk. In terms of the mobilities,
-    ``spread`` is k1 R and ``drag`` k1 R_viscous: rates, or of an implicit step that times its duration.
+    L is minus the Laplacian, w the stretch of the springs to the bulk. ``spread`` is k1 R and ``drag`` k1
+    R_viscous: rates, or in an implicit step those times its duration.
     """
 
     k0: float
@@ -139,7 +132,7 @@ class Solid(views.InNotebooks):
         Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
         the force of a site. See `Solid.with_hardness`.
     kind
-        Name that is recorded: of the function that built it.
+        Name of the function that built it, which is recorded.
     """
 
     permanent: SpectrumOf | None = None
@@ -247,6 +240,11 @@ class Solid(views.InNotebooks):
     def yields(self) -> bool:
         """Whether pressures have a bound."""
         return math.isfinite(self.hardness)
+
+    @property
+    def relaxing(self) -> Shares:
+        """The shares that relax, each in its time, at every wave vector; none where a local law creeps."""
+        return tuple(self.shares or ()) if self.creep is None else ()
 
     @property
     def permanent_share(self) -> float:

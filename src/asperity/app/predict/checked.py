@@ -31,12 +31,12 @@ def series_with(
     """The series of a solid, and then those with other branches that it may have; empty without draws."""
     if draws is None:
         return ()
-    if not (solid.modulus and solid.shares):
+    if not (solid.modulus and solid.relaxing):
         raise InputError("draws", expected="branches of the solid, in whose place they may be", got="none")
     if not hasattr(draws, "__len__") or len(draws) < 2:
         raise InputError("draws", expected="2 lists of branches or more", got=checks.shown(draws))
     modulus = solid.modulus
-    found = [PronySeries(modulus, tuple(solid.shares))]
+    found = [PronySeries(modulus, tuple(solid.relaxing))]
     for number, branches in enumerate(draws):
         try:
             found.append(PronySeries(modulus, check_branches(branches)))
