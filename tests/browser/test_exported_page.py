@@ -144,7 +144,7 @@ def test_keys_move_between_sites_and_zoom(tab, exported, outcome):
     assert state(page)["zoom"] == 1
     said = page.locator("#map").get_attribute("aria-label")
     assert "64 × 64 sites" in said
-    assert f"{touching.size} in contact" in said
+    assert f"{touching.size}\u00a0sites in contact" in said
 
 
 def test_two_fingers_zoom(tab, exported):
@@ -190,7 +190,7 @@ def test_yielded_sites_are_marked_on_the_heights(tab, tmp_path):
     history = asp.age(contact, [1.0, 10.0, 14.0], protocol=slides, fields_at=[0.0, 14.0])
     yielding = history.dataset  # maps before and after a slide by four sites
     recording = recorded(yielding, None, job="yields", title="yields")
-    recording.end = ending(yielding, None, remarks=[], seconds=None)
+    recording.end = ending(yielding, ())
     path = tmp_path / "page.html"
     path.write_text(exported_page(recording.messages(), title="yields"), encoding="utf-8")
     page = tab(path.as_uri())
@@ -251,18 +251,18 @@ def page_of(folder, masks, times=None, campaign=None):
     """Address of the page of a scene that nobody computed: heights are 0, and each map is known."""
     times = [0.0, *(10.0 ** np.arange(len(masks) - 1)).tolist()] if times is None else times
     columns, areas = ["time", "leg", "area"], [float(mask.sum()) for mask in masks]
-    facts: dict[str, Any] = dict.fromkeys(("config", "spacing", "length_unit"))
+    facts: dict[str, Any] = dict.fromkeys(("config", "spacing", "length_unit", "cell"))
     facts |= {"title": "made", "toml": "", "python": "", "shape": list(masks[0].shape)}
     facts |= {"names": {}, "columns": columns, "column_units": dict.fromkeys(columns, "1")}
     facts["units"] = dict.fromkeys(("time", "area", "load", "pressure", "height", "separation"), "1")
     facts["labels"] = {name: one.label for name, one in select("series").items() if name in columns}
-    facts |= {"switches": [], "remarks": [], "height_range": [0.0, 1.0]}
+    facts |= {"switches": [], "height_range": [0.0, 1.0]}
     recording = Recording("made", facts | {"last_time": times[-1]}, np.zeros(masks[0].shape, np.uint16))
     recording.rows = [[time, 0.0, area] for time, area in zip(times, areas, strict=True)]
     if any(areas):
         maps = zip(times, masks, strict=True)
         recording.maps = [map_of(time, 0, mask, mask.astype(float)) for time, mask in maps]
-    recording.end = {"kind": "done", "limit": None, "fit": None, "effort": {}, "remarks": []}
+    recording.end = {"kind": "done", "limit": None, "rows": []}
     messages = [*([] if campaign is None else [campaign]), *recording.messages()]
     path = folder / f"made{len(messages)}.html"
     path.write_text(exported_page(messages, title="made"), encoding="utf-8")
@@ -309,7 +309,9 @@ def test_curves_of_a_campaign_stand_behind_its_run(tab, tmp_path):
     runs = [{"id": f"run{number}", "state": "done", "load": 10.0 * number} for number in range(3)]
     arrays = {f"time.run{number}": np.array([0.0, 1.0, 10.0]) for number in range(3)}
     arrays |= {f"area.run{number}": np.array([1.0, 2.0, 3.0]) * (number + 1) for number in range(3)}
-    campaign = pack({"kind": "campaign", "path": "camp", "parameters": ["load"], "runs": runs}, arrays)
+    campaign = pack(
+        {"kind": "campaign", "path": "camp", "parameters": ["load"], "units": {}, "runs": runs}, arrays
+    )
     page = tab(page_of(tmp_path, [mask, mask], campaign=campaign))
     alone = tab(page_of(tmp_path, [mask, mask]))
     assert state(page)["runs"] == 3

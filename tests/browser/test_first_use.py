@@ -1,12 +1,13 @@
 """The page as one meets it: what is in view, what a wrong value does, what the next press gives."""
 
 import io
+import re
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from tests.browser.conftest import SMALL, again, move_the_change_to_10, rows, until
+from tests.browser.conftest import SMALL, again, move_the_change_to_10, rows, state, until
 
 WIDE, NARROW = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
 SEEN = """one => {
@@ -135,9 +136,42 @@ def test_an_uninterrupted_curve_is_that_of_the_same_time(live):
     assert dark[round(y) - 4 : round(y) + 5].any()
     assert not dark[round(other) - 4 : round(other) + 5].any()
     assert page.locator(".earlier").inner_text().strip() == "without the change (dotted)"
+    load = page.input_value("[id='contact.load']")
     page.fill("[id='contact.load']", "300")
     again(page, lambda: page.click("#press"))
-    assert page.locator(".earlier").inner_text().strip() == "earlier run (dotted)"
+    assert page.locator(".earlier").inner_text().strip() == f"with load {load} (dotted)"
+    page.fill("[id='surface.seed']", "8")  # another surface is not compared
+    assert again(page, lambda: page.click("#press"))["earlier"] is None
+    assert not page.locator(".earlier").is_visible()
+
+
+def test_a_wrong_change_stays_out_of_the_configuration(live):
+    page = live()
+    before = state(page)
+    address = page.url
+    page.fill("#new-value", "-3")
+    page.click("#branch button")
+    until(page, "document.querySelector('#branch-mistake').textContent && !asperity.state.busy")
+    assert "got -3" in page.locator("#branch-mistake").text_content()
+    assert not page.locator("#history").is_visible()
+    assert (page.url, state(page)["job"]) == (address, before["job"])
+    page.fill("[id='contact.load']", "60")
+    assert "protocol" not in again(page, lambda: page.click("#press"))["config"]
+    page.fill("#new-value", "30")
+    assert len(again(page, lambda: page.click("#branch button"))["config"]["protocol"]) == 3
+    words = page.locator("#history span").text_content()
+    assert "mobility" not in words
+    assert not re.search(r"\d{6}", words)
+    assert page.url != address  # from here a reload has the change
+
+
+def test_pressures_are_told_apart_by_their_logarithms(live):
+    page = live()
+    page.select_option("#colored", "pressure")
+    pressures = page.evaluate("Array.from(app.scene.pressures(app.map)).filter((one) => one > 0)")
+    low, high = page.evaluate("app.scene.pressureRange(app.map)")
+    assert (low, high) == pytest.approx((np.quantile(pressures, 0.02, method="lower"), max(pressures)))
+    assert "(logarithmic)" in page.locator("#legend").text_content()
 
 
 def test_the_change_of_load_and_the_numbers_are_in_view(live):

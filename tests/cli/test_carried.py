@@ -9,6 +9,7 @@ import pytest
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.config import config_from
+from asperity.base.units import quantity
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, Remark
 from asperity.figures import carried_figure
@@ -69,13 +70,18 @@ def test_a_checkpoint_is_of_what_is_recorded(contact):
 
 
 def test_the_figure_draws_what_was_recorded(history):
-    upper, lower = carried_figure(history.dataset).axes
-    ratios = [np.asarray(line.get_ydata(), dtype=float) for line in upper.get_lines()]
-    stiffness = history.dataset["normal_stiffness"].values
-    np.testing.assert_allclose(ratios[0], stiffness / stiffness[0])
-    np.testing.assert_allclose(ratios[1], stiffness[0] / stiffness)
-    stuck = np.asarray(lower.get_lines()[0].get_ydata(), dtype=float)
-    np.testing.assert_allclose(stuck, history.dataset["stick_fraction"])
+    stiffness, resistance, thermal, sticks = carried_figure(history.dataset).axes
+    drawn = [line for axes in (stiffness, resistance, thermal, sticks) for line in axes.get_lines()]
+    assert len(drawn) == len(NAMES)
+    for line, name in zip(drawn, NAMES, strict=True):
+        values, found = history.dataset[name].values, np.asarray(line.get_ydata(), dtype=float)
+        label, unit = line.axes.get_ylabel(), history.dataset[name].attrs["units"]
+        if unit == "1":
+            np.testing.assert_allclose(found, values)
+        else:  # in the unit of the axis
+            np.testing.assert_allclose(
+                [quantity(f"{one} {label.split('[')[1][:-1]}", unit) for one in found], values
+            )
     with refuses("dataset", "none"):
         carried_figure(history.dataset.drop_vars(NAMES))
 

@@ -10,6 +10,7 @@ from contextlib import suppress
 import pytest
 
 from asperity.app.cli import main
+from asperity.base.files import MARKER, mark
 from tests.cli.conftest import SMALL, process
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
@@ -26,8 +27,8 @@ def test_a_disk_that_fills_up_keeps_an_earlier_run_and_leaves_no_other(tmp_path,
     out = tmp_path / "out"
     if earlier:
         out.mkdir()
-        for name in ("history.zarr", "config.toml", "summary.txt"):
-            (out / name).write_text("earlier")
+        (out / "summary.txt").write_text("earlier")
+        mark(out / MARKER, "run", ["summary.txt"])
     # The history fits into this limit of any file, and the first figure does not; into the other, neither.
     full = limited(200 if earlier else 20_000)
     running = process("run", *SMALL, "--quiet", "--overwrite", "--out", out, before=full)

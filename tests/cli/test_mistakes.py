@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from asperity import __version__, friction
+from asperity.base.files import MARKER, kind_of, mark
 from asperity.surfaces import gaussian, spectral
 from tests.refusals import matches
 
@@ -144,7 +145,12 @@ def test_folders_that_are_kept(refused, finished, monkeypatch):
     Path("thesis/text").write_text("years of work")
     shutil.copytree(finished, "run")
     Path("run/notes.txt").touch()
-    for folder in ("thesis/text", ".", "..", "thesis", "run"):
+    shutil.copytree(finished, "old")  # as versions up to 0.4.16 wrote it
+    Path("old", MARKER).unlink()
+    Path("sweep").mkdir()
+    mark(Path("sweep", MARKER), "campaign", ["plan.json"])
+    assert [kind_of(Path(name)) for name in ("thesis", "old", "sweep")] == ["", "run", "campaign"]
+    for folder in ("thesis/text", ".", "..", "thesis", "run", "old", "sweep"):
         refused("run", "--out", folder, "--overwrite")
     refused("run", "--out", "run")
     # Found before anything is computed.

@@ -89,7 +89,7 @@ def test_edges_are_free_where_asked_and_the_page_says_so(files, prediction, undr
 
 def test_the_command_and_the_function_agree(finished, prediction):
     assert sorted(path.name for path in finished.iterdir()) == [
-        *("contacts.png", "growth.png", "history.csv", "history.zarr", "observed.png"),
+        *("asperity.json", "contacts.png", "growth.png", "history.csv", "history.zarr", "observed.png"),
         *("prediction.html", "pressure.png", "relaxation.png", "solid.toml", "summary.txt"),
     ]
     stored, rows = asp.results.load(finished), rows_of(finished / "history.csv")

@@ -23,7 +23,8 @@ BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
 
 
 def test_all_files_are_there_and_the_history_is_that_of_the_verbs(finished):
-    names = "aging.csv aging.png config.toml contacts.png history.zarr patches.csv patches.png summary.txt"
+    names = "aging.csv aging.png asperity.json config.toml contacts.png history.zarr"
+    names += " patches.csv patches.png summary.txt"
     assert sorted(p.name for p in finished.iterdir()) == names.split()
     assert list(finished.parent.iterdir()) == [finished]
     dataset = results.load(finished / "history.zarr")
@@ -168,7 +169,7 @@ def test_results_are_replaced_only_where_overwriting_is_asked_for(asperity):
     words = ("run", "--shape", "8,8", *BRIEF, "--figures", "", "--out", "out")
     Path("out").mkdir()
     assert asperity(*words) == (0, "", "")  # an empty folder is as good as none
-    names = "aging.csv config.toml history.zarr summary.txt"
+    names = "aging.csv asperity.json config.toml history.zarr summary.txt"
     assert sorted(path.name for path in Path("out").iterdir()) == names.split()
     for more, status, k1 in (((), 2, 3.0), (("--overwrite",), 0, 4.0)):
         assert asperity(*words, "--k1", "4", *more)[0] == status

@@ -13,9 +13,11 @@ import pytest
 
 import asperity as asp
 import asperity.app.campaign as campaign
+from asperity.app.cli.report import aligned
 from asperity.app.config import config_from
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import entries, inside, kind_of, open_entry
+from asperity.app.explore.mistakes import without_flags
 from asperity.app.explore.scene import unpack
 from tests.campaign.conftest import do_here, written
 from tests.explore.conftest import heights_of, maps
@@ -62,9 +64,12 @@ def test_a_run_is_shown_as_it_was_stored(results_folder: Path) -> None:
         assert np.array_equal(maps(messages)[index][1], mask)
     assert scene["toml"] == dataset.attrs["config"]
     assert done["limit"]["area"] == dataset.attrs["relaxed_area"]
-    assert done["fit"]["law"]["a"] == dataset.attrs["relaxed_area"] / dataset["area"].values[0]
+    summary = (results_folder / "a run" / "summary.txt").read_text(encoding="utf-8")
+    assert aligned(done["rows"]) + "\n" == without_flags(summary)  # one list, whoever shows it
     rate = asp.fits.growth_rate(dataset["time"].values, dataset["area"].values)
-    assert done["fit"]["growth"]["per_decade"] == pytest.approx(np.log(10) * rate.B)
+    low, high = (100 * np.log(10) * end for end in rate.interval("B"))
+    growth = f"{100 * np.log(10) * rate.B:.3g} (95 %: {low:.3g} to {high:.3g}) % of A(0) per decade"
+    assert dict(done["rows"])["growth"].startswith(growth)
     found: dict[str, object] = {}
     exec(scene["python"], found)
     history = found["history"]
@@ -102,7 +107,7 @@ def test_a_campaign_is_shown_with_its_curves_and_any_of_its_runs(results_folder:
         assert heights_of(messages[0]) == pytest.approx(kept["heights"].values, abs=1e-3)
         for index, mask in enumerate(kept["in_contact"].values):
             assert np.array_equal(maps(messages)[index][1], mask)
-        assert scene["title"] == f"load = {run['load']}, seed = {run['seed']}"
+        assert scene["title"] == f"load = {run['load']:g}, seed = {run['seed']}"
         assert f"load = {run['load']}" in scene["toml"]
 
 

@@ -15,6 +15,8 @@ import pytest
 
 import asperity as asp
 from asperity.app.config import config_from
+from asperity.app.config.keys import sections
+from asperity.app.explore.mistakes import without_flags
 from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started, unpack
 
 ARRAYS: dict[str, Any] = {
@@ -154,3 +156,48 @@ def test_the_page_compares_with_the_end_of_a_ramp_from_no_load(loads: list[float
     for number, now in enumerate(touching):
         lost = 3 if number >= reference else 0
         np.testing.assert_array_equal(states[number], np.select([now & then, now, then], [1, 2, lost], 0))
+
+
+def test_growth_and_friction_after_a_ramp_are_over_its_end_and_sizes_are_areas() -> None:
+    rough = asp.surfaces.spectral((32, 32), spacing=1e-6, rms_slope=0.1, unit="m", seed=1)
+    solid = asp.solids.half_space(modulus=3e9, branches=[(0.5, 1.0)])
+    legs = [asp.protocols.Ramp(1.0, load="3 mN"), asp.protocols.Hold(99.0)]
+    contact = asp.press(rough, solid, load=0.0)
+    times = [0.5, 1.0, 2.0, 11.0, 100.0]
+    aged = asp.age(contact, times, protocol=legs, fields_at=[1.0], carried=asp.Carried(resistivity=1e-6))
+    recording = recorded(aged.dataset, None, job="", title="")
+    assert recording.scene is not None
+    columns, rows = recording.scene["columns"], np.array(recording.rows)
+    time, area, load = (rows[:, columns.index(name)] for name in ("time", "area", "load"))
+    end = int(np.flatnonzero(time == 1.0)[-1])
+    assert (time[end], load[0]) == (1.0, 0.0)
+    late, before = (int(np.flatnonzero(time == moment)[0]) for moment in (11.0, 2.0))
+    growth = rows[late, columns.index("decade_growth")]
+    assert growth == pytest.approx((area[late] - area[before]) / area[end])  # times since the ramp: 1 and 10
+    friction = rows[late, columns.index("friction")]
+    assert friction == pytest.approx(area[late] / area[end])
+    for name in ("normal_stiffness", "resistance"):
+        assert rows[:, columns.index(name)].tolist() == aged[name].values.tolist()
+    header = next(header for header, _ in map(unpack, recording.messages()) if header.get("maps"))
+    assert header["maps"][0]["largest_patch_size"] == aged["largest_patch_size"].values[0] * 1e-12
+    assert recording.scene["column_units"]["largest_patch_size"] == "m^2"
+    assert "area" not in recording.scene["labels"]
+
+
+def test_the_page_says_nothing_of_flags() -> None:
+    for text, expected in {
+        "springs would bear it; try tilt = 'quadratic' (--tilt quadratic), despike (--despike)": (
+            "springs would bear it; try tilt = 'quadratic', despike"
+        ),
+        "a line; for a square: --shape 64 64, or shape = [64, 64] in a file": (
+            "a line; for a square: shape = [64, 64] in a file"
+        ),
+        "not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]": (
+            "not in N; for SI: kind = 'half_space' in [solid]"
+        ),
+        "t -- 3": "t -- 3",
+    }.items():
+        assert without_flags(text) == expected
+    form = json.dumps({kind: str(keys) for kind, keys in sections(short=True).items()})
+    assert "--" not in form
+    assert "flag" not in form

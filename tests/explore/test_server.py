@@ -22,8 +22,6 @@ import pytest
 from asperity.app.config import config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.export import page_files
-from asperity.app.explore.jobs import Jobs, _Worker
-from asperity.app.explore.scene import Recording
 from asperity.app.runs import Progress, execute, recorded_times
 from tests.explore.conftest import LARGE, QUICK, Server, column, heights_of, maps, only
 
@@ -52,7 +50,7 @@ MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 def workers(server: Server) -> list[psutil.Process]:
     """Processes of a server that compute."""
     children = psutil.Process(server.process.pid).children()
-    return [one for one in children if "spawn_main" in " ".join(one.cmdline())]
+    return [one for one in children if "explore.work" in " ".join(one.cmdline())]
 
 
 def seed(number: int) -> dict[str, Any]:
@@ -73,7 +71,6 @@ def test_a_page_is_told_what_there_is(server: Server) -> None:
     assert header["kind"] == "hello"
     assert header["form"]["solid"]["half_space"]["modulus"]["unit"] == "Pa"
     assert "draws" not in header["form"]["solid"]["half_space"]
-    assert header["defaults"]["contact"] == {"load": 800.0}
     assert [one["path"] for one in header["folder"]] == ["a run", "deeper/campaign"]
 
 
@@ -121,7 +118,7 @@ def test_the_same_run_is_not_computed_again(server: Server) -> None:
         third = other.ran(seed(11))
     for again in (second, third):
         assert column(again, "area") == column(first, "area")
-        assert only(again, "done")[0]["effort"] == only(first, "done")[0]["effort"]  # the seconds too
+        assert only(again, "done")[0]["rows"] == only(first, "done")[0]["rows"]  # the seconds too
         assert len(again) == 3
 
 
@@ -136,7 +133,7 @@ def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
         after = page.until("done")
     assert only(after, "scene")[0]["job"] == only(before, "scene")[0]["job"]
     assert len(column(after, "time")) == 2 + 9 * 100
-    assert only(after, "done")[0]["effort"]["seconds"] > 0
+    assert "time steps" in dict(only(after, "done")[0]["rows"])["effort"]
 
 
 def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
@@ -163,7 +160,7 @@ def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -
         waits = []
         for _ in range(10):
             begun = clock.perf_counter()
-            other.send("form", config={"contact": {"load": -1.0}})
+            other.send("run", config={"contact": {"load": -1.0}})
             assert other.receive()[0]["kind"] == "mistakes"
             waits.append(clock.perf_counter() - begun)
         assert max(waits) < 0.5
@@ -199,6 +196,7 @@ MISTAKES: list[tuple[object, str, str]] = [
     ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),  # found late
     ({"surface": {"shape": [10**6, 10**6]}}, "", "fits into the memory"),
     (3, "", "expected the sections of a configuration"),
+    (SI | {"contact": {"pressure": "0,5 MPa"}}, "contact.pressure", "got '0,5 MPa'; try 0.5 MPa"),
     ({"surface": {"kind": "file", "path": "/etc/passwd"}}, "surface.path", "dropped on the page"),
     (TABLE, "solid.relaxation", "dropped on the page"),
 ]
@@ -361,23 +359,6 @@ def outcome_of(doing: Coroutine[Any, Any, Any]) -> Any:
     """Run in a thread, as the tests of the page in a browser leave a loop in this one."""
     with ThreadPoolExecutor(1) as aside:
         return aside.submit(asyncio.run, doing).result(timeout=60)
-
-
-def test_a_run_that_waits_for_loops_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Jobs, "_start_worker", lambda _: None)
-
-    async def ask() -> Recording:
-        jobs = Jobs()
-        process = SimpleNamespace(is_alive=lambda: True)
-        worker = _Worker(process, SimpleNamespace(send=lambda _: None))  # type: ignore[arg-type]
-        jobs._workers.append(worker)
-        jobs._heard(worker, "stage", "compiling loops")  # before anything was asked for
-        recording = jobs.ask(config_from({}, {}, None), {}, "").recording
-        assert recording.stage == "compiling loops"
-        jobs._heard(worker, "ready", None)
-        return recording
-
-    assert outcome_of(ask()).stage == "starting"
 
 
 def test_a_connection_whose_sending_fails_is_closed() -> None:

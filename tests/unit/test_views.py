@@ -79,7 +79,7 @@ def test_html_is_well_formed_and_its_picture_is_one() -> None:
 
 def test_a_contact_gives_its_numbers_and_its_certificate() -> None:
     said = cells(PRESSED)
-    assert said["touching"] == f"{PRESSED.area} of 576 sites = {100 * PRESSED.area / 576:.3g} %"
+    assert said["contact"] == f"{PRESSED.area} of 576 sites = {100 * PRESSED.area / 576:.4g} %"
     assert said["load"] == "23.04\u00a0mN"  # 10 MPa on 48 µm x 48 µm
     assert said["mean pressure"] == "10\u00a0MPa"
     assert f"residual of {PRESSED.residual:.1e}" in html(PRESSED)
@@ -90,11 +90,15 @@ def test_a_contact_gives_its_numbers_and_its_certificate() -> None:
 
 def test_a_history_gives_first_and_last_area_and_the_worst_residual() -> None:
     said = cells(HISTORY)
-    for when, at in (("touching at 0", 0), ("touching at 100\u00a0s", -1)):
-        assert said[when].startswith(f"{HISTORY.area.values[at]} of 576 sites")
-    assert f"Worst residual {HISTORY['residual'].max():.1e}" in html(HISTORY)
+    for when, at in (("contact at t = 0", 0), ("contact at t = 100 s", -1)):
+        assert f": {HISTORY.area.values[at]} of 576 sites" in said[when]
+        area, unit = said[when].split(":")[0].split("\u00a0")
+        assert float(area) == pytest.approx(HISTORY["contact_area"].values[at] * 1e12, rel=1e-3)
+        assert unit == "µm²"
+    assert said["worst residual"] == f"{HISTORY['residual'].max():.1e} of the mean contact force"
     assert not [name for name in said if name.startswith("load at")]  # it is held
-    assert float(cells(asp.age(SPRUNG, [10.0], hold="separation"))["load at 10"]) < 20
+    held = cells(asp.age(SPRUNG, [10.0], hold="separation"))["load at t = 10"]
+    assert float(held.split(",")[0]) < 20
 
 
 def test_surfaces_solids_and_fits_give_their_parameters_and_names_from_files_are_text() -> None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import select
 import stat
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from asperity.base.machine import available
+from asperity.base.version import __version__
 from asperity.base.words import data_size
 from asperity.errors import InputError, TooLargeError
 
@@ -95,6 +98,41 @@ def beside(path: Path, ending: str) -> Path:
         mark = hashlib.sha256(name).hexdigest()[:8]
         name = name[: _LONGEST - 9] + f"~{mark}".encode()
     return path.with_name(name.decode(errors="ignore") + ending)
+
+
+MARKER = "asperity.json"
+"""Name of the file that says what a folder of results is: its kind, the version, and names of its files."""
+
+
+def mark(file: Path, kind: str, names: Iterable[str], **facts: object) -> None:
+    """Write the marker of a folder that holds these names."""
+    said = {"kind": kind, "version": __version__, "files": sorted(names), **facts}
+    file.write_text(f"{json.dumps(said, indent=1)}\n", encoding="utf-8")
+
+
+def marker_of(folder: Path) -> dict[str, Any]:
+    """What the marker of a folder says; empty without one."""
+    try:
+        found = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) and isinstance(found.get("kind"), str) else {}
+
+
+def kind_of(folder: Path) -> str:
+    """``"run"``, ``"prediction"``, ``"campaign"``, ...: what the folder of a command holds, or nothing.
+
+    Versions up to 0.4.16 wrote no markers: their runs, predictions and campaigns are known by a file.
+    """
+    if found := marker_of(folder):
+        return str(found["kind"])
+    signs = {"plan.json": "campaign", "prediction.html": "prediction", "history.zarr": "run"}
+    return next((kind for name, kind in signs.items() if (folder / name).exists()), "")
+
+
+def named(kind: str) -> str:
+    """A kind with its article."""
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 Standing = frozenset[tuple[str, int, int, int]]

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Self
 
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
-_ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+_ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?(\s*[^\W\d][^,]*)?")
 
 MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
 """Arguments and keys that people write, and what to write where there is such a one."""
@@ -85,7 +85,7 @@ def has_unit(word: object) -> bool:
 
 
 def has_decimal_comma(word: object) -> bool:
-    """Whether a word may be a number with a decimal comma."""
+    """Whether a word may be a number with a decimal comma, and a unit."""
     return isinstance(word, str) and _ONE_COMMA.fullmatch(word) is not None
 
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import singledispatch
 from html import escape
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
+from asperity.analysis.aging import aging_summary
 from asperity.analysis.prediction import Prediction
+from asperity.analysis.rows import Row, contact_rows, history_rows
 from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
-from asperity.base.words import thousands, uncertain
+from asperity.base.words import uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
@@ -26,11 +26,8 @@ from asperity.fits import FitResult
 from asperity.fits.result import parameters_of
 from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
-from asperity.results.quantities import units_of
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-
-Row = tuple[str, str]
 
 _SIZE, _DPI = (3.6, 2.7), 100
 """Size of a picture in inches, and its dots per inch."""
@@ -65,19 +62,7 @@ def html_of(thing: object) -> str:
 
 @html_of.register
 def _(contact: Contact) -> str:
-    say = _say(contact)
-    rows = [
-        ("touching", _share(contact.area, contact.heights.size)),
-        ("load", say(contact.load, "force")),
-        ("separation", say(contact.separation, "length")),
-    ]
-    if contact.solid.in_lengths:
-        rows += [
-            ("contact area", say(contact.contact_area, "area")),
-            ("mean pressure", say(contact.mean_pressure, "pressure")),
-            ("largest pressure", say(contact.largest_pressure, "pressure")),
-        ]
-    rows.append(("solid", _line(contact.solid)))
+    rows = [*_brief(contact_rows(contact)), ("solid", _line(contact.solid))]
     proof = (
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
@@ -88,22 +73,11 @@ def _(contact: Contact) -> str:
 @html_of.register
 def _(history: History) -> str:
     data, final = history.dataset, history.final
-    say = _say(final)
-    time, area = data["time"].values, data["area"].values
-    last = f"at {say(float(time[-1]), 'time')}"
-    rows = [
-        ("times", f"{time.size}, to {say(float(time[-1]), 'time')}"),
-        ("touching at 0", _share(int(area[0]), final.heights.size)),
-        (f"touching {last}", _share(int(area[-1]), final.heights.size)),
-        ("load", say(float(data["load"][0]), "force")),
-        (f"load {last}", say(float(data["load"][-1]), "force")),
-        ("maps", str(data.sizes.get("field_time", 0))),
-        ("solid", _line(final.solid)),
-    ]
-    if math.isclose(data["load"][0], data["load"][-1], rel_tol=1e-6):
-        del rows[4]
-    axes = plot_history(data, _axes()) if time[-1] > 0 else None
-    proof = f"{_worst(data)}; tolerance in time {data.attrs['rtol']:g}."
+    held = "protocol" not in data.attrs and data["area"].values[0] > 0
+    rows = _brief(history_rows(data, aging_summary(data) if held else None))
+    rows += [("maps", str(data.sizes.get("field_time", 0))), ("solid", _line(final.solid))]
+    axes = plot_history(data, _axes()) if data["time"].values[-1] > 0 else None
+    proof = f"Tolerance in time {data.attrs['rtol']:g}."
     return _card("History", rows, axes, proof, "" if final.si else _OWN_UNITS)
 
 
@@ -192,21 +166,17 @@ def _(prediction: Prediction) -> str:
     draw_growth(axes, prediction)
     axes.legend(loc="upper left")
     axes.set_xlabel("time under load [s]")
-    return _card("Prediction", rows, axes, f"{_worst(prediction.dataset)}.", *prediction.remarks)
+    return _card(
+        "Prediction",
+        rows,
+        axes,
+        f"Worst residual {float(prediction.dataset['residual'].max()):.1e} of the mean contact force.",
+        *prediction.remarks,
+    )
 
 
-def _say(contact: Contact) -> Callable[[float, str], str]:
-    """What writes a quantity of a contact, with its unit where that is one of SI."""
-    units = units_of(contact)
-    return lambda value, dimension: style.spaced(written(value, units[dimension] if contact.si else "1"))
-
-
-def _worst(data: xr.Dataset) -> str:
-    return f"Worst residual {float(data['residual'].max()):.1e} of the mean contact force"
-
-
-def _share(area: int, sites: int) -> str:
-    return f"{thousands(area)} of {thousands(sites)} sites = {100 * area / sites:.3g} %"
+def _brief(rows: Iterable[Row]) -> list[tuple[str, str]]:
+    return [(row.name, row.words(style.spaced)) for row in rows if row.brief]
 
 
 def _line(solid: Solid) -> str:
@@ -233,7 +203,7 @@ _NAME = "text-align:left;font-weight:normal;opacity:.75;padding-right:1em"
 _NOTE = "font-size:smaller;opacity:.75"
 
 
-def _card(title: str, rows: Iterable[Row], axes: Axes | None, *notes: str) -> str:
+def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes: str) -> str:
     """Lay out a picture beside a table, with sentences below; colors are those of the notebook."""
     cells = "".join(
         f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'

@@ -1,21 +1,26 @@
-"""What a contact carries through time: stiffness and resistances over the first, and the part that sticks."""
+"""What a contact carries through time: stiffness, resistances, and the part that sticks."""
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.analysis.scan import written
 from asperity.errors import InputError
 from asperity.figures import style
 from asperity.results.history import check_dataset
 from asperity.results.quantities import select
 
-_ALIKE = {
-    style.BLUE: ("normal_stiffness", "tangential_stiffness"),
-    style.VERMILION: ("resistance", "thermal_resistance"),
+_STILL = 1e-6  # part of a load by which one that stays may fall by rounding
+
+_STICKS = "share of the contact\nthat sticks"
+_PANELS = {
+    "stiffness": ("normal_stiffness", "tangential_stiffness"),
+    "resistance": ("resistance",),
+    "thermal resistance": ("thermal_resistance",),
+    _STICKS: ("stick_fraction",),
 }
-"""What is proportional to each other, and so one curve over its first value."""
+"""What each panel shows: quantities of one unit."""
 
 
 def carried_figure(dataset: xr.Dataset) -> Figure:
@@ -40,32 +45,28 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     if not known or dataset.sizes["time"] < 2:
         expected, advice = "what a contact carries, at several times", "age(..., carried=asperity.Carried())"
         raise InputError("dataset", expected=expected, got="none", advice=advice)
-    sticks = "stick_fraction" in dataset
-    figure, grid = style.stacked((6.4, 4.0 + 2.2 * sticks), *(3, 2)[: 1 + sticks])
+    panels = {label: [name for name in names if name in known] for label, names in _PANELS.items()}
+    panels = {label: names for label, names in panels.items() if names}
+    figure, grid = style.stacked((6.4, 1.4 + 1.7 * len(panels)), *[1] * len(panels))
     loaded = dataset.isel(time=dataset["load"].values > 0)
     time = loaded["time"].values
-    for color, names in _ALIKE.items():
-        here = {name: loaded[name] for name in names if name in known}
-        if here:
-            firsts = (written(float(one[0]), str(one.attrs["units"]), 3) for one in here.values())
-            said = ", ".join(f"{known[name]} {first}" for name, first in zip(here, firsts, strict=True))
-            values = next(iter(here.values())).values
-            style.curve(grid[0], time, values / values[0], "o-", color, f"{said} at first", markersize=4)
-    grid[0].set_ylabel("over the first")
-    if sticks:
-        style.curve(grid[1], time, loaded["stick_fraction"].values, "o-", style.INK, "")
-        grid[1].set_ylabel("share of the contact\nthat sticks")
-        grid[1].set_ylim(0, 1)
-    positive = time[time > 0]
-    if "protocol" not in dataset.attrs and positive[-1] >= 10 * positive[0]:
+    for axes, (label, names) in zip(grid, panels.items(), strict=True):
+        unit, most = str(loaded[names[0]].attrs["units"]), max(float(loaded[name].max()) for name in names)
+        said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
+        axes.set_ylabel(said)
+        for name, color in zip(names, (style.BLUE, style.VERMILION), strict=False):
+            curve = known[name] if names[1:] else None
+            style.curve(axes, time, loaded[name].values * factor, "o-", color, curve)
+        axes.set_ylim(bottom=0, top=1 if label == _STICKS else None)
+    positive, load = time[time > 0], loaded["load"].values
+    if (np.diff(load) >= -_STILL * load.max()).all() and positive[-1] >= 10 * positive[0]:
         if time[0] > 0:
             grid[0].set_xscale("log")
         else:
             grid[0].set_xscale("symlog", linthresh=positive[0], linscale=0.3)
             grid[0].set_xlim(left=0.0)
     for axes in grid:
-        style.finish(axes, legend=False)
-    grid[0].legend(fontsize=8, loc="lower left")  # stiffness rises, and resistance falls
+        style.finish(axes)
     grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
     style.entitle(figure, "What the contact carries", style.conditions(dataset))
     return figure

@@ -80,6 +80,7 @@ _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
 _STIFF = "normal contact stiffness, at once and with the contacts as they are"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
+_OHMIC = "electrical resistance of the constrictions"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
 _TOUCHED = "time for which the sites in contact have touched without interruption"
@@ -111,13 +112,11 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
     Quantity("friction_force", "force", _SHEARED, _RESULT, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _RESULT, "friction", symbol="μ"),
-    Quantity("normal_stiffness", "stiffness", _STIFF, _SOLVED, "carried", symbol="kₙ"),
-    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _SOLVED, "carried", symbol="kₜ"),
-    Quantity(
-        "resistance", "ohm", "electrical resistance of the constrictions", _SOLVED, "carried", symbol="R_c"
-    ),
-    Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _SOLVED, "carried"),
-    Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _SOLVED, "carried"),
+    Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
+    Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
+    Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
+    Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
+    Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _ALL, "carried"),
     _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
     _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),

@@ -18,7 +18,7 @@ from filelock import FileLock
 from zarr.codecs import ZstdCodec
 
 from asperity.base import checks, views
-from asperity.base.files import Standing, beside, expanded, standing
+from asperity.base.files import Standing, beside, expanded, kind_of, standing
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
 
@@ -101,7 +101,7 @@ def load(path: str | Path) -> xr.Dataset:
     if not folder.exists():
         raise InputError("path", expected="a folder that asperity wrote", got=f"{path}, which does not exist")
     if folder.is_dir() and folder.suffix != ".zarr" and not (folder / "zarr.json").exists():
-        is_campaign = (folder / "plan.json").exists()
+        is_campaign = kind_of(folder) == "campaign"
         got = f"{path}, that of a campaign" if is_campaign else f"{path}, which holds no history"
         advice = "asperity.campaign.open(path)" if is_campaign else "the folder of a run"
         raise InputError("path", expected="a folder that asperity wrote", got=got, advice=advice)

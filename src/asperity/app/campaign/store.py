@@ -1,5 +1,6 @@
 """The folder of a campaign: one zarr store of finished runs, and the traces of those under way.
 
+    DIR/asperity.json                 the marker: that this is a campaign
     DIR/plan.json                     the plan last given
     DIR/runs.zarr/<identity>          a finished run: a zarr group, complete or not there
     DIR/state/...                     locks, failures, checkpoints, and runs being written
@@ -30,7 +31,7 @@ from numpy.typing import NDArray
 from asperity.app.campaign.plan import Run
 from asperity.app.runs import Outcome
 from asperity.base.calls import remark
-from asperity.base.files import expanded
+from asperity.base.files import MARKER, expanded, mark
 from asperity.errors import InputError, OutputError
 from asperity.lattice import Field
 from asperity.patches import QUANTILES
@@ -78,6 +79,9 @@ class Store:
 
     def prepare(self) -> None:
         """Create the folders, and clear what killed writers left; harmless while others write."""
+        if not (self.directory / MARKER).exists():  # first: by it others know the folder
+            with whole_file(self.directory / MARKER) as part:
+                mark(part, "campaign", ("plan.json", "runs.zarr", "state"))
         for name in ("locks", "failed", "checkpoints", "staging"):
             (self.work / name).mkdir(parents=True, exist_ok=True)
         try:
@@ -258,7 +262,6 @@ class Store:
 
 
 def _check(sound: object) -> None:
-    """Raise for a run that is not as it was written."""
     if not sound:
         raise ValueError
 

@@ -19,6 +19,7 @@ from asperity.app.campaign import Plan, Tally
 from asperity.app.campaign.plan import Run, name_of
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
+from asperity.base.files import kind_of
 from asperity.base.machine import available
 from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
@@ -77,10 +78,8 @@ def _check_out(out: Path) -> None:
     """Refuse a folder that holds something else."""
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    # Listed once: another campaign may be filling the folder at this very moment.
-    found = [path.name.lstrip(".") for path in out.iterdir()] if out.exists() else []
-    ours = any(name.startswith(("plan.json", "runs.zarr")) for name in found)
-    if found and not ours and not (out / "state" / "locks").is_dir():
+    found = any(path.name[0] != "." for path in out.iterdir()) if out.exists() else False
+    if found and kind_of(out) != "campaign":  # in this order: another campaign may be filling the folder
         expected = "a new folder, or that of a campaign"
         got = f"{out}, which holds something else and is kept"
         raise InputError("--out", expected=expected, got=got, advice="another name")

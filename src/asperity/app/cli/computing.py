@@ -14,7 +14,7 @@ from typing import Any
 from asperity.app.cli.options import Results
 from asperity.app.cli.output import check_free
 from asperity.app.cli.report import Row, aligned
-from asperity.base.files import Standing, beside
+from asperity.base.files import MARKER, Standing, beside, mark, marker_of
 from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import PlaceTakenError, whole_folder, write_into
@@ -24,6 +24,7 @@ _SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "
 
 
 def compute_into(
+    kind: str,
     out: Path,
     asked: str,
     compute: Callable[..., Any],
@@ -45,18 +46,19 @@ def compute_into(
         found = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
         rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
-        with folder_of_results(out, rows, replaceable) as folder:
+        with folder_of_results(kind, out, rows, replaceable) as folder:
             write_into(found.dataset, folder / "history.zarr")
             remarks = write(found, folder) or ()
     tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
 
 
 @contextmanager
-def folder_of_results(out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
-    """The folder to write to, with a summary: it appears when all is written, and replaces nothing else."""
+def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
+    """The folder to write to, with its marker: it appears when all is written, and replaces nothing else."""
     with whole_folder(out, overwrite=replaceable) as folder:
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         yield folder
+        mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
 
 
 @contextmanager
@@ -78,7 +80,7 @@ def place_beside(out: Path, asked: str) -> Iterator[Path]:
 def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
     """Print a report, and which files were written; open what shows them."""
     if not results.quiet:
-        files = ", ".join(sorted(path.name for path in out.iterdir()))
+        files = ", ".join(marker_of(out)["files"])
         sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
     if results.show:
         open_results(out)

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.options import Reading, Results
+from asperity.base.files import kind_of
 from asperity.base.words import number
 from asperity.errors import InputError
 
@@ -109,7 +110,7 @@ def friction(
         k = f"{fit.stiffness:.12g} 1/m" if found.record.si else fit.stiffness
         more, by_event = events_report(fit_events(found.record, law=fit.law, stiffness=k), found.record)
         rows += more
-    with folder_of_results(out, rows, replaceable) as folder:
+    with folder_of_results("fit of friction", out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         if by_event is not None:
@@ -127,7 +128,7 @@ def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Re
             expected = "none for a table, which has friction itself"
             raise InputError("shear_strength", expected=expected, got=strength)
         return [read_record(path, **how)]
-    histories = _surfaces(path) if (path / "plan.json").exists() else [path]
+    histories = _surfaces(path) if kind_of(path) == "campaign" else [path]
     return [record_of(history, shear_strength=strength) for history in histories]
 
 

@@ -116,7 +116,7 @@ def infer(
         found = replace(found, remarks=(*remarks, *found.remarks))
         rows = [("read", read), *inference_report(found, str(file))]
         progress.stage("writing the results")
-        with folder_of_results(out, rows, replaceable) as folder:
+        with folder_of_results("inference", out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
             write_inference(found, folder, source=file.name, command=typed)
     tell_results(rows, out, results)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.analysis import contact_maps
 from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
-from asperity.base.files import Standing, standing
+from asperity.base.files import MARKER, Standing, marker_of, named, standing
 from asperity.base.tables import with_unit
 from asperity.errors import InputError
 from asperity.figures import (
@@ -32,21 +32,6 @@ if TYPE_CHECKING:
 
     from asperity.app.runs import Outcome
 
-_SIGNS = (
-    {"history.zarr", "config.toml", "summary.txt"},
-    {"history.zarr", "prediction.html", "summary.txt"},
-    {"friction.toml", "friction.csv"},
-    {"inference.html", "verdicts.csv", "summary.txt"},
-)
-"""Files by which the folder of a run, a prediction, a fit of friction and an inference is known."""
-
-_FILES = set().union(*_SIGNS) - {"friction.toml", "friction.csv"} | {"solid.toml", "priors.toml"}
-_STEMS = {
-    *("aging", "history", "sliding", "contacts", "patches", "carried", "growth", "pressure", "relaxation"),
-    *("observed", "friction", "resolution", "curve", "parameters", "corner", "posterior"),
-}
-"""Files and pictures that may be replaced."""
-
 _MOST_MAPS = 24
 """Maps that one figure shows."""
 
@@ -59,14 +44,17 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     if found := {path.name for path in out.iterdir()} if out.exists() else set():
-        foreign = sorted(name for name in found - _FILES if Path(name).stem not in _STEMS)
+        marker = marker_of(out)
+        foreign = sorted(found - {MARKER, *marker.get("files", ())})
         expected, held, advice = "a new folder", "", "another name"
-        if not any(signs <= found for signs in _SIGNS):
-            held = "something else than a run"
+        if not marker:
+            held = f"no {MARKER}, the mark of results,"
+        elif marker["kind"] == "campaign":
+            held = named("campaign")
         elif not overwrite:
-            held, advice = "a run", "another name, or --overwrite"
+            held, advice = named(marker["kind"]), "another name, or --overwrite"
         elif foreign:
-            expected, held = "a run's folder with nothing else in it", f"{foreign[0]} too"
+            expected, held = "a folder of results with nothing else in it", f"{foreign[0]} too"
             advice = "another name, or moving that away"
         if held:
             got = f"{out}, which holds {held} and is kept"

@@ -126,6 +126,7 @@ def predict(
     from asperity.app.predict.words import report
 
     compute_into(
+        "prediction",
         out,
         f"{asked}{resolution_study}",
         functools.partial(compute, resolution_study=resolution_study),

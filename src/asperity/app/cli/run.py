@@ -55,16 +55,20 @@ def run(
         flags["protocol"] = {"legs": legs_from_words(leg)}
     settings = read_config(config, flags)
     table = getattr(settings.solid, "fit", None)
+    from asperity.analysis.rows import words_of
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.cli.output import write_run
-    from asperity.app.cli.reports.run import run_report
     from asperity.app.runs import execute
+    from asperity.app.runs.words import run_rows
+
+    read = "" if table is None else table.data.source
 
     compute_into(
+        "run",
         out,
         to_toml(settings),
         functools.partial(execute, settings),
-        report=functools.partial(run_report, read="" if table is None else table.data.source),
+        report=lambda found, **how: words_of(run_rows(found, read=read, **how)),
         write=write_run,
         every=_CHECKPOINT_EVERY,
         results=results,

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from asperity.app.cli.command import command
+from asperity.base.files import kind_of, named
 from asperity.errors import InputError
 
 
@@ -29,7 +30,7 @@ def status(out: Path, /) -> None:
 
 def check_campaign(command: str, out: Path) -> None:
     """Say what else a folder is that is no campaign's."""
-    if (out / "plan.json").exists():  # what was gathered there has a seed, as a study has
+    if (kind := kind_of(out)) == "campaign":
         return
     word, inside = shlex.quote(str(out)), next((path.parent for path in out.glob("*/seed")), None)
     advice = f"asperity {command} {word}/studies/NAME for one of its studies, "
@@ -37,7 +38,7 @@ def check_campaign(command: str, out: Path) -> None:
     for there, what, advised in (
         ((out / "studies").is_dir(), "a reproduction", advice),
         (inside is not None, "a study", f"asperity {command} {shlex.quote(str(inside))}/CAMPAIGN"),
-        ((out / "history.zarr").is_dir(), "a run", "its summary.txt"),
+        (bool(kind), named(kind or "folder"), "its summary.txt"),
     ):
         if there:
             got = f"{out}, that of {what}"

@@ -295,7 +295,7 @@ class MeasuredSurface(SurfaceSection):
 
     kind: Literal["file"] = "file"
     path: str = Field(
-        description="Measured surface; the last flags of this group prepare it. For spectrum its table."
+        description="Measured surface; the other settings of this group prepare it. For spectrum its table."
     )
     undefined: Literal["fill", "refuse"] = usual(
         "fill", "Undefined pixels: fill (from their rims) or refuse."

@@ -7,6 +7,7 @@ import json
 import os
 import tomllib
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -15,15 +16,20 @@ import xarray as xr
 
 import asperity.results as results
 from asperity.analysis import aging_summary
-from asperity.app.campaign.plan import Plan, Run, load_plan, name_of
-from asperity.app.campaign.store import QUANTITIES, Store
+from asperity.analysis.rows import history_rows, words_of
+from asperity.analysis.scan import written
+from asperity.app.campaign.plan import Plan, Run, load_plan
+from asperity.app.campaign.store import QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
+from asperity.base import files
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import Schedule, described
 from asperity.results.dataset import attributes_of_solid
+from asperity.results.parameters import PARAMETERS
+from asperity.results.quantities import units_named
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
 """Folders within folders that are looked into, results that are listed, and folders that are looked at."""
@@ -44,14 +50,11 @@ def inside(root: Path, name: str) -> Path:
 
 
 def kind_of(folder: Path) -> str:
-    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing."""
-    if (folder / "plan.json").is_file() and (folder / "runs.zarr").is_dir():
-        return "campaign"
-    if (folder / "history.zarr" / "zarr.json").is_file():
-        return "prediction" if (folder / "prediction.html").is_file() else "run"
+    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing that the page shows."""
     if folder.suffix == ".zarr" and (folder / "heights" / "zarr.json").is_file():
-        return "run"
-    return ""
+        return "run"  # a history that was saved
+    kind = files.kind_of(folder)
+    return kind if kind in ("run", "campaign", "prediction") else ""
 
 
 def entries(root: Path) -> list[dict[str, str]]:
@@ -119,19 +122,19 @@ def _opened(root: Path, name: str) -> Opened:
 
 
 def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
-    """A run of the command line, a saved history, or a prediction."""
     dataset = results.load(folder)
     config = _config(str(dataset.attrs.get("config", "")))
     recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
-    law = None if config is None else config.surface.law
-    held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
-    summary = aging_summary(dataset, law=law) if held else None
-    recording.end = ending(dataset, summary, remarks=_remarks(folder), seconds=None)
+    rows = files.marker_of(folder).get("rows")
+    if rows is None:  # a saved history, or a folder of a version that kept none
+        law = None if config is None else config.surface.law
+        held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
+        rows = words_of(history_rows(dataset, aging_summary(dataset, law=law) if held else None))
+    recording.end = ending(dataset, rows)
     return _with_python(recording, config), config
 
 
 def _config(text: str) -> RunConfig | None:
-    """Configuration of a run as it was written, where it was."""
     try:
         return config_from(tomllib.loads(text), {}, None) if text else None
     except (ConfigError, tomllib.TOMLDecodeError):  # of another version
@@ -142,15 +145,6 @@ def _with_python(recording: Recording, config: RunConfig | None) -> Recording:
     if config is not None and recording.scene is not None:
         recording.scene["python"] = to_python(config, recorded_times(config).tolist())
     return recording
-
-
-def _remarks(folder: Path) -> list[str]:
-    """Remarks of a summary."""
-    try:
-        lines = (folder / "summary.txt").read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError):
-        return []
-    return [line.removeprefix("remark").strip() for line in lines if line.startswith("remark ")]
 
 
 def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
@@ -166,8 +160,30 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])
-            arrays[f"area.{run.identity}"] = np.ascontiguousarray(series["area"])
-    return {"kind": "campaign", "path": name, "parameters": list(plan.swept), "runs": runs}, arrays
+            area = series["contact_area" if np.isfinite(series["contact_area"]).any() else "area"]
+            arrays[f"area.{run.identity}"] = np.ascontiguousarray(area)
+    first = next((run for run in plan.runs if run.identity in done), None)
+    units = {} if first is None else _units(plan, store.read(first))
+    parameters = list(plan.swept)
+    return {"kind": "campaign", "path": name, "parameters": parameters, "units": units, "runs": runs}, arrays
+
+
+def _units(plan: Plan, finished: Finished) -> dict[str, str]:
+    """Units of the swept parameters, where they have some in SI."""
+    if not finished.lattice.get("si"):
+        return {}
+    units = units_named({name: unit for name, (_, unit) in finished.described.items()})
+    dimensions = {name: PARAMETERS.get(name, ("", ""))[1] for name in plan.swept}
+    return {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
+
+
+def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
+    labels = {name: value for name, value in plan.labels(run).items() if len(plan.swept[name]) > 1}
+    words = (
+        f"{name} = {written(value, units.get(name) or '1') if isinstance(value, int | float) else value}"
+        for name, value in labels.items()
+    )
+    return ", ".join(words) or "the run"
 
 
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
@@ -197,6 +213,8 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
     dataset["heights"].attrs["units"] = finished.described.get("separation", ("", ""))[1]
     if "relaxed_area" in finished.scalars:
         dataset.attrs["relaxed_area"] = finished.scalars["relaxed_area"]
-    recording = recorded(dataset, config, job=f"{name}/{run.identity}", title=name_of(plan, run))
-    recording.end = ending(dataset, None, remarks=(), seconds=finished.scalars.get("seconds"))
+    recording = recorded(
+        dataset, config, job=f"{name}/{run.identity}", title=_title(plan, run, _units(plan, finished))
+    )
+    recording.end = ending(dataset, ())
     return _with_python(recording, config), config

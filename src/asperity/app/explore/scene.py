@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,13 +19,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.aging import Frame
-from asperity.analysis import AgingSummary
 from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
-from asperity.errors import ConvergenceError, InputError
-from asperity.fits import growth_rate
+from asperity.app.explore.mistakes import without_flags
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols import Schedule
@@ -44,14 +42,17 @@ _MOST_MAPS, _FEWEST_MAPS = 40, 6
 _BYTES = 64e6
 """Maps of a scene, and about how many bytes all of them may take."""
 
+_RISE = 1e-9  # of a load that is more than rounding
+
 _A_MESSAGE = 4e6
 """Bytes of maps after which a message is sent off."""
 
 _SERIES, _PATCHES = select("series", table=PAGE), select("map", table=PAGE)
 
-_RELATIVE = "static friction over that at first: real contact area over load (Tabor)"
+_RELATIVE = "static friction over that at first, or when the load was on: contact area over load (Tabor)"
 _GROWN = (
-    "growth of the area since the entry before, in areas at first, per decade of time since the last switch"
+    "growth of the area since the entry before, over that at first, or when the load was on, per decade of "
+    "time since the last switch"
 )
 _MEAN = "load over real contact area"
 _FOUND = (
@@ -182,6 +183,10 @@ class Recording:
     maps: list[Map] = field(default_factory=list)
     stage: str = ""
     end: Header | None = None
+    _first: Mapping[str, float] | None = None
+    """The entry with which others compare: the first, or where that has no load the end of its rise."""
+    _last: Mapping[str, float] | None = None
+    _rises: bool = False
 
     def begin(self, dataset: xr.Dataset, config: RunConfig | None, title: str, **facts: object) -> None:
         """Describe the scene by a dataset of the run, however short."""
@@ -191,13 +196,14 @@ class Recording:
     def add_row(self, row: Mapping[str, float]) -> None:
         """Add an entry of the time series, by the names of the dataset."""
         assert self.scene is not None
-        self.rows.append(_numbers(row, self.scene["columns"], self.rows, self.scene["switches"]))
-
-    @property
-    def size(self) -> int:
-        """Bytes that it takes, about."""
-        heights = 0 if self.heights is None else self.heights.nbytes
-        return heights + 200 * len(self.rows) + sum(one.size for one in self.maps)
+        if self._first is None:
+            self._first, self._rises = row, row["load"] == 0
+        elif self._rises:
+            self._rises = row["load"] > self._first["load"] * (1 + _RISE)
+            self._first = row if self._rises else self._first
+        columns, switches = self.scene["columns"], self.scene["switches"]
+        self.rows.append(_numbers(row, columns, self._first, self._last or row, switches))
+        self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
         """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
@@ -224,9 +230,11 @@ class Recording:
     def _more(self, cursor: Cursor, scene: Header) -> tuple[Header, Arrays]:
         arrays: Arrays = {"rows": np.reshape(self.rows[cursor.rows :], (-1, len(scene["columns"])))}
         listed, taken, first = [], 0, cursor.maps
+        in_units = {name: scene["cell"] or 1.0 for name, one in _PATCHES.items() if one.dimension == "sites"}
         for number, one in enumerate(self.maps[first:], first):
             after = number > 0 and self.maps[number - 1].facts["time"] == one.facts["time"]
-            listed.append({"index": number, **one.facts, "side": "after" if after else ""})
+            sizes = {name: cell * one.facts[name] for name, cell in in_units.items()}
+            listed.append({"index": number, **one.facts, **sizes, "side": "after" if after else ""})
             arrays |= {f"{name}.{number}": array for name, array in one.arrays.items()}
             taken += one.size
             if taken > _A_MESSAGE:
@@ -279,43 +287,14 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     return recording
 
 
-def ending(
-    dataset: xr.Dataset, summary: AgingSummary | None, *, remarks: Sequence[str], seconds: float | None
-) -> Header:
-    """Header of the message that ends a run: the limit, what fits the growth, the effort."""
+def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
+    """Header of the message that ends a run: the limit, and the rows of its summary."""
     limit = dataset.attrs.get("relaxed_area")
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if "contact_area" in dataset else None
     known = None
     if limit is not None:
         known = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
-    effort = {name: int(dataset[name].sum()) for name in ("steps", "iterations") if name in dataset}
-    return {
-        "kind": "done",
-        "limit": known,
-        "fit": None if "protocol" in dataset.attrs else _fit(dataset, summary),
-        "effort": {**effort, "seconds": seconds},
-        "remarks": list(remarks),
-    }
-
-
-def _fit(dataset: xr.Dataset, summary: AgingSummary | None) -> Header:
-    """Growth per decade over all times, with its 95 % interval, in areas at first; and the fitted law."""
-    found: Header = {"note": "", "growth": None, "law": None, "steepest": None}
-    try:
-        rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
-    except (InputError, ConvergenceError):
-        rate = None
-    if rate is not None:
-        low, high = (math.log(10) * edge for edge in rate.interval("B"))
-        growth = {"per_decade": math.log(10) * rate.B, "low": low, "high": high, "straight": rate.straight}
-        found["growth"] = growth | {"first": rate.first, "last": rate.last}
-    if summary is None:
-        return found
-    found["note"] = summary.fit_note
-    found["steepest"] = {"per_decade": summary.steepest_per_decade, "time": summary.steepest_time}
-    if (law := summary.fit) is not None:
-        found["law"] = {name: getattr(law, name) for name in ("a", "q", "t0", "C", "rms_residual")}
-    return found
+    return {"kind": "done", "limit": known, "rows": [(name, without_flags(text)) for name, text in rows]}
 
 
 def most_maps(sites: int) -> int:
@@ -346,13 +325,14 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
     columns = ["time", "leg", *series, *_MADE]
     shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
     more = _PATCHES | _MADE
-    names = {name: str(dataset[name].attrs.get("long_name", name)) for name in ("time", *series)}
-    names |= {"leg": "leg of the history, from 0"} | {name: one.long_name for name, one in more.items()}
     unit = {name: str(dataset[name].attrs.get("units", "1")) for name in ("time", "heights", *series)}
     pressure = f"{unit['load']} / site"
     if lengths:
         pressure = str(dataset["mean_contact_pressure"].attrs["units"])
-    column_units = unit | {name: one.dimension for name, one in more.items()}
+    area = unit["contact_area" if lengths else "area"]
+    column_units = unit | {
+        name: area if one.dimension == "sites" else one.dimension for name, one in more.items()
+    }
     spacing = json.loads(dataset.attrs["spacing"])
     steps_between = [1.0, *spacing][-2:]
     switches = [row.begin for row in leg_table(dataset)[1:]]
@@ -361,16 +341,16 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "config": None if config is None else json_tables(config),
         "toml": "" if config is None else to_toml(config),
         "shape": list(heights.shape),
-        "edges": dataset.attrs["edges"],
         "spacing": steps_between if lengths else None,
+        "cell": math.prod(spacing) if lengths else None,
         "length_unit": str(dataset["x"].attrs.get("units", "")) if lengths else None,
         "units": {
             **{name: unit[name] for name in ("time", "load", "separation")},
-            **{"area": unit["contact_area" if lengths else "area"], "height": unit["heights"]},
+            **{"area": area, "height": unit["heights"]},
             "pressure": pressure,
         },
-        "names": names,
-        "labels": {name: one.label for name, one in shown.items()},
+        "names": {name: one.long_name for name, one in shown.items()},
+        "labels": {name: one.label for name, one in shown.items() if not (lengths and name == "area")},
         "column_units": column_units | {"leg": "1", "mean_pressure": pressure},
         "columns": columns,
         "map_columns": list(_PATCHES),
@@ -378,7 +358,6 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],
         "shear_strength": None if config is None else config.friction.shear_strength,
-        "remarks": [],
     }
     return header, steps
 
@@ -386,19 +365,19 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
 def _numbers(
     row: Mapping[str, float],
     columns: Sequence[str],
-    before: Sequence[Sequence[float]],
+    first: Mapping[str, float],
+    last: Mapping[str, float],
     switches: Sequence[float],
 ) -> list[float]:
     """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
-    first, last = (dict(zip(columns, before[n], strict=True)) if before else row for n in (0, -1))
     made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
     made["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
     if load > 0 and first["load"] > 0 and first["area"] > 0:
         made["friction"] = (area / first["area"]) * (first["load"] / load)
     since = max((switch for switch in switches if switch < time), default=0.0)
     earlier = last["time"] - since
-    if 0 < earlier < time - since and leg == last["leg"] and first["area"] > 0:
+    if 0 < earlier < time - since and leg == last.get("leg", 0.0) and first["area"] > 0:
         growth = (area - last["area"]) / first["area"]
         made["decade_growth"] = growth / math.log10((time - since) / earlier)
     return [float(made[name] if name in made else row[name]) for name in columns]

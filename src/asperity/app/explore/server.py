@@ -28,14 +28,13 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
-from asperity.app.config import RunConfig, config_from, to_toml
+from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
-from asperity.app.explore.jobs import Job, Jobs, Shown, failed, mistake, mistakes_of
-from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, json_tables, pack
-from asperity.app.runs.pipeline import completed
-from asperity.base.version import __version__
+from asperity.app.explore.jobs import Job, Jobs
+from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
+from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
 from asperity.errors import ConfigError, InputError, brief
 
 HOST = "127.0.0.1"
@@ -51,8 +50,8 @@ _LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
 _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
 """Bytes of one file that is dropped on the page, and of all."""
 
-_LARGEST_REQUEST, _MOST_OPENED = 2**20, 4
-"""Bytes of a message of a page; results of the folder that are kept in memory."""
+_LARGEST_REQUEST = 2**20
+"""Bytes of a message of a page."""
 
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -166,8 +165,8 @@ class Session:
         if kind == "ack":
             if message.get("sequence") == self._sequence:
                 self._acknowledged.set()
-        elif kind in ("run", "form"):
-            await self._check(message.get("config"), runs=kind == "run")
+        elif kind == "run":
+            await self._begin(message.get("config"))
         elif kind == "open":  # the last one counts, and the page is not kept waiting
             if self._opening is not None:
                 self._opening.cancel()
@@ -176,8 +175,7 @@ class Session:
             job = self._leave(at_once=True)
             self._put({"job": job, **failed(mistake("stopped"))})
 
-    async def _check(self, tables: object, *, runs: bool) -> None:
-        """Check a configuration, and run it if it shall be."""
+    async def _begin(self, tables: object) -> None:
         try:
             async with asyncio.timeout(_LONGEST_CHECK):
                 config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
@@ -187,15 +185,11 @@ class Session:
         except Exception as error:  # said to the user, in the page
             self._put({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)})
         else:
-            if not runs:
-                self._put({"kind": "config", "config": json_tables(config), "toml": to_toml(config)})
-                return
             if self._opening is not None:
                 self._opening.cancel()
             self._watch(self._server.jobs.ask(config, shown, _title(config)))
 
     async def _open(self, path: str) -> None:
-        """Open what the folder holds."""
         try:
             opened = await self._server.open(path)
         except Exception as error:  # said to the user, in the page
@@ -257,7 +251,6 @@ class Server:
         mimetypes.add_type("text/javascript", ".js")  # some systems have another, which browsers refuse
         self.places = Places(root, uploads)
         self.jobs: Jobs
-        self._opened: dict[str, Opened] = {}
         self.app = Starlette(
             routes=[
                 WebSocketRoute("/socket", self._socket),
@@ -271,10 +264,11 @@ class Server:
     @contextlib.asynccontextmanager
     async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
         self.jobs = Jobs()
+        await self.jobs.warm()
         try:
             yield
         finally:
-            self.jobs.close()
+            await self.jobs.close()
 
     def hello(self) -> Header:
         """What a page is told first."""
@@ -283,31 +277,16 @@ class Server:
             for section, kinds in sections(short=True).items()
         }
         form["aging"][""]["per_decade"]["default"] = PER_DECADE
-        config, _ = read_request({}, self.places)
-        usual, _ = completed(config, config.surface.build())
-        usual = usual.model_copy(update={"output": config.output})
         root = self.places.root
-        return {
-            "kind": "hello",
-            "version": __version__,
-            "form": form,
-            "defaults": json_tables(usual),
-            "folder": None if root is None else entries(root),
-            "limits": {"file": _LARGEST_FILE},
-        }
+        return {"kind": "hello", "form": form, "folder": None if root is None else entries(root)}
 
     async def open(self, path: str) -> Opened:
-        """Open what the folder holds; what has been opened last is kept."""
-        root = self.places.root
-        if root is None:
+        """Open what the folder holds."""
+        if self.places.root is None:
             raise InputError("path", expected="a server that shows a folder", got=path)
-        if path not in self._opened or self._opened[path].campaign is not None:
-            opened = await asyncio.to_thread(open_entry, root, path)
-            self.places.allow(opened.config)
-            while len(self._opened) >= _MOST_OPENED:
-                del self._opened[next(iter(self._opened))]
-            self._opened[path] = opened
-        return self._opened[path]
+        opened = await asyncio.to_thread(open_entry, self.places.root, path)
+        self.places.allow(opened.config)
+        return opened
 
     async def _socket(self, websocket: WebSocket) -> None:
         await Session(websocket, self).run()
@@ -317,7 +296,6 @@ class Server:
         return Response(exported_page([], title="Asperity"), media_type="text/html")
 
     async def _take_file(self, request: Request) -> Response:
-        """Keep a file that was dropped on the page."""
         name = request.path_params["name"]
         uploads = self.places.uploads
         if name in (".", "..") or name.startswith(".") or not name.isprintable() or set(name) & set("/\\:"):
@@ -349,7 +327,6 @@ def _refused(text: str, status: int) -> Response:
 
 
 def _title(config: RunConfig) -> str:
-    """Name a run in a few words."""
     surface = config.surface
     sites = "" if surface.lattice is None else f", {' x '.join(map(str, surface.lattice))}"
     named = surface.file.name if surface.file else surface.kind.replace("_", " ")

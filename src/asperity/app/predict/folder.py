@@ -42,7 +42,6 @@ def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
 
 
 def _solid(prediction: Prediction, fit: Fit) -> str:
-    """The fitted solid as a section of a configuration."""
     known = prediction.assumed
     solid: dict[str, object] = {"kind": "half_space", "modulus": prediction.modulus}
     if known["measured"] == "young":

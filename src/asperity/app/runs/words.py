@@ -1,18 +1,95 @@
-"""What programs say of a history."""
+"""What programs say of a run."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import xarray as xr
 
+from asperity.analysis.rows import Row, carried_rows, history_rows, words_of
 from asperity.analysis.scan import written
-from asperity.results.quantities import select
+from asperity.app.config import RunConfig
+from asperity.app.config.models import SurfaceSection
+from asperity.app.runs.pipeline import Outcome
+from asperity.results.parameters import PARAMETERS
+from asperity.results.quantities import Units, units_named
+
+_ELECTRONVOLT = 1.602176634e-19
+
+
+def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: str = "") -> list[Row]:
+    """Say what was run and what came out; of a resumed run, the seconds are those of this session."""
+    dataset = outcome.dataset
+    exact = "exact contact, " if dataset.attrs.get("exact_contact") == "at all times" else ""
+    effort = (
+        f"{exact}{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
+    )
+    return [
+        Row("surface", _surface(outcome)),
+        *[Row("read", read)] * bool(read),
+        Row("solid", _solid(outcome.config, dataset)),
+        *history_rows(dataset, outcome.summary),
+        Row("effort", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
+        *(Row("remark", remark) for remark in outcome.remarks),
+    ]
 
 
 def carried_words(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """What the contact carries at first and at last: a name and words for each."""
-    rows = []
-    for name, one in select("series", of=["carried"]).items():
-        if name in dataset:
-            ends = [written(float(dataset[name][n]), str(dataset[name].attrs["units"]), 4) for n in (0, -1)]
-            rows.append((one.label, " at first, ".join(ends) + " at last"))
-    return rows
+    return words_of(carried_rows(dataset))
+
+
+def _surface(outcome: Outcome) -> str:
+    chosen = outcome.config.surface.model_dump(exclude_none=True)
+    if chosen["kind"] == "file":
+        lattice = " x ".join(str(n) for n in outcome.dataset["heights"].shape)
+        silent = ("kind", "path", "max_undefined", "channel", "resample", "despike")
+        rules = ", ".join(f"{k} = {_word(value, ' ')}" for k, value in chosen.items() if k not in silent)
+        rules += ", resampled" if chosen["resample"] else ""
+        rules += ", spikes filled" if chosen["despike"] else ""
+        return f"{Path(chosen['path']).name}: {lattice} sites ({rules})"
+    return described(outcome.config.surface)
+
+
+def described(surface: SurfaceSection) -> str:
+    """What a surface is made of, in a line."""
+    facts, apart = surface.model_dump(exclude_none=True, exclude={"kind"}), ("places", "radii", "heights")
+    words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items())
+    return f"{surface.kind}: {', '.join(words)}"
+
+
+def _word(value: object, between: str) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(_word(one, between) for one in value)})"
+    if isinstance(value, list):
+        return between.join(_word(one, between) for one in value)
+    return f"{value:g}" if isinstance(value, float | int) else str(value)
+
+
+def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
+    described = config.solid.model_dump(exclude_none=True)
+    kind, parts = described.pop("kind"), []
+    units = units_named(
+        {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}
+    )
+    relaxing = {f"{of}relaxing": described.pop(f"{of}branches", []) for of in ("", "base_")}
+    for name, value in described.items():
+        if isinstance(value, bool):
+            parts += [name] * value
+        elif isinstance(value, str):
+            parts.append(f"{name} = {value}")
+        else:
+            values = value if isinstance(value, list | tuple) else [value]
+            parts.append(f"{name} = " + " and ".join(_of(name, one, units) for one in values))
+    for name, branches in relaxing.items():
+        unit = "s" if dataset.attrs["si"] else "1"
+        times = [f"{share:.3g} in {written(time, unit)}" for share, time in branches]
+        parts += [f"{name}: {', '.join(times)}"] * bool(times)
+    return f"{kind}: {', '.join(parts)}"
+
+
+def _of(name: str, value: float, units: Units) -> str:
+    """Write a parameter of a solid; an energy of activation in electronvolts."""
+    dimension = PARAMETERS.get(name, ("", "1"))[1]
+    unit = units.get(dimension, dimension)
+    return written(value / _ELECTRONVOLT, "eV") if unit == "J" else written(value, unit)

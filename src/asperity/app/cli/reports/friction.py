@@ -84,7 +84,6 @@ def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
 
 
 def _numbers(fit: RateAndStateFit, length: float) -> list[str]:
-    """a, b and D_c in a unit of length."""
     D_c = uncertain(fit.D_c / length, fit.D_c_stderr / length) if fit.determined else "not determined"
     return [uncertain(fit.a, fit.a_stderr), uncertain(fit.b, fit.b_stderr), D_c]
 

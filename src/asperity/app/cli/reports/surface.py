@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
-from asperity.app.cli.reports.run import described
 from asperity.app.config.models import MeasuredSurface, SurfaceSection
+from asperity.app.runs.words import described
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
@@ -47,7 +47,6 @@ def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
 
 
 def _origin(found: Surface, prepared: Surface) -> list[Row]:
-    """Say what the file holds."""
     facts = found.provenance
     shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
     undefined = int(str(facts["undefined_pixels"]))
@@ -84,7 +83,6 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
 
 
 def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
-    """Say whether the scan is self-affine, and in which range."""
     window, fit = spectrum.window, spectrum.fit
     how = "of the scan itself" + ("" if window == "none" else f", with a {window} window")
     hurst = (
@@ -134,7 +132,6 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
 
 
 def _removed(prepared: Surface, *, flat: bool) -> str:
-    """The height and the slopes that were removed."""
     facts = prepared.provenance
     rule, unit = facts["tilt_rule"], str(facts["original_unit"])
     if rule == "none":

@@ -75,9 +75,7 @@ function branch() {
   if (wrong.length) return;
   const config = branched(app.scene, app.changeRow, given);
   app.keep = true;
-  app.form.write(config);
-  ask({ kind: "run", config: app.form.read() });
-  app.changed = config.protocol.length - 2;
+  ask({ kind: "run", config, changed: config.protocol.length - 2 });
   byId("curve-panel").scrollIntoView({ block: "nearest" });
 }
 

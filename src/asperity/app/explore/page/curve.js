@@ -1,9 +1,10 @@
 "use strict";
 // A quantity against time, with the moment shown, the limit, an earlier curve, and the moment of a change of load.
 
-/** What a quantity is called, which the server says; where the area is known in lengths, the count of sites is another. */
-const nameOf = (scene, name) => (name === "area" && scene.has("contact_area") ? "sites in contact"
-  : name === "friction" && scene.shear ? "friction coefficient" : scene.labels[name]);
+/** What a quantity is called, which the server says. */
+const nameOf = (scene, name) => (name === "friction" && scene.shear ? "friction coefficient" : scene.labels[name]);
+
+const mainArea = (scene) => (scene.has("contact_area") ? "contact_area" : "area");
 
 const MARGIN = { left: 74, right: 14, top: 12, bottom: 44 };
 
@@ -103,7 +104,7 @@ class CurveView {
     context.translate(9, MARGIN.top + high / 2);
     context.rotate(-Math.PI / 2);
     context.textAlign = "center";
-    const told = name === "area" ? "sites" : name === "decade_growth" ? "areas at first" : unit;
+    const told = name === "area" ? "sites" : name === "decade_growth" ? `area at ${scene.start}` : unit;
     context.fillText(nameOf(scene, name) + (told ? ` [${told}]` : ""), 0, 0);
     context.restore();
 
@@ -115,13 +116,6 @@ class CurveView {
     for (const run of others) line(context, run.map(([place, value]) => [x(place), y(value)]));
     context.setLineDash([2, 3]);
     line(context, earlier.map(([place, value]) => [x(place), y(value)]));
-    if (earlier.length) {
-      const begin = this.axis.pieces.at(-1).left, later = earlierName(scene, extras.earlier) === WITHOUT; // where it is flat
-      const [place, value] = (later && earlier.find(([one]) => one >= begin)) || earlier.at(-1);
-      context.fillStyle = colors.of("muted");
-      context.textAlign = place === begin ? "left" : "right";
-      context.fillText(earlierName(scene, extras.earlier), x(place) + (place === begin ? 8 : -4), y(value) + (y(value) > MARGIN.top + 16 ? -9 : 11));
-    }
     if (Number.isFinite(limit)) {
       context.strokeStyle = colors.of("ink");
       context.setLineDash([7, 4]);
@@ -135,6 +129,7 @@ class CurveView {
     line(context, own.map(([place, value]) => [x(place), y(value)]));
     for (const [place, value] of own) disc(context, x(place), y(value), 2.2);
     context.lineWidth = 1;
+    if (earlier.length) this.legend(context, colors, [["curve", "this run", []], ["muted", earlierName(scene, extras.earlier), [2, 3]]], wide);
     if (handles && extras.change !== null) {
       context.strokeStyle = context.fillStyle = colors.of("ink");
       context.setLineDash([3, 3]);
@@ -152,6 +147,23 @@ class CurveView {
       if (Number.isFinite(value)) disc(context, at, y(value), 5);
     }
     context.restore();
+  }
+
+  /** Say which curve is which, in the upper left corner. */
+  legend(context, colors, entries, wide) {
+    const width = 34 + Math.max(...entries.map(([, text]) => context.measureText(text).width));
+    context.fillStyle = colors.of("page");
+    context.globalAlpha = 0.8;
+    context.fillRect(MARGIN.left + 4, MARGIN.top, Math.min(width + 8, wide), 16 * entries.length + 6);
+    context.globalAlpha = 1;
+    context.textAlign = "left";
+    entries.forEach(([color, text, dash], at) => {
+      context.strokeStyle = context.fillStyle = colors.of(color);
+      context.setLineDash(dash);
+      line(context, [[MARGIN.left + 8, MARGIN.top + 11 + 16 * at], [MARGIN.left + 30, MARGIN.top + 11 + 16 * at]]);
+      context.setLineDash([]);
+      context.fillText(text, MARGIN.left + 36, MARGIN.top + 11 + 16 * at);
+    });
   }
 
   times(context, colors, x, wide, high) {
@@ -200,12 +212,13 @@ function axisOf(scene) {
   return new TimeAxis(scene.column("time"), scene.column("leg"), scene.finished || scene.config?.protocol?.length ? null : scene.lastTime);
 }
 
-const WITHOUT = "without the change";
-
-/** What an earlier run is to the one shown: the same without its last change of load, or another. */
+/** What an earlier run is to the one shown: the same without its last change of load, or with other keys. */
 function earlierName(scene, earlier) {
   const legs = (one) => one.config?.protocol?.length ?? 0;
-  return legs(scene) > legs(earlier) ? WITHOUT : "earlier run";
+  if (legs(scene) !== legs(earlier)) return `${legs(scene) > legs(earlier) ? "without" : "with"} the change`;
+  const found = ["contact", "solid", "aging", "friction"].flatMap((section) => Object.entries(earlier.config?.[section] ?? {})
+    .filter(([key, value]) => !same(value, scene.config?.[section]?.[key])).map(([key, value]) => `${key.replaceAll("_", " ")} ${legValue(key, value)}`));
+  return found.length === 1 ? `with ${found[0]}` : "the run before";
 }
 
 function line(context, points) {

@@ -23,7 +23,7 @@ function mark(button) {
   button.setAttribute("aria-current", "true");
 }
 
-function showCampaign({ path, parameters, runs }, arrays, buffer) {
+function showCampaign({ path, parameters, units, runs }, arrays, buffer) {
   app.campaign = buffer;
   byId("campaign").hidden = false;
   byId("campaign").querySelector("summary").textContent = `Campaign of ${runs.length} runs: ${parameters.join(", ")}`;
@@ -36,6 +36,6 @@ function showCampaign({ path, parameters, runs }, arrays, buffer) {
     const button = app.live && run.state === "done" ? element("button", { type: "button" }, run.id.slice(0, 8)) : element("span", {}, run.id.slice(0, 8));
     button.addEventListener("click", () => { app.keep = false; ask({ kind: "open", path: `${path}/${run.id}` }); mark(button); });
     const fate = run.state === "done" ? "" : [run.state, run.reason].filter(Boolean).join(": ");
-    return element("tr", {}, element("td", {}, button, " ", fate), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? number(run[name]) : String(run[name]))));
+    return element("tr", {}, element("td", {}, button, " ", fate), ...parameters.map((name) => element("td", {}, typeof run[name] === "number" ? quantity(run[name], units[name]) : String(run[name]))));
   }));
 }

@@ -258,8 +258,14 @@ function withUnits(words) {
   }, []);
 }
 
-/** A leg with all that it was given, whatever legs there are. */
+const LEG_UNITS = { duration: "s", load: "N", pressure: "Pa", separation: "m", approach: "m", distance: "m", velocity: "m/s", thickness: "m" };
+
+/** A value of a leg or a key in words. */
+const legValue = (name, value) => (typeof value === "number" ? quantity(value, app.form?.hasModulus() ? LEG_UNITS[name] : "") : typed(value));
+
+/** A leg with what it was given and is not usual, whatever legs there are. */
 function legInWords({ kind, legs, ...given }) {
-  const told = Object.entries(given).filter(([, value]) => value !== null && value !== undefined).map(([name, value]) => `${name} ${typed(value)}`);
+  const told = Object.entries(given).filter(([name, value]) => (value ?? null) !== null && !(name === "mobility" && value === 1))
+    .map(([name, value]) => `${name} ${legValue(name, value)}`);
   return [kind, ...told].join(" ") + (legs ? ` (${legs.map(legInWords).join(", ")})` : "");
 }

@@ -25,22 +25,25 @@ const ARRIVALS = {
   mistakes({ mistakes }) { fail(mistakes); },
   failed({ mistakes }) { fail(mistakes); },
   scene(header, message, buffer) {
-    app.earlier = app.scene && app.keep && same(app.scene.config?.surface, header.config?.surface) && same(app.scene.column_units, header.column_units) ? app.scene : null;
+    const before = app.scene;
     app.scene = new Scene(buffer, message);
+    app.earlier = before && app.keep && app.scene.isOn(before) && same(before.column_units, header.column_units) ? before : null;
     app.scene.shear = app.shear ?? header.shear_strength;
     if (!app.shear) byId("shear").value = header.shear_strength ?? "";
-    if (!app.picked) app.curveView.name = app.runs.length ? "area" : "";
+    if (!app.picked) app.curveView.name = "";
     Object.assign(app, { map: 0, following: true, change: null });
     byId("site").textContent = "Point at a site to read its height, pressure and age.";
     app.mapView.cursor = null;
     for (const button of document.querySelectorAll('[data-copy="toml"], [data-copy="python"]')) button.hidden = !header[button.dataset.copy];
     byId("text").closest("details").hidden = !header.toml;
     stopPlaying();
+    address(app.wanted);
     if (app.form && header.config) {
       if (app.wanted?.kind === "open") app.form.write(header.config);
       app.form.chosen = header.config;
       app.form.showChosen();
     }
+    if (app.form && !header.config) byId("setup").open = false; // it says nothing of what is shown
     document.title = `${header.title} · Asperity`;
     byId("title").textContent = header.title;
     document.body.dataset.scene = "yes";
@@ -59,6 +62,7 @@ const ARRIVALS = {
     if (app.following) app.map = newest();
     app.following = false;
     busy(false);
+    if (app.form && app.wanted?.changed) app.form.write(app.wanted.config); // a change that has run
     suggestBranch();
     show();
   },
@@ -104,12 +108,19 @@ function send(message) {
   if (app.socket?.readyState === WebSocket.OPEN) app.socket.send(JSON.stringify(message));
 }
 
-/** Ask for a run or a folder, and put that into the address, so that a reload asks again. */
-function ask(request) {
-  app.wanted = request;
-  app.changed = null;
+/** Put what is asked for into the address, so that a reload asks again. */
+function address(request) {
+  if (!request) return;
   const hash = request.kind === "run" ? `#config=${encoded(request.config)}` : `#open=${encodeURIComponent(request.path.toWellFormed?.() ?? request.path)}`;
   if (location.hash !== hash) history.replaceState(null, "", hash);
+}
+
+/** Ask for a run or a folder; `changed` is the leg of a change, which the form takes up when it has run. */
+function ask(request) {
+  app.before = request.changed ? app.wanted : null;
+  app.wanted = request;
+  app.changed = request.changed ?? null;
+  if (!request.changed) address(request);
   app.form.mistakes([]);
   app.found = [];
   byId("branch-mistake").textContent = byId("failure").textContent = "";
@@ -154,6 +165,7 @@ function busy(now, text = "") {
 
 function fail(mistakes) {
   busy(false);
+  if (app.before && !(app.scene && same(app.scene.config?.protocol, app.wanted.config.protocol))) app.wanted = app.before;
   app.found = mistakes;
   const ofBranch = (one) => one.where.startsWith("protocol");
   if (app.form) app.form.mistakes(mistakes.filter((one) => !ofBranch(one)));

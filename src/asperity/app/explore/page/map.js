@@ -45,7 +45,7 @@ function cellsOf(scene, map, wanted, side, colors) {
   };
   const shade = (part) => cividis(colors.dark ? 0.25 + 0.75 * part : 0.8 * (1 - part));
   const sums = new Float64Array(3 * wide * high), counts = new Float64Array(wide * high);
-  let values, top; // of the map that is being gathered
+  let values, low, top; // of the map that is being gathered
   for (let row = 0; row < rows; row++) {
     const shown = scene.isLine ? row : map;
     if (row === 0 || scene.isLine) prepare(shown);
@@ -54,7 +54,7 @@ function cellsOf(scene, map, wanted, side, colors) {
   }
   function prepare(which) {
     if (colored === "state") values = scene.states(which).states;
-    else if (colored === "pressure") { values = scene.pressures(which); top = scene.maps[which].pressure_scale || 1; }
+    else if (colored === "pressure") { values = scene.pressures(which); [low, top] = scene.pressureRange(which); }
     else if (colored === "age") { values = scene.beginnings(which); top = Math.log1p(scene.maps[which].time / oldest(scene)) || 1; }
     else values = scene.heights;
   }
@@ -62,7 +62,7 @@ function cellsOf(scene, map, wanted, side, colors) {
     const value = values[site], at = 3 * cell;
     if (colored !== "heights") counts[cell] += colored === "age" ? value >= 0 : value > 0;
     if (colored === "state") { if (value) sums[at + value - 1] += 1; }
-    else if (colored === "pressure") sums[at] = Math.max(sums[at], value / top);
+    else if (colored === "pressure") sums[at] = Math.max(sums[at], value > low ? Math.log(value / low) / Math.log(top / low) : 0);
     else if (colored === "age") sums[at] = Math.max(sums[at], value < 0 ? 0 : 1 + 1e-9 - Math.log1p(value / oldest(scene)) / top);
     else { sums[at] += value / 65535; sums[at + 1] += 1; sums[at + 2] += scene.yielded(shown, site); }
   }
@@ -339,9 +339,9 @@ class MapView {
     if (this.scene.mapless) return "No maps of the contact were kept; the heights are shown.";
     const { counts } = this.scene.states(this.map), touching = counts[KEPT] + counts[NEW];
     const size = this.scene.isLine ? `a line of ${count(this.scene.nx)} sites` : `${this.scene.ny} × ${this.scene.nx} sites`;
-    return `Contact map: ${size}, ${count(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `
-      + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${count(counts[KEPT])} since ${this.scene.start}, `
-      + `${count(counts[NEW])} new, ${count(counts[LOST])} lost`
-      + `${this.scene.maps[this.map].yielded ? `; the rough surface has yielded at ${quantity(this.scene.countYielded(this.map), "sites")}` : ""}.`;
+    return `Contact map: ${size}, ${this.scene.extent(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `
+      + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${this.scene.extent(counts[KEPT])} since ${this.scene.start}, `
+      + `${this.scene.extent(counts[NEW])} new, ${this.scene.extent(counts[LOST])} lost`
+      + `${this.scene.maps[this.map].yielded ? `; the rough surface has yielded at ${this.scene.extent(this.scene.countYielded(this.map))}` : ""}.`;
   }
 }

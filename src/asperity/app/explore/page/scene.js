@@ -102,6 +102,23 @@ class Scene {
   /** When that was, in words. */
   get start() { return this.reference ? `t = ${quantity(this.maps[this.reference].time, this.units.time)}` : "first touch"; }
 
+  /** Whether another scene is of the same surface, whatever it is called. */
+  isOn(other) {
+    return same([this.shape, this.height_range, this.units], [other.shape, other.height_range, other.units]) && this.heights.every((one, site) => one === other.heights[site]);
+  }
+
+  /** So many sites in words: their area, where that has a unit. */
+  extent(sites, digits = 4) {
+    return this.cell ? quantity(sites * this.cell, this.units.area, digits) : quantity(sites, "sites", 9);
+  }
+
+  /** Pressures between which colors tell apart in a map: all but the least 2 %, as in pictures. */
+  pressureRange(map) {
+    const { pressures, pressure_scale: top } = this.maps[map], rising = Uint16Array.from(pressures || []).sort();
+    const low = Math.max(1, rising[Math.floor(0.02 * (rising.length - 1))] || 1) * top / 65535;
+    return [low < top ? low : top / 2, top || 1];
+  }
+
   state(map, site) { return this.states(map).states[site]; }
 
   /** State of each site in a map, compared with that of reference, and how many sites have each. */

@@ -8,19 +8,19 @@ function show() {
   document.querySelector(".earlier").hidden = !app.earlier;
   document.querySelector(".earlier span").textContent = app.earlier ? earlierName(scene, app.earlier) : "";
   showQuantities();
-  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === "area" ? app.runs.map((run) => run.curve) : [] });
+  app.curveView.show(scene, { map, earlier, change: app.live ? app.change : null, runs: app.curveView.name === mainArea(scene) ? app.runs.map((run) => run.curve) : [] });
   app.mapView.show(scene, map);
   byId("map").setAttribute("aria-label", app.mapView.inWords());
   const place = app.curveView.placeOf(map), time = quantity(scene.maps[map].time, scene.units.time);
   const slider = byId("moment"), words = `t = ${time}${scene.maps[map].side === "after" ? ", just after the step" : ""}`;
   slider.value = 1000 * place;
-  slider.setAttribute("aria-valuetext", `${words}, ${count(scene.maps[map].area)} sites in contact`);
+  slider.setAttribute("aria-valuetext", `${words}, ${scene.extent(scene.maps[map].area)} in contact`);
   byId("shown").textContent = words;
   byId("curve").setAttribute("aria-label", curveInWords());
   showLegend();
   showNumbers();
   showBranch();
-  showRemarks();
+  showSummary();
   if (app.mapView.cursor !== null) readSite(app.mapView.cursor, map);
   if (app.busy) busy(true);
 }
@@ -43,7 +43,7 @@ function showQuantities() {
 
 function showLegend() {
   const { scene, map, mapView } = app, list = byId("legend");
-  const size = `${mapView.side} × ${scene.isLine ? 1 : mapView.side} sites`, note = [];
+  const size = `${mapView.side} × ${scene.isLine ? 1 : mapView.side} ${scene.cell ? "pixels" : "sites"}`, note = [];
   if (mapView.side > 1 && mapView.colored !== "heights") {
     const text = mapView.drawn.crowded ? `a mark is ${size}, and all marks together have the true area` : `a mark covers ${size}, so areas look larger`;
     note.push(element("li", { className: "hint" }, `${text}: zoom in to see each site`));
@@ -55,14 +55,14 @@ function showLegend() {
     const items = [KEPT, NEW, LOST].map((state) => {
       const mark = element("i");
       mark.style.background = `var(--${STATES[state]})`;
-      return element("li", { title: siteWords(scene)[state] }, mark, `${count(counts[state])} ${["", `since ${scene.start}`, "new", "lost"][state]}`);
+      return element("li", { title: siteWords(scene)[state] }, mark, `${scene.extent(counts[state], 3)} ${["", `since ${scene.start}`, "new", "lost"][state]}`);
     });
     list.replaceChildren(...items, ...note);
     return;
   }
   const bar = element("canvas", { width: 90, height: 1 }), context = bar.getContext("2d"), { dark } = theme();
   const ranges = {
-    pressure: [0, scene.maps[map].pressure_scale, scene.units.pressure], age: [scene.maps[map].time, 0, scene.units.time],
+    pressure: [...scene.pressureRange(map), scene.units.pressure], age: [scene.maps[map].time, 0, scene.units.time],
     heights: [...scene.height_range, scene.units.height],
   };
   const [low, high, unit] = ranges[mapView.colored];
@@ -74,9 +74,9 @@ function showLegend() {
   if (mapView.colored === "heights" && scene.maps[map].yielded) {
     const mark = element("i");
     mark.style.background = "var(--yielded)";
-    note.unshift(element("li", { title: "the rough surface is lower there for good" }, mark, `${quantity(scene.countYielded(map), "sites")} yielded`));
+    note.unshift(element("li", { title: "the rough surface is lower there for good" }, mark, `${scene.extent(scene.countYielded(map))} yielded`));
   }
-  list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "age" ? " (logarithmic)" : ""}`), ...note);
+  list.replaceChildren(element("li", {}, `${{ age: "in contact since t =" }[mapView.colored] || mapView.colored} ${quantity(low, unit)} `, bar, ` ${quantity(high, unit)}${mapView.colored === "heights" ? "" : " (logarithmic)"}`), ...note);
 }
 
 function showNumbers() {
@@ -85,27 +85,26 @@ function showNumbers() {
   const items = names.map((name) => {
     const value = scene.value(row, name), unit = scene.column_units[name];
     const text = name === "contact_fraction" ? percent(value) : name === "area" ? `${count(value)} sites`
-      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of first` : quantity(value, unit, name === "residual" ? 2 : 4);
+      : name === "decade_growth" && Number.isFinite(value) ? `${percent(value)} of ${scene.reference ? `that at ${scene.start}` : "first"}` : quantity(value, unit, name === "residual" ? 2 : 4);
     const label = nameOf(scene, name);
     return element("div", { title: scene.names[name] || "" }, element("dt", {}, label), element("dd", { id: `number-${name}` }, text));
   });
   byId("numbers").replaceChildren(...items);
   byId("shear-field").hidden = !scene.columns.includes("contact_area");
   byId("shear-field").querySelector("span").textContent = scene.column_units.mean_pressure === "Pa" ? "[Pa]" : "";
-  const growth = scene.finished?.fit?.growth;
-  byId("fit").textContent = growth
-    ? `Growth per decade from t = ${quantity(growth.first, scene.units.time, 3)} to ${quantity(growth.last, scene.units.time, 3)}: ${percent(growth.per_decade)} `
-      + `(${percent(growth.low)} to ${percent(growth.high)}, 95 %) of the area at first`
-      + `${growth.straight === false ? "; the curve bends, so that this is a mean" : ""}.`
-    : "";
 }
 
-function showRemarks() {
-  const { scene } = app, { remarks = [], effort } = scene.finished || {};
-  const lines = [...new Set([...(scene.remarks || []), ...remarks])];
-  if (effort?.seconds) lines.push(`${count(effort.steps)} time steps in ${number(effort.seconds, 2)} s`);
-  const list = byId("remarks");
-  if (list.textContent !== lines.join("")) list.replaceChildren(...lines.map((text) => element("li", {}, text)));
+/** Units of the command line as the page writes them. */
+const inSigns = (text) => text.replace(/\^2\b/g, "²").replace(/(?<=\d )u(?=[a-zA-Z])/g, "µ");
+
+/** What the command line says at the end of a run: remarks, and a table of everything else. */
+function showSummary() {
+  const rows = app.scene.finished?.rows ?? [];
+  const lines = [...new Set(rows.filter(([name]) => name === "remark").map(([, text]) => text))];
+  byId("remarks").replaceChildren(...lines.map((text) => element("li", {}, text)));
+  const table = rows.filter(([name]) => name !== "remark");
+  byId("summary").hidden = !table.length;
+  byId("summary").lastElementChild.replaceChildren(...table.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, inSigns(text)))));
 }
 
 function readSite(site, map) {

@@ -44,7 +44,7 @@ function number(value, digits = 4) {
 const count = (value) => String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
 const PREFIXES = [["G", 1e9], ["M", 1e6], ["k", 1e3], ["", 1], ["m", 1e-3], ["µ", 1e-6], ["n", 1e-9], ["p", 1e-12]];
-const PREFIXED = { N: 1, "N/m": 1, Pa: 1, m: 1, "m^2": 2, s: 1 };
+const PREFIXED = { N: 1, "N/m": 1, Pa: 1, m: 1, "m^2": 2, s: 1, ohm: 1, "K/W": 1, "m/s": 1 };
 const LENGTHS = { m: 1, mm: 1e-3, um: 1e-6, nm: 1e-9, pm: 1e-12 };
 
 /** Choose a readable unit for a value: its name, and the factor to it. */

@@ -1,0 +1,248 @@
+"""One list of what a contact or a history says of itself: the terminal, cards and the page only format it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from asperity.analysis.aging import AgingSummary
+from asperity.analysis.legs import leg_table
+from asperity.analysis.scan import readable, written
+from asperity.base.words import counted, thousands
+from asperity.contact import Contact
+from asperity.errors import ConvergenceError, InputError
+from asperity.fits import growth_rate
+from asperity.results.quantities import select, units_of
+
+_MOST_LEGS = 20
+"""Legs of a history that are listed."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is said under a name: a value with its unit, or words; its 95 % interval; and more words."""
+
+    name: str
+    value: float | str
+    unit: str = "1"
+    interval: tuple[float, float] | None = None
+    note: str = ""
+    digits: int = 8
+    brief: bool = False
+    """Whether a card shows it, too."""
+
+    def words(self, spelled: Callable[[str], str] = str) -> str:
+        """Value, interval and note; `spelled` turns a plain "2 um" into what a medium shows."""
+        if isinstance(self.value, str):
+            return self.value + self.note
+        said = spelled(written(self.value, self.unit, self.digits))
+        if self.interval is not None:
+            ends = (spelled(written(end, self.unit, 3)) for end in self.interval)
+            said += f" (95 %: {' to '.join(ends)})"
+        return said + self.note
+
+
+def words_of(rows: Iterable[Row]) -> list[tuple[str, str]]:
+    """Rows as pairs of a name and plain words."""
+    return [(row.name, row.words()) for row in rows]
+
+
+def contact_rows(contact: Contact) -> list[Row]:
+    """What one contact says of itself."""
+    units = units_of(contact) if contact.si else {}
+    rows = [
+        _extent("contact", contact.area, contact.heights.size),
+        _of("load", contact.load, units.get("force")),
+        _of("separation", contact.separation, units.get("length")),
+    ]
+    if contact.solid.in_lengths:
+        rows += [
+            _of("contact area", contact.contact_area, units.get("area")),
+            _of("mean pressure", contact.mean_pressure, units.get("pressure")),
+            _of("largest pressure", contact.largest_pressure, units.get("pressure")),
+        ]
+    return rows
+
+
+def _of(name: str, value: float, unit: str | None) -> Row:
+    return Row(name, value, unit or "1", digits=4, brief=True)
+
+
+def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:
+    """What a history says of itself; without a summary, leg by leg."""
+    rows = _legs(dataset) if summary is None else _growth(dataset, summary)
+    if "area_observed" in dataset:
+        seen = dataset["area_observed"]
+        times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
+        ends = dict.fromkeys((0, seen.size - 1))
+        unit = seen.attrs["units"]
+        rows += [Row(f"seen at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
+    residual = float(dataset["residual"].max())
+    worst = Row("worst residual", f"{residual:.1e} of the mean contact force", brief=True)
+    return [*rows, *carried_rows(dataset), worst]
+
+
+def carried_rows(dataset: xr.Dataset) -> list[Row]:
+    """What the contact carries, at first and at last."""
+    rows = []
+    for name, one in select("series", of=["carried"]).items():
+        if name in dataset:
+            unit = str(dataset[name].attrs["units"])
+            first, last = (float(dataset[name][n]) for n in (0, -1))
+            rows.append(
+                Row(one.label, first, unit, note=f" at first, {written(last, unit)} at last", digits=4)
+            )
+    return rows
+
+
+def _value(dataset: xr.Dataset, name: str, at: int = 0, digits: int = 8) -> str:
+    return written(float(dataset[name][at]), dataset[name].attrs["units"], digits)
+
+
+def _time(dataset: xr.Dataset, time: float) -> str:
+    return f"{time:g} s" if dataset["time"].attrs["units"] == "s" else f"{time:g}"
+
+
+def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0, unit: str = "1") -> Row:
+    """So many sites: their part of all, and what they were at first; with a cell their area comes first."""
+    ratio = f", A/A(0) = {area / first:.4f}" if first and area != first else ""
+    part = f"{area} of {sites} sites = {100 * area / sites:.4g} %{ratio}"
+    if cell:
+        return Row(name, area * cell, unit, note=f": {part}", digits=4, brief=True)
+    return Row(name, part, brief=True)
+
+
+def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
+    si, held = bool(dataset.attrs["si"]), str(dataset.attrs["held"])
+    unit = dataset[held].attrs["units"]
+    cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 0.0
+    square = dataset["contact_area"].attrs["units"] if si else "1"
+
+    def contact(when: str, area: int) -> Row:
+        return _extent(f"contact {when}", area, summary.sites, summary.initial_area, cell, square)
+
+    prescribed = Row("held", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True)
+    rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
+    if "mean_contact_pressure" in dataset:
+        mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
+        rows.append(Row("pressure at t = 0", f"{mean} mean over the contacts, {most} at most"))
+    rows += _yielding(dataset)
+    if summary.time.size:
+        at = f"at t = {_time(dataset, summary.time[-1])}"
+        rows.append(contact(at, int(dataset["area"][-1])))
+    if summary.relaxed_ratio is not None:
+        rows.append(contact("relaxed", int(dataset.attrs["relaxed_area"])))
+    rows += _fit(summary)
+    try:
+        rate = growth_rate(dataset["time"].values, dataset["area"].values.astype(np.float64))
+    except (InputError, ConvergenceError):  # too few times
+        rate = None
+    if rate is not None:
+        decade = 100 * math.log(10)
+        low, high = (decade * end for end in rate.interval("B"))
+        times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
+        bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
+        note = f" % of A(0) per decade, t = {times}{bends}"
+        interval = (low, high)
+        rows.append(Row("growth", decade * rate.B, "1", interval, note, digits=3, brief=True))
+    if abs(summary.steepest_per_decade) > 0:
+        steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = "
+        steepest += _time(dataset, float(f"{summary.steepest_time:.2g}"))
+        rows.append(Row("steepest growth" if summary.steepest_per_decade > 0 else "steepest loss", steepest))
+    return rows
+
+
+def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
+    """Load at the beginning; where the separation is held, how it changes."""
+    first, unit = summary.initial_load, dataset["load"].attrs["units"]
+    rows = [] if summary.load is None else [Row("load at t = 0", first, unit)]
+    if "mean_contact_pressure" in dataset:
+        area = float(dataset["contact_area"][0] / dataset["contact_fraction"][0])
+        pressure = dataset["mean_contact_pressure"].attrs["units"]
+        note = " over the nominal area"
+        rows.append(Row("mean pressure", first / area, pressure, note=note, digits=4, brief=True))
+    if summary.load is None:
+        return rows
+    loads = {"load relaxed": summary.relaxed_load}
+    if summary.time.size:
+        loads = {f"load at t = {_time(dataset, summary.time[-1])}": float(summary.load[-1]), **loads}
+    rows += [
+        Row(name, load, unit, note=f", load/load(0) = {load / first:.4g}", brief=True)
+        for name, load in loads.items()
+        if load is not None
+    ]
+    if abs(summary.load_per_decade) > 0:
+        near = f"{float(f'{summary.load_time:.2g}'):g}"
+        slope = f"{summary.load_per_decade / first:+.3g} load(0) per decade of time, near t = {near}"
+        rows.append(Row("steepest change of load", slope))
+    return rows
+
+
+def _yielding(dataset: xr.Dataset) -> list[Row]:
+    """How much of the contact bears the hardness; where fields were kept, how far the surface is lowered."""
+    if "yielding_area" not in dataset:
+        return []
+    first, last = (int(dataset["yielding_area"][at]) for at in (0, -1))
+    said = f"{counted(first, 'site')} at t = 0, {thousands(last)} at the end"
+    if "permanent_indentation" in dataset:
+        lower = dataset["permanent_indentation"][-1]
+        said += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}"
+        if (lower > 0).any():
+            said += f", by up to {written(float(lower.max()), lower.attrs['units'])}"
+    return [Row("yielding", said)]
+
+
+def _fit(summary: AgingSummary) -> list[Row]:
+    fit = summary.fit
+    if fit is None:
+        return [Row("fit", summary.fit_note)] if summary.fit_note else []
+    known = summary.relaxed_ratio is not None
+    a = ", A(relaxed)/A(0), exact" if known else ", extrapolated: no relaxed state is known"
+    misfit = f"{100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst"
+    rows = [
+        Row("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q"),
+        Row("  a", fit.a, note=a, digits=5 if known else 3),
+        Row("  q", fit.q, digits=3),
+        Row("  t0", fit.t0, digits=3),
+        Row("  (a - 1) q", fit.C, digits=3),
+        Row("  misfit", misfit),
+    ]
+    return [*rows, Row("  note", summary.fit_note)] if summary.fit_note else rows
+
+
+def _legs(dataset: xr.Dataset) -> list[Row]:
+    table, unit = leg_table(dataset), dataset["load"].attrs["units"]
+    begun = _areas(dataset, float(dataset["area"][0]))
+    rows = [Row("contact at t = 0", f"{begun} at load {_value(dataset, 'load', 0, 6)}", brief=True)]
+    rows += _yielding(dataset)
+    for row in table[:_MOST_LEGS]:
+        at = f"t = {_time(dataset, row.begin)}"
+        at += f" to {_time(dataset, row.end)}" if row.begin != row.end else ""
+        loads = " to ".join(written(load, unit, 6) for load in row.load)
+        change = f"load {loads}, contact {_areas(dataset, *row.area)}"
+        jump = row if row.begin == row.end else table[max(row.number - 1, 0)]
+        if jump.begin == jump.end and jump.area[0] > 0:
+            change += f"{' at once' if jump is row else ''}, {row.area[1] / jump.area[0]:.4g} of before"
+            change += "" if jump is row else f" the {jump.kind}"
+        if row.lowest_area < min(row.area):
+            after = _time(dataset, float(f"{row.lowest_after:.3g}"))
+            change += f", least {_areas(dataset, row.lowest_area)} {after} after its beginning"
+        rows.append(Row(f"leg {row.number}", f"{row.kind}, {at}: {change}", brief=row.number < 5))
+    if len(table) > _MOST_LEGS:
+        rows.append(Row("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
+    return rows
+
+
+def _areas(dataset: xr.Dataset, *sites: float) -> str:
+    """Areas of contact, of one moment or from one to another: in SI in one readable unit, and in sites."""
+    said = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
+    if not dataset.attrs["si"]:
+        return said
+    cell = math.prod(json.loads(dataset.attrs["spacing"]))
+    unit, factor = readable(dataset["contact_area"].attrs["units"], max(sites) * cell)
+    return f"{' to '.join(f'{area * cell * factor:.4g}' for area in sites)} {unit} ({said})"

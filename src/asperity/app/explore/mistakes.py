@@ -1,0 +1,66 @@
+"""What is wrong, in one line each, and the key of the form that it is about."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from asperity.app.config.keys import sections
+from asperity.base.words import reason_of
+from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
+
+_FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
+"""What the command line is advised beside the key of a configuration."""
+
+_LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
+
+Mistake = dict[str, str]
+Shown = dict[str, str]
+"""What stands for the absolute path of a file where others read it."""
+
+
+def without_flags(text: str) -> str:
+    """A sentence for the page, where there is no command line."""
+    return _FLAGS.sub("", text)
+
+
+def mistake(text: str, where: str = "") -> list[Mistake]:
+    """One line of what is wrong, and the key it is about."""
+    return [{"where": where, "text": without_flags(text)}]
+
+
+def failed(mistakes: list[Mistake]) -> dict[str, Any]:
+    """Header of the message that ends a run without a result."""
+    return {"kind": "failed", "mistakes": mistakes}
+
+
+def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
+    """Say in one line each what is wrong, and which key it is about: ``contact.load``, or nothing."""
+    for path, name in (shown or {}).items():
+        if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
+            where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
+            return mistake(brief(str(error).replace(path, name)), where)
+    match error:
+        case ConfigError():
+            return [{"where": _place(one), "text": without_flags(one)} for one in error.shown]
+        case InputError():
+            name = error.name.removeprefix("--").replace("-", "_")
+            homes = ("contact", "surface", "solid", "aging", "friction", "output")
+            home = next((one for one in homes if any(name in keys for keys in sections()[one].values())), "")
+            return mistake(brief(str(error)), home and f"{home}.{name}")
+        case AsperityError():
+            return mistake(brief(str(error)))
+        case MemoryError():
+            return mistake(f"not enough memory: {str(error) or 'try a smaller surface'}")
+        case OSError() if error.strerror:
+            return mistake(f"{error.filename or ''}: {error.strerror}".removeprefix(": "))
+    return mistake(f"unexpected: {type(error).__name__}: {reason_of(error)}")
+
+
+def _place(problem: str) -> str:
+    """The key that a line of `ConfigError` is about, as it names it itself."""
+    if leg := _LEG.match(problem):
+        return ".".join(filter(None, (leg[1].replace(" ", "."), leg[2])))
+    if problem.startswith("[") and (found := re.match(r"^\[(\w+)\](?: (\w+):)?", problem)):
+        return ".".join(filter(None, found.groups()))
+    return ""

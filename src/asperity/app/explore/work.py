@@ -1,0 +1,96 @@
+"""The process that computes: runs come through its input, and how far each has come goes to its output.
+
+It imports and compiles everything once, and then takes one run after the other until its input ends. Whoever
+does not want a run any more kills it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import sys
+from collections.abc import Callable, Sequence
+from time import perf_counter
+
+from asperity.aging import Frame
+from asperity.analysis.rows import words_of
+from asperity.app.config import RunConfig
+from asperity.app.config.python import to_python
+from asperity.app.explore.mistakes import Shown, failed, mistakes_of
+from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, started
+from asperity.app.runs import Progress, execute
+from asperity.app.runs.loops import compile_loops
+from asperity.app.runs.words import run_rows
+
+Tell = Callable[[str, object], None]
+"""Sends what kind of message it is, and its content."""
+
+
+def work() -> None:
+    """Compute one run after the other: the body of the process."""
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what libraries print is no answer
+    with contextlib.suppress(AttributeError, OSError):
+        os.nice(5)  # the server answers first
+
+    def tell(what: str, content: object) -> None:
+        message = pickle.dumps((what, content))
+        answers.write(len(message).to_bytes(8, "little") + message)
+        answers.flush()
+
+    with contextlib.suppress(EOFError, BrokenPipeError):
+        compile_loops(lambda text: tell("stage", text), lambda _: None)
+        while True:
+            tell("end", _computed(tell, *pickle.load(sys.stdin.buffer)))
+
+
+class _Teller(Progress):
+    """Tells how far a run has come."""
+
+    def __init__(self, tell: Tell, asked: RunConfig, shown: Shown, title: str) -> None:
+        self._tell, self._asked, self._shown, self._title = tell, asked, shown, title
+        self._recording = Recording("")
+        self._config = asked
+        self._times: Sequence[float] = ()
+        self._mapped: set[float] = set()
+
+    def stage(self, name: str, times: Sequence[float] = ()) -> None:
+        self._times = times
+        self._tell("stage", name)
+
+    def completed(self, config: RunConfig) -> None:
+        self._config = config
+
+    def reached(self, frame: Frame) -> None:
+        if self._recording.scene is None:
+            config, output, surface = self._config, self._asked.output, self._config.surface
+            if (path := str(surface.file)) in self._shown:  # by the name that the user knows
+                surface = surface.model_copy(update={"path": self._shown[path]})
+            written = config.model_copy(update={"output": output, "surface": surface})
+            facts = {"last_time": config.end, "python": to_python(written, list(self._times))}
+            self._recording.begin(started(frame, config), written, self._title, **facts)
+            scene: Header = self._recording.scene or {}
+            moments = [*scene["switches"], *(output.maps_at or ())]
+            self._mapped = mapped(self._times, moments, frame.contact.heights.size)
+            self._tell("scene", (scene, self._recording.heights))
+        row, found = of_frame(frame)
+        self._recording.add_row(row)
+        wanted = any(abs(frame.time - time) <= 1e-9 * time for time in self._mapped)
+        self._tell("row", (self._recording.rows[-1], found if wanted else None))
+
+
+def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header:
+    begun, teller = perf_counter(), _Teller(tell, config, shown, title)
+    # The page takes its maps from the moments as they come, unless an instrument looks at those of the run.
+    if config.output.maps_at is None and not config.output.instrument:
+        output = config.output.model_copy(update={"maps_at": []})
+        config = config.model_copy(update={"output": output})
+    try:
+        outcome = execute(config, teller)
+    except BrokenPipeError:
+        raise
+    except Exception as error:  # said to the user, in the page
+        return failed(mistakes_of(error, shown))
+    rows = run_rows(outcome, seconds=perf_counter() - begun)
+    return ending(outcome.dataset, words_of(rows))
