@@ -82,17 +82,14 @@ def creep(
     deformation
         What errors are relative to at least, length.
     midway
-        Go on from here, with the frames after it; all other arguments as at first, but for the contact,
-        which may be any above the same surface.
+        Go on from here, above the same surface, with all other arguments as at first.
     after_step
         Called after each step with what makes the state from which to go on.
 
     Raises
     ------
-    InputError
-        The times or the tolerance cannot be used.
-    ConvergenceError
-        A contact problem was not solved, or steps shrank to nothing.
+    InputError, ConvergenceError
+        As those of `asperity.age`.
     """
     stops, rtol = checks.times("times", times), check_rtol(rtol)
     stops = stops[stops > 0]

@@ -32,6 +32,7 @@ from asperity.contact.multigrid.processor import Found
 from asperity.contact.multigrid.two_fields import working_stiffness
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
+from asperity.lattice import Field
 
 
 class SpringSteps(TrBdf2):
@@ -97,19 +98,21 @@ class SpringSteps(TrBdf2):
 
     def instead(self) -> FieldSteps:
         """See `Steps`: near rest rounding in single precision, and what cycles leave, look like errors."""
-        u, anchors, position = self.state()
-        stretch = u - anchors.on(self.system.mechanics.lattice)
-        return FieldSteps.going_on(self.system, self.solver, self.time, u, stretch, position)
+        return FieldSteps.going_on(
+            self.system, self.solver, self.time, self.u, self.stretch()[np.newaxis], self.mean_u0
+        )
 
     def state(self) -> State:
-        """See `Steps`; the mean of w is exact: what creep conserves must not drift."""
-        system = self.system.at(self.time)
-        mean = system.body.stretch(system.load)
+        """See `Steps`."""
+        stretch = self.system.at(self.time).balanced_stretch(self.u, self.stretch()[np.newaxis])
+        return State(self.u, AnchorFields(self.u - stretch), self.mean_u0)
+
+    def stretch(self) -> Field:
+        """The field w; its mean is exact, for what creep conserves must not drift."""
+        mean = self.system.body.stretch(self.system.at(self.time).load)
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
-        stretch = self.w + (mean - float(self.w.mean()))
-        stretch = system.balanced_stretch(self.u, stretch[np.newaxis])
-        return State(self.u, AnchorFields(self.u - stretch), self.mean_u0)
+        return self.w + (mean - float(self.w.mean()))
 
     def extent(self) -> Extent:
         """See `Steps`."""

@@ -30,10 +30,9 @@ def contact_from(
 ) -> Contact:
     """Publish a solution of a system: its fields, judged once more.
 
-    Anchors and the position of the rigid body are relative to the system's datum. `ConvergenceError` where
-    double precision cannot resolve the load, unless it may be so small, as it dies out at a held separation.
-    Residuals are relative to at least ``least_force``, a mean contact force: that of a contact with which
-    this one is compared.
+    Anchors and position are relative to the system's datum. `ConvergenceError` where double precision cannot
+    resolve the load, unless it may vanish, as at a held separation. Residuals are relative to at least
+    ``least_force``, the mean contact force of a contact with which this one is compared.
     """
     lattice, yielding = system.mechanics.lattice, solution.u < system.heights
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
@@ -49,12 +48,12 @@ def contact_from(
     touching = solution.in_contact | (surface + system.datum <= lattice.extended(heights, -math.inf))
     surface = np.maximum(surface, system.heights)
     np.copyto(surface, system.heights, where=touching)
-    vanishing = load_may_vanish and not system.load
-    floor = _smallest_force(system, surface) if vanishing or not touching.any() else least_force
+    if (load_may_vanish and not system.load) or not touching.any():
+        least_force = _smallest_force(system, surface)
     state = anchors.balance(system, surface, position)
-    left = _judged(system, surface, state, touching, yielding, floor)
+    left = _judged(system, surface, state, touching, yielding, least_force)
     force = system.interface.admit(state.force, touching)
-    mean_force = float(force.sum()) / max(int(np.count_nonzero(touching)), 1)
+    scale = max(float(force.sum()) / max(int(np.count_nonzero(touching)), 1), least_force)
     return Contact._judged(
         **vars(bodies)
         | {
@@ -65,7 +64,7 @@ def contact_from(
             "in_contact": lattice.cut(touching),
             "energy": state.energy(),
             "residual": left,
-            "residual_scale": max(mean_force, floor),
+            "residual_scale": scale,
             "iterations": solution.iterations,
             "_surface": surface,
             "_anchors": anchors,

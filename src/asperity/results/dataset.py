@@ -83,20 +83,7 @@ def dataset_of(
     if protocol is not None:
         dataset = dataset.assign_coords(leg=("time", [int(row["leg"]) for row in rows]))
     if snapshots:
-        dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
-        for name in had_by(start, "field"):
-            fields = np.stack([snapshot.fields[name] for snapshot in snapshots])
-            branches = ("branch",) if fields.ndim > 1 + len(sites) else ()
-            dataset[name] = (("field_time", *branches, *sites), fields)
-        if "branch" in dataset.dims:
-            dataset = dataset.assign_coords(branch=np.arange(dataset.sizes["branch"]))
-        if protocol is not None:
-            dataset = dataset.assign_coords(field_leg=("field_time", [one.leg for one in snapshots]))
-        if slides:
-            places = zip(sites, np.transpose([one.shift for one in snapshots]), strict=True)
-            shifts = {f"field_shift_{axis}": ("field_time", place) for axis, place in places}
-            dataset = dataset.assign_coords(shifts)
-        dataset = _with_patches(dataset, start, snapshots)
+        dataset = _with_fields(dataset, start, snapshots, slides=slides, legs=protocol is not None)
     describe(dataset, start)
     attributes = {"title": HISTORY, "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
@@ -109,6 +96,27 @@ def dataset_of(
         attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
         attributes["switches"] = json.dumps(list(switches))
     return dataset.assign_attrs(attributes)
+
+
+def _with_fields(
+    dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot], *, slides: bool, legs: bool
+) -> xr.Dataset:
+    """Add the fields that were kept, and what these maps know."""
+    sites = dataset["heights"].dims
+    dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
+    for name in had_by(start, "field"):
+        fields = np.stack([snapshot.fields[name] for snapshot in snapshots])
+        branches = ("branch",) if fields.ndim > 1 + len(sites) else ()
+        dataset[name] = (("field_time", *branches, *sites), fields)
+    if "branch" in dataset.dims:
+        dataset = dataset.assign_coords(branch=np.arange(dataset.sizes["branch"]))
+    if legs:
+        dataset = dataset.assign_coords(field_leg=("field_time", [one.leg for one in snapshots]))
+    if slides:
+        places = zip(sites, np.transpose([one.shift for one in snapshots]), strict=True)
+        shifts = {f"field_shift_{axis}": ("field_time", place) for axis, place in places}
+        dataset = dataset.assign_coords(shifts)
+    return _with_patches(dataset, start, snapshots)
 
 
 def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot]) -> xr.Dataset:
