@@ -37,7 +37,7 @@ class Tuning:
     shore: float = 0.1
     """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
-    pinning: float = 0.3
+    pinning: float = 0.25
     """Factor on the mean pinning sigma; near contacts the weights add to it."""
 
     coarser: int = 4
