@@ -4,6 +4,9 @@
 
 import os
 import re
+from contextlib import suppress
+from types import FunctionType
+from typing import get_type_hints
 
 import house
 from docutils import nodes
@@ -70,6 +73,13 @@ def without_arguments(app, what, name, thing, options, signature, returned):
     return ("", None) if signature and signature.startswith("(*_") else None
 
 
+def plain(app, thing, bound):
+    """Types of arguments without what else their annotations say: bounds, units, meanings."""
+    with suppress(NameError):  # of what is imported for type checkers alone
+        if isinstance(thing, FunctionType):
+            thing.__annotations__ = get_type_hints(thing)
+
+
 def keep(app, what, name, thing, options, lines):
     """Keep the docstring of an attribute: napoleon would take what stands before a colon for its type."""
     if what in ("attribute", "property", "data"):
@@ -106,6 +116,7 @@ def setup(app):
     app.connect("config-inited", write)
     app.connect("source-read", read)
     app.connect("autodoc-process-signature", without_arguments)
+    app.connect("autodoc-before-process-signature", plain)
     app.connect("autodoc-process-docstring", keep, priority=400)
     app.connect("autodoc-process-docstring", restore, priority=600)
     app.connect("doctree-read", attributes)

@@ -36,9 +36,8 @@ if TYPE_CHECKING:
         theory,
     )
     from asperity.aging import Frame
-    from asperity.analysis import observe
+    from asperity.analysis import observe, predict
     from asperity.app import campaign
-    from asperity.app.predict import predict
     from asperity.carried import Carried
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.inference import infer
@@ -80,8 +79,7 @@ __all__ = [
 
 _HOME = {
     "asperity.aging": ("Frame",),
-    "asperity.analysis": ("observe",),
-    "asperity.app.predict": ("predict",),
+    "asperity.analysis": ("observe", "predict"),
     "asperity.carried": ("Carried",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.inference": ("infer",),

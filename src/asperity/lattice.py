@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any, Literal, TypeVar
 
 import numpy as np
-import scipy.fft
+import scipy
 from array_api_compat import array_namespace
 from numpy.typing import NDArray
 

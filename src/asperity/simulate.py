@@ -121,7 +121,7 @@ def press(
     given = {"load": load, "pressure": pressure, "separation": separation}
     name = checks.one_of("load=800.0", **given)
 
-    def pressed(value: object) -> Contact:
+    def at(value: object) -> Contact:
         if isinstance(heights, Contact):
             control = _control(heights, name, value)
             if start is not None or solid not in (None, heights.solid):
@@ -132,22 +132,35 @@ def press(
                     advice="asperity.press(contact, load=...)",
                 )
             return pressed_anew(heights, control, solver)
-        body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
-        bodies = bodies_of(heights, body)
-        units.check_units(dict(body.parameters), si=bodies.si)
-        contact = first_contact(bodies, _control(bodies, name, value), start=start, solver=solver)
+        contact = pressed(heights, solid, start=start, solver=solver, **{name: value})
         for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
             remark(doubt)
-        modulus = body.modulus
-        if bodies.si and modulus is not None and contact.load > modulus * contact.contact_area:
+        modulus = contact.solid.modulus
+        if contact.si and modulus is not None and contact.load > modulus * contact.contact_area:
             pressure = f"{contact.load / contact.contact_area:.3g} Pa"
             remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
         return contact
 
     value: Any = given[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
-        return [pressed(one) for one in value]
-    return pressed(value)
+        return [at(one) for one in value]
+    return at(value)
+
+
+def pressed(
+    heights: ArrayLike,
+    solid: Solid | None,
+    *,
+    start: Contact | None = None,
+    solver: ContactSolver | None = None,
+    **held: Any,
+) -> Contact:
+    """Press as `press` does, without remarks: for a history, whose remarks are on all of it."""
+    body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
+    bodies = bodies_of(heights, body)
+    units.check_units(dict(body.parameters), si=bodies.si)
+    name = checks.one_of("load=800.0", **held)
+    return first_contact(bodies, _control(bodies, name, held[name]), start=start, solver=solver)
 
 
 def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:

@@ -16,8 +16,8 @@ from distributed import Client
 
 import asperity.app.campaign as campaign
 from asperity.app.campaign.cluster import connect
-from asperity.errors import InputError
 from tests.campaign.conftest import SMALL, finish, numbers, start, wait_for_a_run, written
+from tests.refusals import refuses
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals"),
@@ -99,7 +99,7 @@ def test_what_takes_connections_and_is_no_scheduler_ends_in_words(monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as silent:  # the system connects; nobody answers
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         with (
-            pytest.raises(InputError, match="expected the address of a Dask scheduler"),
+            refuses("scheduler", address),
             connect(None, address, 1),
         ):
             pass

@@ -154,7 +154,7 @@ def test_folders_that_are_kept(refused, finished, monkeypatch):
         refused("run", "--out", folder, "--overwrite")
     refused("run", "--out", "run")
     # Found before anything is computed.
-    monkeypatch.setattr("asperity.app.runs.pipeline.press", lambda *_, **__: pytest.fail("pressed"))
+    monkeypatch.setattr("asperity.app.runs.pipeline.pressed", lambda *_, **__: pytest.fail("pressed"))
     refused("run", "--out", "thesis/text/out", status=1)
 
 
@@ -180,13 +180,14 @@ def python(*words):
     return subprocess.run([sys.executable, *words], check=False, capture_output=True, text=True, timeout=120)
 
 
-def test_help_does_not_wait_for_the_engine_and_the_command_is_a_module():
+def test_help_and_mistakes_do_not_wait_for_the_engine_and_the_command_is_a_module():
     code = (
         "import sys\nfrom asperity.app.cli import main\nmain(['run', '--help'])\n"
-        "sys.exit(any(m in sys.modules for m in ('scipy', 'xarray', 'matplotlib')))"
+        "main(['run', '--out', '.'])\n"
+        "sys.exit(any(m in sys.modules for m in ('scipy.fft', 'numba', 'xarray', 'matplotlib')))"
     )
     assert python("-c", code).returncode == 0
-    bare = code.replace("'run', ", "").replace("'scipy'", "'numpy', 'pydantic'")
+    bare = code.replace("'run', ", "").replace("'scipy.fft'", "'numpy', 'pydantic'")
     assert python("-c", bare).returncode == 0
     done = python("-m", "asperity", "rnu")
     assert (done.returncode, done.stdout) == (2, "")

@@ -223,7 +223,7 @@ def test_ensembles_are_the_same_from_a_checkpoint_and_in_processes(tmp_path, mon
     for another in ({"checkpoint": place}, {"workers": 2}):
         np.testing.assert_array_equal(asp.infer(T, value, error, **how, **another).draws.z, plain.draws.z)
     for change in ({"seed": 1}, {"ramp": 0.5}):
-        with pytest.raises(CheckpointError, match="the same data, model, priors and seed"):
+        with refuses("checkpoint", kind=CheckpointError):
             asp.infer(T, value, error, **how, **change, checkpoint=place)
 
 
@@ -238,7 +238,7 @@ def test_a_checkpoint_of_the_last_round_has_the_draws_and_a_damaged_one_is_refus
     assert place.read_bytes() == written
     for content in (b"", written[: len(written) // 2], b"no checkpoint"):
         place.write_bytes(content)
-        with pytest.raises(CheckpointError, match="expected a checkpoint of an inference"):
+        with refuses("checkpoint", kind=CheckpointError):
             sample(problem, **how)
 
 
@@ -491,7 +491,7 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
     how: dict[str, Any] = {"seed": 0, "walkers": 20, "effective": 10**6, "checkpoint": tmp_path / "place"}
     rounds: list[str] = []
     for _ in range(3):  # the third time with the whole weight of the data
-        with pytest.raises(ConvergenceError, match="expected ensembles that agree"):
+        with pytest.raises(ConvergenceError, match="ensembles"):
             sample(Problem(T, value, error, made), told=rounds.append, **how)
     assert "R-hat" in rounds[-1]
 

@@ -256,7 +256,6 @@ def exact() -> list[PronySeries]:
 def test_growth_of_a_straight_line(exact: list[PronySeries]) -> None:
     growth = growth_of(made_history(0.1, 0.0), exact)
     assert growth.per_decade == pytest.approx(0.1)
-    assert growth.straight is True
     assert [slope for *_, slope in growth.decades] == pytest.approx([0.1] * 4)
     assert [begin for begin, *_ in growth.decades] == pytest.approx([1, 10, 100, 1000])
     np.testing.assert_allclose(growth.of_scan, 0.1, rtol=1e-9)

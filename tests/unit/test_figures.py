@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from asperity import History, age, figures, press, relax
 from asperity.analysis import aging_summary, contact_maps, distributions, with_limit
@@ -51,12 +50,6 @@ def summary(aged: xr.Dataset) -> AgingSummary:
     return aging_summary(aged, law=GaussianHeights())
 
 
-def legend_of(figure: Figure) -> str:
-    legend = figure.axes[0].get_legend()
-    assert legend is not None
-    return "\n".join(text.get_text() for text in legend.get_texts())
-
-
 def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSummary) -> None:
     figure = figures.aging_curve(aged, summary)
     axes = figure.axes[0]
@@ -75,27 +68,6 @@ def test_the_aging_curve_draws_the_numbers(aged: xr.Dataset, summary: AgingSumma
     figure.draw_without_rendering()
     share = 100 * summary.initial_area / summary.sites
     assert right.get_ylim() == pytest.approx([share * end for end in axes.get_ylim()])
-
-
-def test_the_legend_gives_the_fit_and_its_misfit_or_why_there_is_none(aged, summary):
-    assert summary.fit is not None
-    fit = dataclasses.replace(summary.fit, a=2.9283, q=0.2083, t0=0.131, rms_residual=0.0123)
-    known = dataclasses.replace(summary, fit=fit, fit_worst=0.034)
-    text = legend_of(figures.aging_curve(aged, known))
-    assert "$a$ = 2.9283, the relaxed limit" in text
-    assert "$q$ = 0.208, $t_0$ = 0.131" in text
-    assert "misfit 1.2 % rms, 3.4 % at worst" in text
-    assert "dilute theory (no fit)" in text
-    assert "relaxed limit" in text
-    short = {name: getattr(summary, name)[:50] for name in ("dilute_time", "dilute_ratio")}
-    text = legend_of(figures.aging_curve(aged, dataclasses.replace(known, relaxed_ratio=None, **short)))
-    assert "$a$ = 2.93, extrapolated" in text
-    assert "far apart" in text
-    none: dict[str, Any] = {"fit": None, "fit_curve": None, "fit_note": "no fit: the area does not grow"}
-    none |= {"dilute_time": np.empty(0), "dilute_ratio": np.empty(0), "relaxed_ratio": None}
-    figure = figures.aging_curve(aged, dataclasses.replace(summary, **none))
-    assert legend_of(figure).split("\n") == ["computed", "no fit: the area does not grow"]
-    assert len(figure.axes[0].lines) == 2
 
 
 @pytest.fixture(scope="module")
@@ -117,15 +89,6 @@ def test_the_load_is_drawn_where_the_separation_is_held(separated: xr.Dataset) -
     np.testing.assert_array_equal(drawn["None:"], [separated.attrs["relaxed_load"] / load[0]] * 2)
     assert "after_polish_position_B2" in figure.get_suptitle()
     assert "R_viscous = 0.1" in figure.get_suptitle()
-
-
-def test_the_axis_ends_at_full_contact() -> None:
-    contact = press(gaussian((16, 16)), spring_lattice(k0=1.0, k1=3.0), load=6000.0)
-    dataset = age(contact, [0.1, 1.0, 10.0], rtol=1e-2).dataset
-    figure = figures.aging_curve(dataset, aging_summary(dataset))
-    figure.draw_without_rendering()
-    assert dataset["contact_fraction"][-1] > 0.99
-    assert figure.axes[0].child_axes[0].get_ylim()[1] == pytest.approx(100)
 
 
 def test_maps_color_every_site_in_colors_that_differ_in_gray(aged: xr.Dataset) -> None:
@@ -177,20 +140,6 @@ def test_the_ink_of_a_map_is_the_contact_fraction(sites: int, fraction: float) -
     assert float(inside.min()) < 0.3
 
 
-def test_a_large_lattice_has_close_ups_and_says_so() -> None:
-    states = np.zeros((2, 600, 400))
-    states[:, 300:420, 200:300] = SiteState.KEPT
-    states[1, 330:340, 310:320] = SiteState.NEW
-    maps = some_maps(states)
-    figure = figures.contact_figure(maps)
-    assert "of 4 sites in contact one is drawn, 2 × 2 sites large" in figure.get_suptitle()
-    shown = [axes for axes in figure.axes if axes.images and axes.get_xlim() == (255.5, 383.5)]
-    assert len(shown) == 1 + len(maps.times)  # the topography too
-    colored = np.asarray(shown[-1].images[0].get_array())
-    new = np.isclose(colored, matplotlib.colors.to_rgb(figures.style.VERMILION)).all(axis=-1)
-    np.testing.assert_array_equal(new, maps.states[1, 256:384, 256:384] == SiteState.NEW)
-
-
 def test_a_scan_has_a_scale_and_says_that_it_is_mirrored() -> None:
     figure = figures.contact_figure(some_maps(np.ones((1, 40, 60)), **SCANNED))
     assert "40 × 60 sites of 250 nm" in figure.get_suptitle()
@@ -203,19 +152,6 @@ def test_a_scan_has_a_scale_and_says_that_it_is_mirrored() -> None:
     assert lower.get_xlabel() == "position [µm]"
     assert "one of 2 copies" in lower.get_title()
     assert lower.get_xlim() == pytest.approx((-0.125, 9.875))
-
-
-def test_a_line_contact_has_profiles() -> None:
-    maps = contact_maps(history(300))
-    figure = figures.contact_figure(maps)
-    upper, lower = figure.axes
-    curves = [line.get_ydata() for line in upper.lines if line.get_linestyle() == "-"]
-    np.testing.assert_array_equal(curves, maps.surfaces[:, slice(*maps.window)])
-    assert len(curves) == len(maps.times) == len(lower.get_yticklabels())
-    figure.draw_without_rendering()
-    legend = upper.get_legend()
-    assert legend is not None
-    assert legend.get_window_extent().x0 > upper.get_window_extent().x1  # it hides nothing
 
 
 @pytest.mark.parametrize("shape", [(128, 96), (512,)])
@@ -413,16 +349,6 @@ def test_a_profile_shows_what_has_yielded_and_where_it_touches_now() -> None:
     (touches,) = (line for line in upper.lines if line.get_label() == "contact at the end")
     heights = profile.final.heights[profile.final.in_contact]
     np.testing.assert_allclose(np.asarray(touches.get_ydata()), heights, rtol=0, atol=1e-12)
-
-
-def test_the_depth_of_what_has_yielded_has_a_unit() -> None:
-    rough = Surface(spectral((32, 32), rms_height=0.2, seed=0), "um", (1.0, 1.0), "um")
-    contact = press(rough, half_space(modulus=4e9, branches=[(0.5, 1.0)], hardness=5e7), pressure=1e6)
-    history = age(contact, [1.0], fields_at=[0.0, 1.0])
-    title = figures.contact_figure(contact_maps(history.dataset)).axes[0].get_title()
-    depth, unit = title.split(" by up to ")[1].split("\u00a0")
-    deepest = history.final.permanent_indentation.max() * {"nm": 1e9, "µm": 1e6}[unit]
-    assert float(depth) == pytest.approx(deepest, rel=0.05)
 
 
 def test_gaps_are_above_the_surface_where_it_has_slid_and_yielded(yielded: History) -> None:

@@ -4,14 +4,12 @@ import ast
 import importlib
 import inspect
 import os
-import platform
 import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
@@ -19,7 +17,6 @@ import asperity as asp
 from asperity.app.cli import main
 from asperity.app.runs import loops
 from asperity.contact import compiled
-from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, One, Sites, Two, rows, two_fields
 from asperity.contact.stencils import forces
 from asperity.errors import Remark
 
@@ -107,30 +104,6 @@ def test_loops_that_others_call_are_inlined(module):
     }
     for name in imported & inside:  # a change of a number elsewhere would not be noticed
         assert any(ways.get(name) in ("inlined", "intrinsic") for ways in COMPILED_SO.values())
-
-
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="names of instructions")
-@pytest.mark.parametrize("name", ["defect_row_1", "coarse_defect_1", "defect_row_2", "coarse_defect_2"])
-def test_rows_take_vector_instructions(name, monkeypatch):
-    monkeypatch.setattr(compiled.watch, "told", True)
-    whole, parted, one = np.zeros((8, 2, 9), np.float32), np.zeros((2, 9), np.float32), np.float32(1.0)
-    sites, along = Sites(8, 16, False), np.zeros(8, np.float32)
-    mesh: Any = (whole, parted, along, parted, along, sites)
-    sums = np.zeros(7)
-    arguments = {
-        "defect_row_1": (One(*3 * (whole,), *3 * (one,), sites), 0, parted, np.zeros(7)),
-        "coarse_defect_1": (CoarseOne(whole, whole, one, 1.0, *mesh), one, 0, parted),
-        "defect_row_2": (Two(*5 * (whole,), one, one, *3 * (whole,), one, sites), 0, parted, parted, sums),
-        "coarse_defect_2": (CoarseTwo(*4 * (whole,), one, one, whole, *mesh), 0, parted, parted),
-    }
-    module = "one_field" if name.endswith("1") else "two_fields"
-    loop = getattr(importlib.import_module(f"asperity.contact.multigrid.loops.{module}"), name)
-    njit: Any = numba.njit
-    anew = njit(_nrt=False, **compiled._OPTIONS)(loop.py_func)
-    anew(*arguments[name])
-    (code,) = anew.inspect_asm().values()
-    assert "gather" not in code  # sites are loaded side by side
-    assert ("maxps" in code) == (name == "defect_row_1")  # the largest of many
 
 
 @pytest.mark.slow
@@ -240,14 +213,6 @@ def test_a_stamp_spares_the_second_run(tmp_path, monkeypatch):
     loops.compile_loops(told.append)
     assert told == [compiled.COMPILING]
     assert stamp.exists()
-
-
-def test_a_change_of_what_loops_call_makes_machine_code_old(tmp_path):
-    kept: Any = two_fields.cycle_2
-    assert compiled._digest(rows.__file__) in kept._cache._cache_file._source_stamp
-    for text in ("a", "b"):
-        (tmp_path / text).write_text(text)
-    assert compiled._digest(str(tmp_path / "a")) != compiled._digest(str(tmp_path / "b"))
 
 
 def test_machine_code_that_was_cut_off_is_made_anew_and_a_full_disk_is_named(tmp_path, monkeypatch):

@@ -21,7 +21,7 @@ from asperity import Contact, History, age, press, relax
 from asperity.analysis import SiteState, with_limit
 from asperity.analysis.maps import maps_between
 from asperity.errors import OutputError
-from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure, style
+from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure
 from asperity.figures.contacts import COLORS
 from asperity.friction import add_friction
 from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step, legs_of
@@ -149,18 +149,6 @@ def test_the_limit_is_drawn_where_it_is_known(pressed: Contact, aged: History) -
         aged.plot(axes(), quantity="approach", limit=limit)
 
 
-def test_histories_on_axes_of_the_user_take_the_colors_of_those(aged: History) -> None:
-    ax = axes()
-    ax.set_prop_cycle(color=["red", "green", "blue"])
-    ax.plot([1.0, 2.0], [300.0, 300.0])
-    for label in ("one", "two"):
-        aged.plot(ax, label=label)
-    aged.plot(ax, label="three", color=style.VERMILION)
-    assert ax.get_legend_handles_labels()[1] == ["one", "two", "three"]
-    assert [line.get_color() for line in ax.lines] == ["red", "#008000", "#0000ff", style.VERMILION]
-    assert aged.plot().lines[0].get_color() == style.BLUE
-
-
 def test_what_a_history_has_not_is_refused(pressed: Contact, aged: History) -> None:
     with refuses("quantity", "'friction'"):
         aged.plot(quantity="friction")
@@ -229,19 +217,6 @@ def test_every_entry_is_drawn_once(name):
     figure.draw_without_rendering()
 
 
-def test_both_sides_of_a_jump_are_joined():
-    data = legged("steps after holds")
-    numbers, load = data["leg"].values, data["load"].values
-    axes = history_figure(data).axes[0]
-    (jumps,) = (line for line in axes.lines if line.get_linestyle() == "--")
-    y = np.asarray(jumps.get_ydata()).reshape(-1, 3)
-    first, last = (int(np.flatnonzero(numbers == leg)[0]) for leg in (1, 4))
-    np.testing.assert_array_equal(y[:, :2], [load[[first - 1, first]], load[[last - 1, last]]])
-    assert np.isnan(y[:, 2]).all()
-    joined = next(line for line in axes.lines if line.get_linestyle() == "-")
-    assert np.isnan(np.asarray(joined.get_ydata())).sum() == 2  # no curve through the jumps
-
-
 def test_each_leg_has_its_own_time():
     data = legged("steps after holds")
     figure = history_figure(data)
@@ -260,30 +235,6 @@ def test_each_leg_has_its_own_time():
     assert np.ptp(np.diff(list(second.values()))) == pytest.approx(0, abs=1e-9)
     assert second["$10^{2}$"] in places
     assert axes.get_xlabel().startswith("time since the beginning of each leg")
-
-
-def test_heads_say_what_happens():
-    heads = [text.get_text() for text in history_figure(legged("steps after holds")).axes[0].texts]
-    said = [" ".join(head.split()) for head in heads]
-    assert said == [
-        "hold load for 1",
-        "load 10 → 4 hold for 100",
-        "ramp to load 8 in 4, mobility × 2 then load 8 → 12",
-    ]
-    many = history_figure(legged("many legs"))
-    assert len(many.axes[0].texts) == 0
-    assert "6 × (hold for 1, step to load 4, hold for 2, step to load 10)" in many.get_suptitle()
-    assert "16 × 16 sites, load 10 at first, k0 = 1, k1 = 3, R = 1" in many.get_suptitle()
-
-
-def test_many_legs_and_cycles_share_a_linear_axis():
-    for name in ("cycles", "many legs"):
-        data = legged(name)
-        figure = history_figure(data)
-        places, _ = panels(figure)["load"][0]
-        np.testing.assert_array_equal(np.sort(places), data["time"].values)
-        assert figure.axes[-1].get_xscale() == "linear"
-        assert figure.axes[-1].get_xlabel().startswith("time $t$")
 
 
 def test_the_shade_of_a_slide_is_explained_and_friction_that_does_not_change_is_flat() -> None:
@@ -309,15 +260,6 @@ def test_a_fall_after_a_jump_is_pointed_at():
         if arrows:
             assert arrows[0].xy[1] == 8
             assert arrows[0].xy[0] in panels(figure)["load"][0][0]
-
-
-def test_a_plot_of_a_protocol_has_a_column_for_each_leg():
-    data = legged("steps after holds")
-    ax = plot_history(data, axes())
-    ((points, _),) = panels(ax.get_figure()).values()
-    np.testing.assert_array_equal(np.sort(points[1]), np.sort(data["area"]))
-    assert any("load 10" in text.get_text() and "4" in text.get_text() for text in ax.texts)
-    assert "each leg" in ax.get_xlabel()
 
 
 def test_each_frame_is_a_map_and_its_time(aged):
@@ -379,9 +321,3 @@ def test_what_cannot_be_animated_is_refused(aged, tmp_path, monkeypatch: pytest.
     with refuses("path", "aging.mp4"):
         aged.animate("aging.mp4")
     assert not plt.get_fignums()
-
-
-@pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="no ffmpeg is installed")
-def test_an_mp4_is_written(aged, tmp_path):
-    aged.animate(tmp_path / "aging.mp4")
-    assert (tmp_path / "aging.mp4").read_bytes()[4:8] == b"ftyp"

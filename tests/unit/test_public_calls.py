@@ -115,6 +115,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.relaxation.Relaxation, time=TIME, modulus=RELAXED, noise=0.5),
     call(asp.relaxation.Creep, time=TIME, compliance=STIFFENING, noise=0.5),
     call(asp.relaxation.Dynamic, frequency=TIME, storage=STIFFENING, loss=ERROR, noise=0.5),
+    call(asp.relaxation.material, young=3.0, poisson=0.25, hardness=1.0),
     call(asp.relaxation.fit, data=asp.relaxation.Relaxation(*np.array([TIME, RELAXED])), per_decade=2.0),
     call(asp.relaxation.from_retardation, compliance=0.5, delayed=MAXWELL, fluidity=2.0),
     call(asp.relaxation.power_law, modulus=2.0, **FADING),
@@ -209,7 +210,7 @@ WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
 """What is given in place of a dataset, a result or a name."""
 
 WITHOUT_NUMBERS = {
-    "analysis": "aging_summary contact_ages contact_maps distributions leg_table turnover with_limit",
+    "analysis": "aging_summary contact_ages contact_maps distributions leg_table predict turnover with_limit",
     "asperity": "infer predict",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
     "figures": " ".join(

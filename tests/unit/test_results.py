@@ -91,12 +91,6 @@ def test_netcdf_and_back(here):
     xr.testing.assert_identical(xr.load_dataset("history.nc"), HISTORY.dataset)
 
 
-def test_results_of_versions_that_left_out_chunks_of_zeros_are_read(here):
-    HISTORY.dataset.to_zarr("run.zarr", consolidated=False)
-    (here / "run.zarr" / "rejected" / "c" / "0").unlink(missing_ok=True)
-    assert (asp.results.load("run.zarr")["rejected"] == HISTORY.dataset["rejected"]).all()
-
-
 def test_the_table_of_a_history_has_a_row_for_each_time():
     legs = [asp.protocols.Hold(1.0), asp.protocols.Step(load=5.0)]
     history = asp.age(CONTACT, [0.5], protocol=legs, fields_at=[0.5])
@@ -320,19 +314,6 @@ def test_a_contact_that_was_read_ages_as_the_one_that_was_saved(tmp_path, kind):
     later, expected = (asp.age(one, [1.0, 100.0]).final for one in (read, saved))
     np.testing.assert_array_equal(later.in_contact, expected.in_contact)
     np.testing.assert_allclose(later.u, expected.u, atol=1e-9 * np.ptp(expected.u))
-
-
-def test_maps_have_names_units_and_coordinates():
-    contact = asp.press(SCAN, EYRING, load=1e-3)
-    data = contact.dataset
-    for name in ("pressure", "force", "gap", "u", "heights", "in_contact", "anchors"):
-        assert data[name].dims[-2:] == ("y", "x")
-        np.testing.assert_array_equal(data[name], getattr(contact, name))
-    assert all(variable.attrs["long_name"] and variable.attrs["units"] for variable in data.values())
-    assert (data["pressure"].attrs["units"], data["x"].attrs["units"]) == ("Pa", "m")
-    np.testing.assert_allclose(data["x"], 2e-6 * np.arange(32))
-    assert float(data["pressure"].sum() * 1e-6 * 2e-6) == pytest.approx(1e-3)
-    assert (float(data["load"]), int(data["area"])) == (contact.load, contact.area)
 
 
 def test_another_solid_is_refused(tmp_path):

@@ -7,9 +7,10 @@ import pytest
 
 import asperity as asp
 import asperity.app.runs.pipeline as module
+from asperity.analysis.predicting import hold_times
 from asperity.app.config import config_from
 from asperity.app.runs import Progress, execute
-from asperity.app.runs.defaults import hold_times, map_times, modest_load
+from asperity.app.runs.defaults import map_times, modest_load
 from asperity.errors import ConvergenceError, Remark
 from tests.refusals import refuses
 
@@ -29,7 +30,7 @@ def test_a_limit_that_is_not_found_is_a_remark_and_no_loss(monkeypatch):
 
 
 def test_a_slide_that_cannot_be_is_refused_before_anything_is_pressed(monkeypatch, tmp_path):
-    monkeypatch.setattr(module, "press", lambda *_, **__: pytest.fail("pressed"))
+    monkeypatch.setattr(module, "pressed", lambda *_, **__: pytest.fail("pressed"))
     path = tmp_path / "scan.txt"
     np.savetxt(path, np.random.default_rng(0).normal(size=(16, 16)))
     leg = {"kind": "slide", "distance": 3.0, "velocity": 1.0}

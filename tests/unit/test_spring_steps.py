@@ -14,11 +14,8 @@ from asperity.aging.tr_bdf2 import Aim, extrapolation
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.multigrid.loops import Sites, rows
 from asperity.contact.multigrid.processor import Processor
-from asperity.contact.multigrid.two_fields import _relaxed
 from asperity.contact.problem import TOLERANCE
 from tests.surfaces import correlated, uncorrelated
-
-SHAPES = [(16, 24), (17, 9), (8, 31), (25, 16)]
 
 
 def packed(field, mirrored=False):
@@ -27,18 +24,6 @@ def packed(field, mirrored=False):
     for row in parted:
         rows.wrap(row, Sites(len(field), len(field[0]), mirrored))
     return parted
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_rows_come_back_in_order(shape, mirrored):
-    field = np.random.default_rng(0).normal(size=shape).astype(np.float32)
-    parted = packed(field, mirrored)
-    np.testing.assert_array_equal(Processor().unpacked(parted, Sites(shape[0], shape[1], mirrored)), field)
-    first, end = (0, -1) if mirrored else (-1, 0)
-    np.testing.assert_array_equal(parted[:, 1, 0], field[:, first])  # the column before the first
-    last = (shape[1] - 1) % 2
-    np.testing.assert_array_equal(parted[:, 1 - last, -1], field[:, end])  # and the one after the last
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
@@ -94,13 +79,6 @@ def test_steps_that_cycles_do_not_solve_are_left_to_the_fourier_solver():
     assert helped.dataset["iterations"].values[1:].min() > 0
     mixed = asp.age(contact, times, solver=Multigrid(max_cycles=1))  # some by either
     np.testing.assert_allclose(mixed.final.u0, usual.final.u0, atol=2e-4)
-
-
-@pytest.mark.parametrize(("part", "growth"), [(1.0, -2.7), (0.27, 0.5), (1.2, -0.99)])
-def test_part_of_a_correction_removes_an_error_of_one_kind(part, growth):
-    before = np.random.default_rng(0).normal(size=(5, 7)).astype(np.float32)
-    taken = _relaxed(part, before, np.float32(growth) * before)
-    assert 1.0 - taken * (1.0 - growth) / part == pytest.approx(0.0, abs=1e-5)
 
 
 def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
@@ -174,35 +152,6 @@ def run(error_of, stop, length):
             time = stop if step == stop - time else time + step
             taken.append(step)
     return taken
-
-
-def test_a_cubic_error_leads_to_the_length_that_is_allowed():
-    taken = run(lambda _, length: (length / 0.02) ** 3, 1.0, 1e-6)
-    assert max(taken) <= 0.02
-    assert taken[-5:-2] == pytest.approx([0.018] * 3, rel=0.06)
-
-
-def test_a_step_too_long_is_shortened_by_its_error_and_at_most_to_a_fifth():
-    controller = Controller(1e-3, 1.0)
-    assert not controller.accepts(1.0, 8.0)
-    assert controller.length == pytest.approx(0.45)
-    assert not controller.accepts(0.45, math.inf)
-    assert controller.length == pytest.approx(0.09)
-    assert controller.unsolved == 1
-    assert controller.accepts(0.09, 0.0)
-    assert controller.length == pytest.approx(0.36)
-
-
-def test_a_stop_is_met_by_two_even_steps_rather_than_by_a_long_and_a_short_one():
-    controller = Controller(1e-3, 0.7)
-    assert controller.step(0.0, 1.0) == 0.5
-    assert controller.step(0.5, 1.0) == 0.5
-    assert controller.step(0.0, 10.0) == 0.7
-    assert controller.step(0.0, 10.0, longest=0.1) == 0.1
-    # A short one to a stop shortens the next no more than it must.
-    assert controller.step(0.0, 0.1) == 0.1
-    assert controller.accepts(0.1, 0.0)
-    assert controller.length == pytest.approx(0.4)
 
 
 def test_it_tells_when_it_is_stuck_and_starts_over_where_it_was():

@@ -120,24 +120,6 @@ def test_surface_is_an_array_that_cannot_be_changed():
     assert np.asarray(surface, dtype=np.float32).dtype == np.float32
 
 
-@pytest.mark.parametrize(
-    ("unit", "size", "lateral", "across", "units"),
-    [
-        ("nm", (0.5,), "um", 500, ("1", "1/nm")),  # 1 nm in 500 nm
-        ("rms", (0.5,), "um", 0.5, ("rms/um", "rms/um^2")),
-        ("nm", None, None, 1.0, ("nm/pixel", "nm/pixel^2")),
-        ("nm", (0.5,), None, 0.5, ("nm/unit of length", "nm/(unit of length)^2")),
-    ],
-)
-def test_surface_converts_its_pixel_size_to_measure_its_slope(unit, size, lateral, across, units):
-    told: Any = {"undefined_pixels": 2}
-    ramp, bowl = (Surface(np.arange(5.0) ** n, unit, size, lateral, told).describe() for n in (1, 2))
-    assert ramp.rms_slope == pytest.approx(1 / across)
-    assert bowl.rms_curvature == pytest.approx(2 / across**2)
-    assert (ramp.slope_unit, ramp.curvature_unit) == units
-    assert (ramp.unit, ramp.undefined_pixels) == (unit, 2)
-
-
 def test_a_part_by_pixels_and_by_lengths():
     part = SIZED.crop([2, 10, 5, 25])
     np.testing.assert_array_equal(part.heights, ROUGH[2:10, 5:25])

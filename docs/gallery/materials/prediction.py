@@ -28,9 +28,9 @@ scan = asp.surfaces.Surface(heights, unit="um", pixel_size=(0.2, 0.2), length_un
 with tempfile.TemporaryDirectory() as folder:
     table = Path(folder) / "relaxation.csv"
     np.savetxt(table, np.transpose([time, young]), delimiter=",", header="time_s,E_MPa", comments="")
-    prediction = asp.predict(
-        table, scan, pressure="5 MPa", poisson=0.35, shear_strength="50 MPa", per_decade=2
-    )
+    material = asp.relaxation.material(table, poisson=0.35)
+
+prediction = asp.predict(material, scan, pressure="5 MPa", shear_strength="50 MPa", per_decade=2)
 
 growth = prediction.growth
 low, high = growth.ratio_band

@@ -5,6 +5,7 @@ from asperity.analysis.field_values import Distribution, distributions
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
+from asperity.analysis.predicting import predict
 from asperity.analysis.prediction import Growth, Prediction, Resolved
 from asperity.analysis.tracks import PatchTracks, contact_ages, patch_table, patch_tracks
 from asperity.base.calls import answered as _answered
@@ -35,6 +36,7 @@ __all__ = [
     "patch_table",
     "patch_tracks",
     "patches",
+    "predict",
     "turnover",
     "with_limit",
 ]

@@ -11,9 +11,8 @@ density phi. Beyond periodic edges comes the map again, beyond reflecting ones i
 ones it is dark.
 
 Microscopes see contacts so: J. H. Dieterich, B. D. Kilgore, Pure Appl. Geophys. 143, 283 (1994), DOI
-10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, convolve
-what they simulate with the point spread function of their microscope before they compare it with what they
-measure.
+10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, compare what
+they simulate with what they measure in this way.
 """
 
 from __future__ import annotations
@@ -107,18 +106,16 @@ def observe(
         A contact; the dataset of a history with fields of one time (``dataset.isel(field_time=-1)``); or
         the brightness of each site, shape ``(n,)`` or ``(n, m)``: a mask, a pressure, a function of the gap.
     pixel
-        Side of the square pixels, length; by default pixels are the sites. Pixels begin at the first edge;
-        what is less than a pixel at the last is not seen.
+        Side of the square pixels, length; by default pixels are the sites. They begin at the first edge; less
+        than a pixel at the last is not seen.
     blur
         Full width at half maximum of the Gaussian point spread function, length, at most the shortest side.
     threshold
-        Least brightness of a pixel that counts as contact, for example 0.5; full contact has 1, a brightness
-        of your own its unit. By default all light counts.
-    spacing
-        Of an array: distance between sites along each axis, or one for all; by default 1, so that lengths
-        are in sites. A contact and a dataset bring theirs.
-    edges
-        Of an array: "periodic", the default, "reflecting" or "free".
+        Least brightness of a pixel that counts as contact, such as 0.5 of full contact. By default all light
+        counts.
+    spacing, edges
+        Of an array: distance between sites along each axis, or one for all, 1 by default; "periodic", the
+        default, "reflecting" or "free".
 
     Returns
     -------

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import cast
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
 
 from asperity.analysis.maps import loaded, on_the_surface
-from asperity.analysis.prediction import Resolved, resolved
+from asperity.analysis.prediction import Prediction, Resolved, resolved
 from asperity.analysis.scan import written
 from asperity.base.words import counted
 from asperity.lattice import Field
-from asperity.relaxation import PronySeries
+from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
@@ -23,6 +22,9 @@ from asperity.theory import persson_area
 # Contact area over Persson's, above which it is remarked: random surfaces have 0.7 to 2.5, the most where
 # patches are single pixels, and offsets of lines of twice the rms height 3 and more.
 _BEYOND = 3.0
+
+_WAVES, _NOISE = 1e-3, 0.05
+"""Largest deviations of a table from its fit, in waves or like noise, from which on a remark is made."""
 
 _STILL = 1e-9  # part of the largest load by which one that stays may fall by rounding
 
@@ -40,41 +42,36 @@ def remarks_on_contact(
     return (*on_filled, *_beyond_theory(rough, solid, dataset), *limits)
 
 
-def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> tuple[str, ...]:
+def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
     """Remark on a contact many times that of random heights, when the largest load is just on."""
-    load = np.asarray(dataset["load"])
+    load, at = np.asarray(dataset["load"]), _loaded(dataset["load"])
     elastic = solid.half_space and solid.separable and not solid.yields
-    measured = "kind" not in rough.provenance and rough.heights.ndim == 2
-    if not (elastic and measured and dataset.attrs.get("si")):
-        return ()
+    measured = "kind" not in rough.provenance and rough.heights.ndim == 2 and dataset.attrs.get("si")
+    if not (elastic and measured and load[at] > 0 and (slope := rough.describe().rms_slope) > 0):
+        return
     heights, spacing = rough.in_meters()
-    at = _loaded(load)
-    nominal, slope = heights.size * math.prod(spacing), rough.describe().rms_slope
-    if not (load[at] > 0 and slope > 0):
-        return ()
-    modulus = cast(float, solid.modulus)
-    series = PronySeries(modulus, tuple(solid.relaxing))
+    nominal, series = heights.size * math.prod(spacing), relaxing_of(solid)
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
-    expected = float(persson_area(effective / nominal, modulus=modulus, slope=slope))
+    expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
     found = float(dataset["contact_area_corrected"][at]) / nominal
     if found <= _BEYOND * expected:
-        return ()
-    return (
+        return
+    yield (
         f"{100 * found:.2g} % of the surface touches under the full load; random heights of its rms slope "
         f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
-        "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)",
+        "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)"
     )
 
 
-def _loaded(load: Field) -> int:
+def _loaded(load: xr.DataArray) -> int:
     """Number of the first time at which the largest load is on."""
-    return int(np.argmax(load >= (1 - _STILL) * load.max()))
+    return int(np.argmax(load.values >= (1 - _STILL) * load.values.max()))
 
 
 def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None) -> Iterator[str]:
     """What limits a contact of a continuum under a surface with units, in numbers."""
     load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
-    pressed = _loaded(load)
+    pressed = _loaded(dataset["load"])
     pressure = float(dataset["mean_contact_pressure"][pressed])
     strain = pressure / float(dataset.attrs["modulus"])
     if maps is None:
@@ -113,3 +110,46 @@ def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) 
         yield f"{many} {when}: too few for the statistics of a surface"
     if may_merge and last.patches < first.patches / 2:
         yield f"patches merge: {first.patches} {when}, {last.patches} at last"
+
+
+def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
+    """Which edges a scan was given, and why."""
+    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
+        return ()
+    if rough.edges == "free":
+        return ("edges are free: the body ends with the scan, and does not tilt",)
+    return (
+        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
+        "edges = 'free' (--edges free)",
+    )
+
+
+def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
+    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
+    if not (early := sum(0 < time < end for time in times)):
+        return ()
+    return (
+        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
+        "there the load still rises, and the area with it",
+    )
+
+
+def remarks_on_prediction(prediction: Prediction) -> Iterator[str]:
+    """What limits the prediction, in numbers."""
+    solid, fit, last = prediction.solid, prediction.fit, float(prediction.time[-1])
+    if fit is not None and fit.assumed:
+        yield fit.assumed
+    if solid.creep is None and not solid.branches:
+        yield "nothing grows: the solid is elastic"
+    elif np.ptp(prediction.series("contact_area")) == 0:
+        begun = solid.creep is None or prediction.series("contact_fraction")[-1] == 1
+        yield f"the contact does not grow by {written(last, 's')}{'' if begun else ': creep has not begun'}"
+    yield from remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
+    if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
+        cause = ", which looks like noise"
+        if fit.systematic:
+            more = "its errors depend on each other, or branches are too few"
+            if fit.finer:
+                more = f"{fit.finer:g} branches per decade miss it by less than half"
+            cause = f" in waves, so that the band has no noise of the table: {more}"
+        yield f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}"

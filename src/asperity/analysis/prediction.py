@@ -1,18 +1,15 @@
 r"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
 
 It grows by A(last)/A(first); per decade by the slope of A(t)/A(first) against log10 t by least squares.
-Their 95 % bands hold what is known of two spreads, each found by drawing anew with replacement (B. Efron,
-Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552):
+Their 95 % bands come from two spreads, each drawn anew with replacement (B. Efron, Ann. Stat. 7, 1 (1979),
+DOI 10.1214/aos/1176344552):
 
-    table   deviations of the relaxation table from its fit, if they are noise; each draw is fitted anew. A
-            separable solid under a constant pressure p has the contact of an elastic one at p J(t), so that A
-            as a function of J, which the history has sampled, gives the curve of every draw. With a hardness
-            this holds nearly, see docs/predict.md. Each draw has a part, from none to twice, of what is
-            assumed before the first time. A solid that is given in numbers has no such spread but that of
-            draws of its branches, if these come with it.
-    scan    tiles of the scan, whose areas of contact grow differently: what another scan of this size would
-            give. Load passes from tile to tile meanwhile; so the area of the tiles drawn is taken over the
-            load that they bear. Tiles are few, so that the deviations are widened as Student's t is.
+    table   `Material.spread`. A separable solid under a constant pressure p has the contact of an elastic one
+            at p J(t): A as a function of J, which the history has sampled, gives the curve of every draw.
+            With a hardness this holds nearly, see docs/predict.md.
+    scan    tiles of the scan: what another scan of this size would give. Load passes from tile to tile, so
+            the area of the tiles drawn is divided by the load that they bear. Tiles are few: deviations are
+            widened as Student's t is.
 """
 
 from __future__ import annotations
@@ -32,12 +29,12 @@ from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
 from asperity.creep import PARAMETERS_OF_LAWS, Eyring
-from asperity.fits import growth_rate
 from asperity.lattice import Field
 from asperity.patches import patches
-from asperity.relaxation import Fit, PronySeries
-from asperity.relaxation.series import Branches
+from asperity.relaxation import Fit, Material, PronySeries
+from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
+from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
 
@@ -79,12 +76,9 @@ class Growth:
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone; the first is also of draws of a solid's branches, and the slope,
-        twice, without a table and draws, and where the deviations of the table from its fit are no noise.
+        The band that each would give alone; the first is the slope, twice, for a material without spread.
     decades
         Begin, end and growth per decade of each decade, the last of which may be a part of one.
-    straight
-        Whether the slope changes by no more than a quarter of itself; None where that cannot be told.
     """
 
     ratio: float
@@ -94,7 +88,6 @@ class Growth:
     of_table: Interval
     of_scan: Interval
     decades: tuple[tuple[float, float, float], ...]
-    straight: bool | None
 
     @property
     def range(self) -> Interval:
@@ -111,8 +104,8 @@ class Resolved:
     ----------
     patches
         Patches of contact.
-    largest, mean
-        Pixels of the largest patch, and of a patch on average.
+    mean
+        Pixels of a patch on average.
     in_small
         Part of the area that lies in patches of fewer than ten pixels.
     rim
@@ -120,7 +113,6 @@ class Resolved:
     """
 
     patches: int
-    largest: int
     mean: float
     in_small: float
     rim: float
@@ -163,12 +155,9 @@ class Prediction(views.InNotebooks):
     Attributes
     ----------
     dataset
-        The history in SI units, with maps at times from the first to the last. Its attribute ``prediction``
-        holds the assumptions, as JSON.
-    fit
-        Of the relaxation table, shifted to the temperature of the contact; None without a table.
-    solid
-        The half-space.
+        The history in SI units, with maps. Its attribute ``prediction`` holds the assumptions, as JSON.
+    material
+        The half-space, with the fit of its relaxation table or draws of its branches.
     growth
         Of the area less its rim.
     resolved
@@ -184,8 +173,7 @@ class Prediction(views.InNotebooks):
     """
 
     dataset: xr.Dataset
-    fit: Fit | None
-    solid: Solid
+    material: Material
     growth: Growth
     resolved: tuple[Resolved, ...]
     shear_strength: float | None = None
@@ -196,6 +184,16 @@ class Prediction(views.InNotebooks):
     def __repr__(self) -> str:
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
         return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
+
+    @property
+    def fit(self) -> Fit | None:
+        """Of the relaxation table, at the temperature of the contact; None without a table."""
+        return self.material.fit
+
+    @property
+    def solid(self) -> Solid:
+        """The half-space."""
+        return self.material.solid
 
     @property
     def time(self) -> Field:
@@ -230,7 +228,7 @@ class Prediction(views.InNotebooks):
     @property
     def draws(self) -> int:
         """Draws of the solid's branches whose spread is in the bands; 0 without."""
-        return cast(int, self.assumed.get("draws", 0))
+        return len(self.material.draws)
 
     @property
     def load(self) -> float:
@@ -238,7 +236,7 @@ class Prediction(views.InNotebooks):
         return float(self.dataset["load"][-1])
 
     def between(self, name: str) -> str:
-        """A quantity at the last time over that at the first, such as ``A(1 ks)/A(1 s)``."""
+        """A quantity at the last time over that at the first: ``A(1 ks)/A(1 s)``."""
         first, last = (f"{name}({written(float(self.time[place]), 's')})" for place in (0, -1))
         return f"{last}/{first}"
 
@@ -249,7 +247,7 @@ class Prediction(views.InNotebooks):
     @property
     def modulus(self) -> float:
         """Contact modulus E* at once, Pa."""
-        return cast(float, self.solid.modulus)
+        return relaxing_of(self.solid).modulus
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -276,19 +274,17 @@ class Prediction(views.InNotebooks):
     @property
     def relaxing(self) -> PronySeries | None:
         """The contact modulus as it relaxes; None where the solid is not separable."""
-        if not self.solid.separable:
-            return None
-        return PronySeries(self.modulus, self.branches)
+        return relaxing_of(self.solid) if self.solid.separable else None
 
     @property
     def branches(self) -> Branches:
         """Shares of E* and the times in which they relax, s."""
-        return tuple(self.solid.relaxing)
+        return relaxing_of(self.solid).branches
 
     @property
     def plateau(self) -> float:
         """Share of E* that does not relax."""
-        return PronySeries(self.modulus, self.branches).permanent
+        return relaxing_of(self.solid).permanent
 
     @property
     def beside(self) -> tuple[str, str]:
@@ -307,9 +303,8 @@ class Prediction(views.InNotebooks):
     def theory(self) -> tuple[str, Field] | None:
         """Name of the theory that has an area for such a contact, and that area, m^2; None without one.
 
-        Of a separable solid: Persson's, for the rms slope of the scan and the effective load, under which an
-        elastic half-space of E* has this contact. Of one that creeps by Eyring's law with nothing beside it:
-        contacts that flow, through the last area.
+        Of a separable solid Persson's, for the rms slope of the scan and the effective load; of one that
+        creeps by Eyring's law alone that of contacts that flow, through the last area.
         """
         load = self.series("load")
         if (effective := self.effective_load) is not None:
@@ -344,18 +339,15 @@ class Prediction(views.InNotebooks):
 def growth_of(
     dataset: xr.Dataset, series: Sequence[PronySeries] = (), *, ramp: float = 0.0, seed: int = 0
 ) -> Growth:
-    """Measure the growth of a history, and how sure it is; see the module.
+    """Measure the growth of a history with maps, under a load put on within a ramp; see the module.
 
-    The history, with maps, is under a load that was put on within a ramp, or at once, and held. The series
-    are that of its solid, and then those that may be in its place: none where no such spread is known. The
-    seed is that of the draws of tiles.
+    The series are `Material.spread`; the seed is that of the draws of tiles.
     """
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     moments, tiles = _of_tiles(dataset, np.random.default_rng(seed))
     tables = _of_series(time, area, series, ramp)
 
     def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
-        """A measure of growth with its bands: of table and scan, and of each alone."""
         value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
         of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
         both = of_table * np.resize(of_scan, of_table.size)
@@ -371,7 +363,6 @@ def growth_of(
         of_table=of_table,
         of_scan=of_scan,
         decades=_by_decade(time, area),
-        straight=growth_rate(time, area, initial=float(area[0])).straight,
     )
 
 
@@ -386,7 +377,6 @@ def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
         said.append(
             Resolved(
                 patches=found.count,
-                largest=found.largest,
                 mean=found.mean_size,
                 in_small=float(found.sizes[found.sizes < _FEW].sum() / max(touching.sum(), 1)),
                 rim=1 - corrected / counted if counted else 0.0,
@@ -442,7 +432,6 @@ def _in_tiles(maps: Field) -> Field:
 
 
 def _slope(time: Field, area: Field) -> float:
-    """Slope of the area over the first against the decimal logarithm of time."""
     slope = float(np.polyfit(np.log10(time), area / area[0], 1)[0])
     return slope if abs(slope) > _ROUNDING else 0.0
 
@@ -461,7 +450,6 @@ def _continued(at: Field, x: Field, y: Field) -> Field:
 
 
 def _by_decade(time: Field, area: Field) -> tuple[tuple[float, float, float], ...]:
-    """Begin, end and growth per decade of each decade."""
     span = math.log10(time[-1] / time[0])
     ends = np.append(np.arange(0, span - 1e-6), span)
     heights = np.interp(ends, np.log10(time / time[0]), area / area[0])

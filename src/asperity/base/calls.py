@@ -13,6 +13,18 @@ from typing import Any
 from asperity.base.words import MEANT, closest, shortened
 from asperity.errors import CallError, InputError, Remark
 
+_OF_MATERIALS = (
+    *("kind", "columns", "units", "noise", "modulus", "poisson"),
+    *("shift", "hardness", "branches", "extrapolate", "draws"),
+)
+_MOVED = {
+    "branches_per_decade": "asperity.relaxation.material(..., per_decade=...)",
+    "protocol": "asperity.press, and asperity.age with the protocol",
+    **{name: f"asperity.relaxation.material(..., {name}=...)" for name in _OF_MATERIALS},
+    **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
+}
+"""What takes arguments that `asperity.predict` does not."""
+
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
     """Let the public functions and classes of a module answer mistaken arguments by a `CallError`.
@@ -76,6 +88,8 @@ def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str,
         if word := next((word for word in given if word not in known), None):
             meant = MEANT.get(word) if MEANT.get(word) in known else closest(word, known)
             advice = f"{meant}=..." if meant else ""
+            if name == "predict":
+                advice = _MOVED.get(word, advice)
             raise CallError(name, expected=f"one of {listed}", got=repr(word), advice=advice) from None
         advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
         raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None

@@ -1,4 +1,4 @@
-"""Parameters of laws and legs: one annotation of a field says its unit, its bounds and what it is.
+"""Parameters of laws, legs, surfaces and solids: one annotation says unit, bounds and what each is.
 
     rate: Annotated[float, Gt(0), Quantity("velocity", "m/s", "v0")]
 
@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import inspect
 import math
-from types import NoneType
-from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from collections.abc import Callable, Sequence
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from annotated_types import Ge, Gt, Le, Lt
 
@@ -23,32 +25,68 @@ from asperity.errors import InputError
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """What a number is: its meaning in words, its unit in SI (empty for a pure number), and its symbol."""
+    """What a value is: its meaning in words, its unit in SI (empty for a pure number), and its symbol.
+
+    Attributes
+    ----------
+    more
+        What the help says behind the meaning, up to the last period.
+    dimension
+        That of the records, as the units of results name it, where the unit does not say it.
+    key
+        Name of the key, where it is not that of the argument. A switch of another name says the opposite.
+    usual
+        What the key is by default, where that is not the default of the argument.
+    """
 
     meaning: str
     unit: str = ""
     symbol: str = ""
+    more: str = "."
+    dimension: str = ""
+    key: str = ""
+    usual: Any = ...
 
 
+@dataclasses.dataclass(frozen=True)
+class Also:
+    """A check of a value besides its type and bounds: takes the name and the value, raises `InputError`."""
+
+    check: Callable[[str, Any], Any]
+
+
+_DIMENSIONS = {"Pa": "pressure", "m": "length", "s": "time", "m/s": "velocity", "N/m": "stiffness"}
 _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "lt", "below"))
 
 
 @dataclasses.dataclass(frozen=True)
 class Parameter:
-    """A field of a class as its annotation has it.
+    """A field of a class, or an argument of a function, as its annotation has it.
 
-    `kinds` are the types or words that it may be, `facts` what the annotation says besides: bounds, and what
-    it is. Without a default it is `dataclasses.MISSING`.
+    `hint` is the type, `facts` what the annotation says besides: bounds, and what it is. Without a default
+    it is `dataclasses.MISSING`.
     """
 
-    kinds: tuple[Any, ...]
+    hint: Any
     facts: tuple[Any, ...]
     default: object
+
+    @property
+    def kinds(self) -> tuple[Any, ...]:
+        """Types and words that it may be, one by one."""
+        return tuple(kinds_of(self.hint))
 
     @property
     def quantity(self) -> Quantity:
         """What it is."""
         return next(fact for fact in self.facts if isinstance(fact, Quantity))
+
+    @property
+    def recorded(self) -> tuple[str, str]:
+        """Long name and dimension of its records; words have none."""
+        what, plain = self.quantity, not any(part in str(self.hint) for part in ("float", "int"))
+        dimension = "" if plain else _DIMENSIONS.get(what.unit, what.unit or "1")
+        return what.meaning, what.dimension or dimension
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -63,7 +101,7 @@ class Parameter:
     @property
     def optional(self) -> Parameter:
         """The same that need not be given."""
-        return Parameter((*self.kinds, NoneType), self.facts, None)
+        return Parameter(self.hint | None, self.facts, None)
 
     def checked(self, name: str, value: object) -> object:
         """The value as a number of Python within the bounds, or one of the words; `InputError` otherwise."""
@@ -83,29 +121,39 @@ class Parameter:
         return value
 
 
-def parameters_of(kind: type) -> dict[str, Parameter]:
-    """Parameters of a dataclass by name: the fields that are annotated with more than a type."""
+def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:
+    """Parameters by name: fields of a dataclass, or arguments of a function, annotated with a `Quantity`."""
     return _read(kind)
 
 
 @functools.cache
-def _read(kind: type) -> dict[str, Parameter]:
+def _read(kind: Any) -> dict[str, Parameter]:
     hints = get_type_hints(kind, include_extras=True)
-    fields = {field.name: field for field in dataclasses.fields(kind)}
-    return {
-        name: Parameter(tuple(_kinds(get_args(hints[name])[0])), hints[name].__metadata__, field.default)
-        for name, field in fields.items()
-        if get_origin(hints[name]) is Annotated
-    }
+    fields: dict[str, Any] = dict(inspect.signature(kind).parameters)
+    if isinstance(kind, type):
+        fields = {field.name: field for field in dataclasses.fields(kind)}
+    found = {}
+    for name, field in fields.items():
+        hint, *facts = get_args(hints[name]) if get_origin(hints.get(name)) is Annotated else (None,)
+        if any(isinstance(fact, Quantity) for fact in facts):
+            default = dataclasses.MISSING if field.default is inspect.Parameter.empty else field.default
+            found[name] = Parameter(hint, tuple(facts), default)
+    return found
 
 
-def _kinds(hint: Any) -> list[Any]:
-    """Types and words of a hint, one by one."""
-    if get_origin(hint) in (None, tuple):
-        return [hint]
+def kinds_of(hint: Any) -> list[Any]:
+    """Types and words of a hint, one by one; a sequence counts as one."""
     if get_origin(hint) is Literal:
         return list(get_args(hint))
-    return [kind for part in get_args(hint) for kind in _kinds(part)]
+    if get_origin(hint) in (Union, UnionType):
+        return [kind for part in get_args(hint) for kind in kinds_of(part)]
+    return [hint]
+
+
+def item_of(kind: Any) -> Any:
+    """What is in a sequence of any length; None for anything else."""
+    origin, args = get_origin(kind), get_args(kind)
+    return args[0] if origin is Sequence or (origin is tuple and args[1:] == (...,)) else None
 
 
 class Checked:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
 from typing import Any, Self
 
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
@@ -147,27 +147,10 @@ def data_size(count: float) -> str:
 
 
 def closest(word: str, known: Iterable[str]) -> str | None:
-    """Find the name that was probably meant: at most one letter in three is wrong, missing, or swapped.
-
-    Capital letters count as small ones. None if no name is that close.
-    """
-    wanted, most = word.casefold(), len(word) // 3
-    near = [name for name in known if abs(len(word) - len(name)) <= most]  # others need not be compared
-    nearest, name = min(((_distance(wanted, name.casefold()), name) for name in near), default=(most + 1, ""))
-    return name if nearest <= most else None
-
-
-def _distance(one: str, other: str) -> int:
-    """Count the letters to change, add, remove, or swap with their neighbors."""
-    before: list[int] = []
-    row = list(range(len(other) + 1))
-    for i, a in enumerate(one):
-        before, last, row = row, before, [i + 1]
-        for j, b in enumerate(other):
-            row.append(min(before[j + 1] + 1, row[j] + 1, before[j] + (a != b)))
-            if i and j and a == other[j - 1] and one[i - 1] == b:
-                row[-1] = min(row[-1], last[j - 1] + 1)
-    return row[-1]
+    """The name that was probably meant: about two letters in three are right; capital ones count as small."""
+    names = {name.casefold(): name for name in known}
+    near = get_close_matches(word.casefold(), names, n=1, cutoff=0.66)
+    return names[near[0]] if near else None
 
 
 def reason_of(error: BaseException) -> str:
@@ -181,24 +164,10 @@ def shortened(text: str, length: int = 80) -> str:
 
 
 def tables_to_toml(tables: Mapping[str, Any]) -> str:
-    """Write tables of numbers, words and lists, and lists of such tables, as TOML."""
-    lines = []
-    for section, content in tables.items():
-        several = isinstance(content, list)
-        for keys in content if several else [content]:
-            lines.append(f"[[{section}]]" if several else f"[{section}]")
-            lines += [*(f"{key} = {_toml_value(value)}" for key, value in keys.items()), ""]
-    return "\n".join(lines)
+    """Write tables as TOML, each list on one line, and each table of a list as a section."""
+    import tomli_w
 
-
-def _toml_value(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_toml_value, value))}]"
-    if isinstance(value, str):
-        # JSON's escapes are TOML's, but for DEL, which TOML wants escaped.
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value)
+    text = tomli_w.dumps(tables, indent=100)  # which leaves no room for a table within a list
+    # It writes an entry a line. Texts have no line breaks of their own, so lists end where these stand.
+    text = re.sub(r",\n *\]", "]", text)
+    return re.sub(r"\[\n +", "[", re.sub(r",\n +", ", ", text))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from annotated_types import Gt
 
 from asperity.base import units
 from asperity.base.checks import Floats
+from asperity.base.parameters import Quantity
 from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
 from asperity.errors import InputError
 
@@ -21,6 +23,26 @@ _BLOCK = 2**13
 
 _SMALLEST_RATE = 1e-290
 """Rate below which double precision loses digits."""
+
+
+_Energy = Annotated[
+    float | str,
+    Gt(0),
+    Quantity(
+        "energy of activation",
+        "J",
+        more=" Q; with the next three it gives Eyring's v0 = prefactor exp(-Q/kT) and s0 = kT/volume.",
+    ),
+]
+_Volume = Annotated[float | str, Gt(0), Quantity("volume of activation", "m^3")]
+_Prefactor = Annotated[
+    float | str,
+    Gt(0),
+    Quantity("velocity of creep at infinite temperature", "m/s", more=", v0 far above Q = kT."),
+]
+_Temperature = Annotated[
+    float | str, Gt(0), Quantity("temperature", "K", more=" of thermally activated creep.")
+]
 
 
 @dataclass(frozen=True)
@@ -61,10 +83,10 @@ class Eyring(LocalCreep):
     def activated(
         cls,
         *,
-        energy: float | str,
-        volume: float | str,
-        temperature: float | str,
-        prefactor: float | str,
+        energy: _Energy,
+        volume: _Volume,
+        temperature: _Temperature,
+        prefactor: _Prefactor,
     ) -> Eyring:
         r"""From activation energy Q and volume Omega: v0 = prefactor exp(-Q/kT), s0 = kT/Omega.
 

@@ -1,11 +1,10 @@
 """Viscoelastic relaxation: laws and measured data as branches of a generalized Maxwell solid.
 
-A law or a measured table becomes a `PronySeries`, of which the branches make a solid::
+A table, a law or a half-space becomes a `Material`, for `asperity.predict`::
 
-    data   = asp.relaxation.read("relaxation.csv")
-    series = asp.relaxation.fit(data).series
-    solid  = asp.solids.half_space(modulus=asp.solids.contact_modulus(series.modulus, 0.37),
-                                   branches=series.branches)
+    polymer = asp.relaxation.material("relaxation.csv", poisson=0.37)
+
+`read` and `fit` are its steps one by one; a law or a fit is a `PronySeries`.
 """
 
 from asperity.base.calls import answered as _answered
@@ -13,13 +12,16 @@ from asperity.relaxation.data import Creep, Dynamic, Measured, Relaxation
 from asperity.relaxation.files import read
 from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.laws import fractional_zener, power_law
-from asperity.relaxation.series import PronySeries, check_branches, combined, from_retardation
+from asperity.relaxation.materials import Material, material
+from asperity.relaxation.series import PronySeries, combined, from_retardation
 from asperity.relaxation.temperature import arrhenius, wlf
+from asperity.solids.branches import check_branches
 
 __all__ = [
     "Creep",
     "Dynamic",
     "Fit",
+    "Material",
     "Measured",
     "PronySeries",
     "Relaxation",
@@ -29,6 +31,7 @@ __all__ = [
     "fit",
     "fractional_zener",
     "from_retardation",
+    "material",
     "power_law",
     "read",
     "wlf",

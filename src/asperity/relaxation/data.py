@@ -19,8 +19,8 @@ import numpy as np
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import positive_weights
 from asperity.errors import LARGEST, InputError
-from asperity.relaxation.positive_sums import positive_weights
 from asperity.relaxation.series import PronySeries, from_retardation, of_weights
 
 Extrapolate = Literal["plateau"]
@@ -51,9 +51,14 @@ class _Data(views.Brief):
     falls: ClassVar[bool] = False
     """Whether the first quantity falls along the data; else it rises."""
 
-    def __post_init__(self) -> None:
-        _check_columns(self)
-        _check_trend(self)
+    def __post_init__(self: Any) -> None:
+        if self.extrapolate not in (None, *get_args(Extrapolate)):
+            raise InputError("extrapolate", expected="'plateau' or None", got=checks.shown(self.extrapolate))
+        object.__setattr__(self, "noise", checks.number("noise", self.noise, least=0, below=1))
+        for name in self.names():
+            object.__setattr__(self, name, checks.line(name, getattr(self, name)))
+        self._check_columns()
+        self._check_trend()
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
@@ -82,6 +87,45 @@ class _Data(views.Brief):
         shifted: dict[str, Any] = {name: factor * x if name == "time" else x / factor}
         return replace(self, **shifted)
 
+    def _check_columns(self: Any) -> None:
+        """Refuse columns that are not of one length, positive, and against rising times."""
+        (x, *names), (along, _) = self.names(), self.columns
+        if along.size < FEWEST:
+            raise InputError(x, expected=f"{FEWEST} points or more", got=along.size)
+        for name in (x, *names):
+            values, zero = getattr(self, name), name == "loss"
+            if values.shape != along.shape:
+                raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
+            wrong = values < 0 if zero else values < 1 / LARGEST
+            wrong[0] &= name != "time" or values[0] != 0
+            if wrong.any():
+                at = int(np.argmax(wrong))
+                expected = f"{name} {'not below' if zero else 'above'} 0"
+                raise InputError(
+                    name, expected=expected, got=f"{values[at]:g} at point {at + 1} of {values.size}"
+                )
+        if not (rises := np.diff(along) > 0).all():
+            at = int(np.argmin(rises))
+            got = f"{along[at + 1]:g} after {along[at]:g}, at point {at + 2}"
+            raise InputError(x, expected=f"{x} that rises from point to point", got=got)
+
+    def _check_trend(self: Any) -> None:
+        """Refuse values that rise (or fall) by more than noise, against any value before them."""
+        (along, name, *_), (x, (values, *_)) = self.names(), self.columns
+        extreme = (np.minimum if self.falls else np.maximum).accumulate(values)
+        change = values / extreme - 1 if self.falls else 1 - values / extreme
+        at = int(np.argmax(change))
+        if change[at] > self.noise:
+            before = int(np.flatnonzero(values[: at + 1] == extreme[at])[0])
+            least = math.ceil(100 * change[at] + 1e-9) / 100
+            way = "rise" if self.falls else "fall"
+            raise InputError(
+                name,
+                expected=f"no {way} with {along} beyond {100 * self.noise:g} % of noise",
+                got=f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}",
+                advice=f"noise={least:g}, if this is noise" if least < 0.5 else "",
+            )
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _InTime(_Data):
@@ -102,7 +146,6 @@ class _InTime(_Data):
 
     @property
     def fitted(self) -> Self:
-        """See `_Data`."""
         if self.extrapolate is None:
             return self
         _, (values,) = self.columns
@@ -220,11 +263,6 @@ class Dynamic(_Data):
         Loss moduli, not below 0, Pa, shape (n,).
     noise
         Largest relative fall that is taken for noise.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the storage modulus falls with frequency.
     """
 
     frequency: Floats
@@ -272,49 +310,3 @@ def scales(data: Measured) -> tuple[Floats, ...]:
     """What deviations are relative to: the values; of a small loss, a thousandth of the storage modulus."""
     _, (first, *others) = data.columns
     return (first, *(np.maximum(loss, _SMALLEST_LOSS * first) for loss in others))
-
-
-def _check_columns(data: Any) -> None:
-    """Make the columns float64, of one length, and positive."""
-    x, *names = data.names()
-    if data.extrapolate not in (None, *get_args(Extrapolate)):
-        raise InputError("extrapolate", expected="'plateau' or None", got=checks.shown(data.extrapolate))
-    object.__setattr__(data, "noise", checks.number("noise", data.noise, least=0, below=1))
-    for name in (x, *names):
-        object.__setattr__(data, name, checks.line(name, getattr(data, name)))
-    along = getattr(data, x)
-    if along.size < FEWEST:
-        raise InputError(x, expected=f"{FEWEST} points or more", got=along.size)
-    for name in (x, *names):
-        values, zero = getattr(data, name), name == "loss"
-        if values.shape != along.shape:
-            raise InputError(name, expected=f"{along.size} values, as many as of {x}", got=values.size)
-        wrong = values < 0 if zero else values < 1 / LARGEST
-        wrong[0] &= name != "time" or values[0] != 0
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            expected = f"{name} {'not below' if zero else 'above'} 0"
-            got = f"{values[at]:g} at point {at + 1} of {values.size}"
-            raise InputError(name, expected=expected, got=got)
-    if not (rises := np.diff(along) > 0).all():
-        at = int(np.argmin(rises))
-        expected = f"{x} that rises from point to point"
-        got = f"{along[at + 1]:g} after {along[at]:g}, at point {at + 2}"
-        raise InputError(x, expected=expected, got=got)
-
-
-def _check_trend(data: Any) -> None:
-    """Refuse values that rise (or fall) by more than noise, against any value before them."""
-    (along, name, *_), (x, (values, *_)), falls = data.names(), data.columns, data.falls
-    extreme = np.minimum.accumulate(values) if falls else np.maximum.accumulate(values)
-    change = values / extreme - 1 if falls else 1 - values / extreme
-    at = int(np.argmax(change))
-    if change[at] > data.noise:
-        before = int(np.flatnonzero(values[: at + 1] == extreme[at])[0])
-        least = math.ceil(100 * change[at] + 1e-9) / 100
-        raise InputError(
-            name,
-            expected=f"no {'rise' if falls else 'fall'} with {along} beyond {100 * data.noise:g} % of noise",
-            got=f"{values[before]:.4g} at {x[before]:.3g}, then {values[at]:.4g} at {x[at]:.3g}",
-            advice=f"noise={least:g}, if this is noise" if least < 0.5 else "",
-        )

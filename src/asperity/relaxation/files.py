@@ -71,10 +71,6 @@ def read(
     noise
         Largest relative change in the wrong direction that is taken for noise.
 
-    Returns
-    -------
-    Relaxation, Creep or Dynamic
-
     Raises
     ------
     InputError

@@ -16,14 +16,13 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.special import ndtri, stdtrit
+import scipy
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
-from asperity.errors import LARGEST, InputError
+from asperity.base.positive_sums import log_times
+from asperity.errors import InputError
 from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
-from asperity.relaxation.positive_sums import log_times
 from asperity.relaxation.series import PronySeries
 
 MOST_FREE = 5
@@ -56,7 +55,7 @@ class Fit(views.InNotebooks):
     per_decade
         How many of them are in each decade; None where they were free.
     beyond
-        Decades that they may lie beyond the data, where these know of them.
+        Decades that they may lie beyond the data.
     """
 
     series: PronySeries
@@ -105,10 +104,9 @@ class Fit(views.InNotebooks):
 
     @functools.cached_property
     def alternatives(self) -> tuple[PronySeries, ...]:
-        """Series that may be in its place: of the noise of the data, and of what they do not tell.
+        """Series that may be in its place: `resampled`, or copies of this one.
 
-        They are `resampled`, or copies of this one, each with a part from 0 to 2 of what precedes the first
-        time if relaxation goes on with its slope.
+        Each has a part from 0 to 2 of what precedes the first time if relaxation goes on with its slope.
         """
         drawn = self.resampled or (self,) * _DRAWS
         parts = 2 * np.random.default_rng(1).random(len(drawn))
@@ -158,7 +156,7 @@ class Fit(views.InNotebooks):
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
         found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
         free = max(x.size - found, 1)
-        wider = math.sqrt(x.size / free) * stdtrit(free, 0.975) / ndtri(0.975)
+        wider = math.sqrt(x.size / free) * scipy.special.stdtrit(free, 0.975) / scipy.special.ndtri(0.975)
         drawn = []
         for _ in range(_DRAWS):
             chosen = random.integers(0, x.size, x.size)
@@ -176,10 +174,7 @@ class Fit(views.InNotebooks):
 
     @property
     def intervals(self) -> Floats | None:
-        """95 % intervals of the shares and times of free branches, shape (branches, 2, 2); None if not known.
-
-        The last axis has the lower and the upper end. They are those of `resampled`.
-        """
+        """95 % intervals of shares and times of free branches, shape (branches, 2, 2); None if not known."""
         shape = np.shape(self.series.branches)
         alike = [one.series.branches for one in self.resampled if np.shape(one.series.branches) == shape]
         if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
@@ -194,39 +189,24 @@ class Fit(views.InNotebooks):
         x = np.geomspace(x[x > 0][0], x[-1], points)
         return x, self.data.predicted(self.series, x)
 
-    def require(self, first: float, last: float) -> None:
-        """Refuse to extrapolate: `InputError` unless the data span these times."""
-        first = checks.number("first", first, least=1 / LARGEST, expected="a finite time > 0")
-        last = checks.number("last", last, least=first, expected=f"a time not before the first, {first:g}")
-        begin, end = self.series.span
-        if first < begin * (1 - 1e-9) or last > end * (1 + 1e-9):
-            raise InputError(
-                "times",
-                expected=f"times that the data span, {begin:.3g} to {end:.3g} s ({self.decades:.1f} decades)",
-                got=f"{first:.3g} to {last:.3g} s ({math.log10(last / first):.1f} decades)",
-                advice="fewer times, data of another temperature, shifted, or extrapolate='plateau'",
-            )
-
 
 def fit(
     data: Measured,
     *,
     per_decade: float | None = None,
     branches: int | None = None,
-    over: tuple[float, float] | None = None,
     extrapolate: Extrapolate | None = None,
 ) -> Fit:
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
 
-    Unless the number of branches or their density is given, the smallest number of free relaxation times is
-    taken, five at most, whose deviations look like noise: they are not `Fit.systematic`, and their rms is at
-    most a quarter more than that of log-spaced times. Where no number is so, as for broad spectra, those are
-    taken: one or two in each decade, within the times of the data or up to a decade beyond, by Akaike's
-    criterion, AICc.
+    By default it takes the smallest number of free relaxation times, five at most, whose deviations look like
+    noise: they are not `Fit.systematic`, and their rms is at most a quarter more than that of log-spaced
+    times. Else, as for broad spectra, it takes these: one or two in each decade, within the times of the data
+    or up to a decade beyond, by Akaike's criterion, AICc.
 
-    Only losses, and a value at time 0, tell of times before the first. A load that is put on at time 0 feels
-    these: where J(first) changes by one percent or more, log-spaced times go on there, with the slope of
-    the first decade, as one branch more. See `Fit.alternatives`.
+    Only losses, and a value at time 0, tell of times before the first. Where relaxation there, with the slope
+    of the first decade, changes J(first) by 1 % or more, one branch more stands for it. See
+    `Fit.alternatives`.
 
     Parameters
     ----------
@@ -237,8 +217,6 @@ def fit(
         them follow the noise of the data.
     branches
         In its place: how many free relaxation times.
-    over
-        First and last time, s, that the fit will be used for; refused where the data do not reach.
     extrapolate
         "plateau": the last modulus, or compliance, is assumed to stay after the last time, and is fitted too,
         by as many points as there are over two decades. No time before the first is known all the same.
@@ -246,10 +224,9 @@ def fit(
     Raises
     ------
     InputError
-        It is no data, `per_decade` or `branches` is out of its range, the data do not span the times in
-        `over`, or a plateau is asked of a `Dynamic`.
+        It is no data, `per_decade` or `branches` is out of its range, or a plateau is asked of a `Dynamic`.
     """
-    data = _measured(data)
+    _refuse_others(data)
     if extrapolate is not None:
         if isinstance(data, Dynamic):
             expected = "none beside storage and loss moduli, which have no last modulus"
@@ -257,20 +234,14 @@ def fit(
         data = replace(data, extrapolate=extrapolate)
     alone = data if data.extrapolate is None else replace(data, extrapolate=None)
     found = _found(alone, per_decade, branches)
-    if data.extrapolate is not None:  # the plateau has no say in how many times there are
-        times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
-        found = _with(data, times, found.per_decade, found.beyond)
-    if over is not None:
-        try:
-            start, end = over
-        except (TypeError, ValueError) as error:
-            raise InputError("over", expected="a first and a last time", got=checks.shown(over)) from error
-        found.require(start, end)
-    return found
+    if data.extrapolate is None:
+        return found
+    # The plateau has no say in how many times there are.
+    times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
+    return _with(data, times, found.per_decade, found.beyond)
 
 
 def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fit:
-    """The fit of these data alone."""
     if branches is not None:
         if per_decade is not None:
             expected = "none beside a number per decade"
@@ -303,7 +274,6 @@ def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
 
 
 def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
-    """A fit of so many times in each decade, and so many decades beyond the data."""
     first, last = data.span
     decades = math.log10(last / first)
     density_used = max(1, round(density * decades)) / decades
@@ -340,9 +310,8 @@ def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
 
 
 def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
-    """The times that fit best, from these on."""
     low, high = np.log(data.reach(beyond))
-    found = least_squares(
+    found = scipy.optimize.least_squares(
         functools.partial(_deviations, data),
         np.clip(np.log(times), low, high),
         bounds=(low, high),
@@ -364,7 +333,6 @@ def _deviations(data: Measured, logarithms: Floats) -> Floats:
 
 
 def _residuals(data: Measured, series: PronySeries) -> tuple[Floats, ...]:
-    """Relative deviations of data from a series, of each of the quantities."""
     x, values = data.columns
     predicted = data.predicted(series, x)
     return tuple((v - p) / s for v, p, s in zip(values, predicted, scales(data), strict=True))
@@ -383,8 +351,7 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond
     return replace(found, series=replace(data.continued(series), span=span, error=series.error))
 
 
-def _measured(data: object) -> Measured:
+def _refuse_others(data: object) -> None:
     if not isinstance(data, Measured):
-        expected = "a Relaxation, Creep or Dynamic"
-        raise InputError("data", expected=expected, got=checks.kind_of(data), advice="relaxation.read(path)")
-    return data
+        expected, advice = "a Relaxation, Creep or Dynamic", "relaxation.read(path)"
+        raise InputError("data", expected=expected, got=checks.kind_of(data), advice=advice)

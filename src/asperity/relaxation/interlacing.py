@@ -15,9 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from asperity.base.checks import Floats
-
-ROUNDING = 1e-12
-"""What sums of shares, and ratios of times, may be wrong by."""
+from asperity.solids.branches import ROUNDING
 
 
 def merged(weights: Floats, times: Floats) -> tuple[Floats, Floats]:

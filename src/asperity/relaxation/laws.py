@@ -1,11 +1,10 @@
 r"""Power-law and fractional Zener relaxation, as Prony series of a stated accuracy over stated times.
 
-Both laws are completely monotonic: integrals of exponentials with a positive spectrum of relaxation times.
-So sums of exponentials with positive shares approach them. The shares are those of non-negative least
-squares, on times that are log-spaced, and as many times are taken as the accuracy needs.
+Both laws are integrals of exponentials with a positive spectrum of relaxation times. The shares are those of
+non-negative least squares, on as many log-spaced times as the accuracy needs.
 
-The fractional Zener solid relaxes with the Mittag-Leffler function E_n. Its spectral representation,
-integrated over the spectrum's own cumulative distribution c, is
+The fractional Zener solid relaxes with the Mittag-Leffler function E_n. Integrated over the cumulative
+distribution c of its spectrum,
 
     E_n(-x^n) = integral_0^1 exp(-x r(c)) dc ,        r(c) = [ sin(n pi c) / sin(n pi (1 - c)) ]^(1/n)
 
@@ -25,12 +24,12 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import expit
+import scipy
 
 from asperity.base import checks
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import log_times, positive_weights
 from asperity.errors import LARGEST, InputError
-from asperity.relaxation.positive_sums import log_times, positive_weights
 from asperity.relaxation.series import PronySeries, of_weights
 
 _DENSITIES = (1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, 6, 8, 10)  # times per decade, tried in this order
@@ -56,16 +55,11 @@ def power_law(
     time
         Time of reference, above 0.
     first, last
-        Times between which the series stands for the law.
+        Times between which the series stands for the law: its `span`.
     accuracy
         Largest relative error of G between them, from 1e-6 to 0.5. It does not bound the creep compliance J,
         and so the area under a load: within a decade of `first` they were found off by up to 0.9 %, for the
         series has no past before it.
-
-    Returns
-    -------
-    PronySeries
-        With the error that it has, and the times as its `span`.
 
     Raises
     ------
@@ -104,10 +98,8 @@ def fractional_zener(
     ----------
     instantaneous, relaxed
         Moduli at time 0, above 0, and at the end, not below 0 and below the first.
-    exponent
-        n, above 0 and at most 1.
-    time
-        Relaxation time, above 0.
+    exponent, time
+        n, from 0.02 to 1; relaxation time, above 0.
 
     Other arguments, result and errors are those of `power_law`.
     """
@@ -133,7 +125,7 @@ def mittag_leffler(exponent: float, time: Floats) -> Floats:
         return np.exp(-time)
     step = min(0.28 * n, 0.2)
     w = np.arange(-38, 38 + step, step)
-    c, rest = expit(w), expit(-w)
+    c, rest = scipy.special.expit(w), scipy.special.expit(-w)
     # sin(n pi c) = sin(pi (1 - n) + n pi (1 - c)), which is exact where c is near 1
     upper = np.where(c < 0.5, np.sin(n * math.pi * c), np.sin(math.pi * (1 - n) + n * math.pi * rest))
     lower = np.where(rest < 0.5, np.sin(n * math.pi * rest), np.sin(math.pi * (1 - n) + n * math.pi * c))

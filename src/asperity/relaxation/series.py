@@ -27,66 +27,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.base import checks, units
+from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import LARGEST, InputError
 from asperity.relaxation import interlacing
-from asperity.relaxation.interlacing import ROUNDING
-
-Branches = tuple[tuple[float, float], ...]
-
-
-def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
-    """Check the branches of a generalized Maxwell solid.
-
-    Parameters
-    ----------
-    branches
-        Pairs of a share of the instantaneous modulus, above 0, and the relaxation time of that share,
-        above 0: a list of pairs or an array of shape (n, 2). The shares add up to 1 at most.
-
-    Returns
-    -------
-    tuple of (float, float)
-        The same pairs, in the order of their times.
-
-    Raises
-    ------
-    InputError
-        They are no pairs of numbers, a share or a time is not above 0, or the shares add up to more than 1.
-    """
-    expected = "pairs of a share and a relaxation time"
-    advice = "branches=[(0.3, 0.01), (0.3, 1.0)]"
-    if hasattr(branches, "__array__"):
-        array = checks.floats("branches", branches, expected=expected, advice=advice)
-        if array.size and array.ndim != 2:
-            raise InputError("branches", expected=expected, got=f"shape {array.shape}", advice=advice)
-        branches = array.tolist() if array.size else []
-    if isinstance(branches, (str, bytes, dict)) or not hasattr(branches, "__iter__"):
-        raise InputError("branches", expected=expected, got=checks.shown(branches), advice=advice)
-    found = []
-    for number, pair in enumerate(branches, 1):
-        of = f"of branch {number}"
-        try:
-            share, time = [] if isinstance(pair, (str, dict, set)) else pair
-        except (TypeError, ValueError) as error:
-            expected = "a share and a relaxation time"
-            got = checks.shown(pair)
-            raise InputError(f"branch {number}", expected=expected, got=got, advice=advice) from error
-        expected = "a share > 0 and <= 1"
-        share = checks.number(f"share {of}", share, above=0, most=1 + ROUNDING, expected=expected)
-        expected = "a finite time > 0"
-        time = units.number(f"relaxation time {of}", time, "s", least=1 / LARGEST, expected=expected)
-        found.append((share, time))
-    total = math.fsum(share for share, _ in found)
-    if total > 1 + ROUNDING:
-        raise InputError(
-            "branches",
-            expected="shares of the instantaneous modulus, 1 together at most",
-            got=f"{total:.6g} together",
-            advice=f"each share divided by {total:.6g}, if nothing is permanent",
-        )
-    return tuple(sorted(found, key=lambda branch: branch[1]))
+from asperity.solids.branches import ROUNDING, Branches, check_branches
 
 
 @dataclass(frozen=True)
@@ -98,16 +43,11 @@ class PronySeries:
     modulus
         Instantaneous modulus G0, above 0: of any kind, in any unit. J is in its inverse, loads in theirs.
     branches
-        Pairs of a share of G0 and a relaxation time, see `check_branches`. None: an elastic solid.
+        Pairs of a share of G0 and a relaxation time, see `check_branches`; none for an elastic solid.
     span
         Times between which it stands for a law or for data.
     error
         Largest relative error with which it does so; 0 where it is itself the law.
-
-    Raises
-    ------
-    InputError
-        The modulus is not above 0, the branches are wrong, or the span is none.
     """
 
     modulus: float
@@ -138,28 +78,14 @@ class PronySeries:
         return share if share > ROUNDING else 0.0
 
     def modulus_at(self, time: ArrayLike) -> Floats:
-        """Relaxation modulus G(t): stress over a strain that was imposed at time 0.
-
-        Parameters
-        ----------
-        time
-            Times, not below 0; any shape.
-
-        Returns
-        -------
-        ndarray
-            In the unit of the modulus; the shape of `time`.
-        """
+        """Relaxation modulus G(t): stress over a strain imposed at time 0, at times >= 0 of any shape."""
         t = checks.not_negative("time", time)[..., None]
         shares, times = self._columns
         with np.errstate(over="ignore"):
             return np.asarray(self.modulus * (self.permanent + (shares * np.exp(-t / times)).sum(-1)))
 
     def compliance_at(self, time: ArrayLike) -> Floats:
-        """Creep compliance J(t): strain over a stress that was imposed at time 0. Exact, see the module.
-
-        In the inverse of the modulus' unit; times and shape are as for `modulus_at`.
-        """
+        """Creep compliance J(t): strain over a stress imposed at time 0, in 1/unit of the modulus; exact."""
         t = checks.not_negative("time", time)
         strengths, times, fluidity = self.retardation
         with np.errstate(over="ignore"):
@@ -181,7 +107,7 @@ class PronySeries:
             return np.asarray(self.modulus * (shares / (x + 1 / x)).sum(-1))
 
     def shifted(self, factor: float) -> PronySeries:
-        """Multiply every time by a factor, such as `arrhenius` and `wlf` give for another temperature."""
+        """Multiply every time by a factor, such as that of `arrhenius` or `wlf`."""
         factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
         branches = tuple((share, factor * time) for share, time in self.branches)
         first, last = self.span
@@ -192,21 +118,14 @@ class PronySeries:
 
             effective(t) = G0 integral J(t - s) dF(s)
 
-        The load F is 0 before the first time, linear between the times, and may jump: at the first time,
-        and where a time stands twice. The integral is exact. The contact of a separable viscoelastic solid
-        is that of the elastic one at this load as long as F has never fallen.
+        The load F is 0 before the first time, linear between the times, and jumps at the first and where a
+        time stands twice. The integral is exact. The contact of a separable viscoelastic solid is that of
+        the elastic one at this load as long as F has never fallen.
 
         Parameters
         ----------
-        times
-            Times that do not fall, shape (n,).
-        loads
-            Loads F at these times, shape (n,); just before and just after a jump.
-
-        Returns
-        -------
-        ndarray
-            Effective loads at the same times, shape (n,).
+        times, loads
+            Times that do not fall, and the loads F at these; shape (n,), as that of the result.
 
         Raises
         ------
@@ -243,9 +162,9 @@ class PronySeries:
         return interlacing.retardation(shares, times, self.permanent)
 
     @property
-    def _columns(self) -> tuple[Floats, Floats]:
-        columns = np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
-        return columns[0], columns[1]
+    def _columns(self) -> Floats:
+        """Shares and times, shape (2, branches)."""
+        return np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
 
 
 def of_weights(weights: Floats, times: Floats) -> PronySeries:
@@ -268,14 +187,9 @@ def from_retardation(
     compliance
         Instantaneous compliance J0, above 0.
     delayed
-        Pairs of a compliance J_k, above 0, and its retardation time theta_k, above 0; or none.
+        Pairs of a compliance J_k and its retardation time theta_k, both above 0.
     fluidity
         Rate of flow f under unit stress, compliance per time; 0 for a solid.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range.
     """
     J0 = checks.number("compliance", compliance, least=1 / LARGEST, expected="a finite compliance > 0")
     f = checks.number("fluidity", fluidity, least=0) / J0

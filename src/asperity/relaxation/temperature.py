@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.constants import R as GAS_CONSTANT
+import scipy
 
 from asperity.base import checks
 from asperity.errors import LARGEST, InputError
@@ -23,16 +23,11 @@ def arrhenius(activation_energy: float, temperature: float, reference: float) ->
     Returns
     -------
     float
-        Relaxation times at T over those at T_ref; below 1 where it is warmer.
-
-    Raises
-    ------
-    InputError
-        A number is out of its range, or the factor beyond 1e100.
+        Relaxation times at T over those at T_ref. `InputError` if it is beyond 1e100.
     """
     Q = checks.number("activation_energy", activation_energy, least=0)
     T, reference = _kelvin("temperature", temperature), _kelvin("reference", reference)
-    return _power_of_e(Q / GAS_CONSTANT * (1 / T - 1 / reference), T)
+    return _power_of_e(Q / scipy.constants.R * (1 / T - 1 / reference), T)
 
 
 def wlf(c1: float, c2: float, temperature: float, reference: float) -> float:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from asperity import solids, surfaces
 from asperity.base.parameters import parameters_of
-from asperity.creep import PARAMETERS_OF_LAWS
+from asperity.creep import PARAMETERS_OF_LAWS, Eyring
 from asperity.protocols import KINDS
 from asperity.results.quantities import Units, select
 
@@ -15,44 +16,17 @@ _RECORDED = {
     for name, one in select("series", of=("all", "sites", "sliding")).items()
 }
 _PRESSURE = ("load over nominal area", "pressure")
-_HEIGHT, _LENGTH, _STIFFNESS = "height unit", "length unit", "stiffness unit"
-_MODULUS = {
-    "modulus": ("contact modulus", "pressure"),
-    "poisson": ("Poisson's ratio", "1"),
+_BRANCHES = {
     "branch_shares": ("share of the modulus of each branch", "1"),
     "branch_times": ("relaxation time of each branch", "time"),
-    "branches": ("share of the modulus and relaxation time of each branch", ""),
 }
 PARAMETERS: dict[str, tuple[str, str]] = {
-    **dict.fromkeys(("shape", "size"), ("sites along each axis", "sites")),
-    **dict.fromkeys(("rms", "rms_height"), ("rms height", _HEIGHT)),
-    "hurst": ("Hurst exponent", "1"),
-    "roll_off": ("wavelength above which the spectrum is flat", _LENGTH),
-    "cutoff": ("shortest wavelength", _LENGTH),
-    "rms_slope": ("rms slope", "height unit / length unit"),
-    "rms_curvature": ("rms mean curvature", "height unit / length unit^2"),
-    "delta": ("roughness at the scale of the lattice", _HEIGHT),
+    **{
+        parameter.quantity.key or name: parameter.recorded
+        for make in (*surfaces.KINDS.values(), *solids.KINDS.values())
+        for name, parameter in parameters_of(make).items()
+    },
     "edges": ("what lies beyond the edges", ""),
-    "radius": ("radius of the asperity", "length"),
-    "places": ("places y and x of the balls", "length"),
-    "radii": ("radii of the balls", "length"),
-    "heights": ("heights of the summits of the balls", "length"),
-    "path": ("surface file", ""),
-    "undefined": ("what is done about undefined pixels", ""),
-    "max_undefined": ("largest fraction of undefined pixels to fill", "1"),
-    "undefined_value": ("height that stands for an undefined pixel", _HEIGHT),
-    "tilt": ("what is removed from the heights", ""),
-    "lines": ("how the offsets of lines are levelled", ""),
-    "periodic": ("how the surface is made periodic", ""),
-    "unit": ("unit of the heights", ""),
-    "channel": ("channel of the surface file", ""),
-    "crop": ("part of the surface file", "pixels, or the unit of the part"),
-    "longest": ("longest wavelength kept", _LENGTH),
-    "shortest": ("shortest wavelength kept", _LENGTH),
-    "k0": ("stiffness between neighbors", _STIFFNESS),
-    "k1": ("stiffness to the bulk", _STIFFNESS),
-    "R": ("mobility of conserving creep", "R unit"),
-    "R_viscous": ("mobility of viscous creep", "R unit"),
     "creep": ("local law of creep", ""),
     **{
         name: (
@@ -61,19 +35,12 @@ PARAMETERS: dict[str, tuple[str, str]] = {
         )
         for name, what in PARAMETERS_OF_LAWS.items()
     },
-    "creep_energy": ("energy of activation", "J"),
-    "creep_volume": ("volume of activation", "m^3"),
-    "creep_prefactor": ("velocity of creep at infinite temperature", "velocity"),
-    "temperature": ("temperature", "K"),
-    "permanent": ("share of the modulus that does not creep by the local law", "1"),
-    "hardness": ("pressure under which the rough surface yields", "pressure"),
-    "young": ("Young's modulus", "pressure"),
-    "thickness": ("thickness of the layer", "length"),
-    **_MODULUS,
-    **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _MODULUS.items()},
-    "apparatus": ("stiffness of the apparatus", "stiffness"),
-    "flow": ("mobility of creep, and the power of the wave number with which it goes", ""),
-    "frictionless": ("whether the layer slides on its base", ""),
+    **{
+        name if name == "temperature" else f"creep_{name}": one.recorded
+        for name, one in parameters_of(Eyring.activated).items()
+    },
+    **_BRANCHES,
+    **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
     "relaxation": ("table of the relaxation", ""),
     "pressure": _PRESSURE,
     **{name: _RECORDED[name] for name in ("load", "separation")},
@@ -91,7 +58,6 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "shear": ("shear force", "force"),
     "friction_coefficient": ("coefficient of friction of the sites", "1"),
     "rtol": ("relative tolerance of the time steps", "1"),
-    "seed": ("seed of the surface", "1"),
     "point": ("number of the point, from 0", "1"),
     "entry": ("number of the entry of the series, from 0", "1"),
 }

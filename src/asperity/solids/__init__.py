@@ -1,5 +1,7 @@
 """Solids whose surface is elastic and creeps."""
 
+from collections.abc import Callable
+
 from asperity.base.calls import answered as _answered
 from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
@@ -33,4 +35,9 @@ __all__ = [
     "layer",
     "spring_lattice",
 ]
+KINDS: dict[str, Callable[..., Solid]] = {
+    make.__name__: make for make in (spring_lattice, half_space, layer, coated_half_space)
+}
+"""What makes solids, by the kind in a configuration; annotated arguments are its keys."""
+
 __dir__ = _answered(globals())

@@ -26,11 +26,23 @@ import numpy as np
 
 from asperity.base import units
 from asperity.base.checks import Floats
+from asperity.base.positive_sums import positive_weights
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.relaxation import check_branches
-from asperity.relaxation.positive_sums import positive_weights
-from asperity.solids.continua import Branches, checked_apparatus, checked_modulus, checked_poisson
+from asperity.solids.arguments import (
+    Apparatus,
+    BaseBranches,
+    BaseModulus,
+    BasePoisson,
+    Branches,
+    Hardness,
+    Modulus,
+    Poisson,
+    Thickness,
+    Young,
+)
+from asperity.solids.branches import check_branches
+from asperity.solids.continua import checked_apparatus, checked_modulus, checked_poisson
 from asperity.solids.solid import CreepBranch, Solid
 
 _PER_DECADE, _TIMES_PER_DECADE, _FREQUENCIES_PER_DECADE = 24, 4, 8
@@ -121,16 +133,16 @@ class CoatedStiffness:
 
 def coated_half_space(
     *,
-    modulus: float | str | None = None,
-    young: float | str | None = None,
-    poisson: float,
-    thickness: float | str,
-    base_modulus: float | str,
-    base_poisson: float,
+    modulus: Modulus = None,
+    young: Young = None,
+    poisson: Poisson,
+    thickness: Thickness,
+    base_modulus: BaseModulus,
+    base_poisson: BasePoisson,
     branches: Branches = (),
-    base_branches: Branches = (),
-    apparatus: float | None = None,
-    hardness: float | str | None = None,
+    base_branches: BaseBranches = (),
+    apparatus: Apparatus = None,
+    hardness: Hardness = None,
 ) -> Solid:
     r"""Build a film bonded to a half-space of another material; each is elastic or viscoelastic.
 

@@ -10,11 +10,23 @@ from asperity.base import checks, units
 from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
-from asperity.relaxation import check_branches
+from asperity.solids.arguments import (
+    Apparatus,
+    Bonded,
+    Branches,
+    Flow,
+    Hardness,
+    Modulus,
+    Permanent,
+    Poisson,
+    PoissonOfBodies,
+    Thickness,
+    Young,
+    YoungOfBodies,
+)
+from asperity.solids.branches import check_branches
 from asperity.solids.laws import LayerSpectrum, PowerMobility, WaveNumberSpectrum
 from asperity.solids.solid import CreepBranch, Solid
-
-Branches = Sequence[tuple[float, float | str]]
 
 _LEAST_PERMANENT = 0.02
 """Least share above 0 that may stand beside a local law: steps with less may not converge."""
@@ -51,9 +63,12 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
     young = units.either("young", young, "Pa")
     moduli = checks.positive("young", young).reshape(-1)
     ratios = checks.floats("poisson", poisson).reshape(-1)
-    if not 1 <= moduli.size == ratios.size <= 2:
-        got = f"{moduli.size} moduli and {ratios.size} ratios"
-        raise InputError("young and poisson", expected="one of each for each of one or two bodies", got=got)
+    if not 1 <= moduli.size <= 2:
+        raise InputError("young", expected="one for each of one or two bodies", got=moduli.size)
+    if ratios.size != moduli.size:
+        expected, some = f"one for each of {moduli.size} in young", [0.35] * moduli.size
+        advice = f"poisson={some if moduli.size > 1 else some[0]}"
+        raise InputError("poisson", expected=expected, got=ratios.size, advice=advice)
     for ratio in ratios.tolist():
         checked_poisson("poisson", ratio)
     found = 1.0 / float(((1 - ratios**2) / moduli).sum())
@@ -70,15 +85,15 @@ def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson
 
 def half_space(
     *,
-    modulus: float | str | None = None,
-    young: OneOrTwo | None = None,
-    poisson: float | Sequence[float] | None = None,
+    modulus: Modulus = None,
+    young: YoungOfBodies = None,
+    poisson: PoissonOfBodies = None,
     branches: Branches = (),
-    flow: tuple[float, float] | None = None,
-    apparatus: float | str | None = None,
+    flow: Flow = None,
+    apparatus: Apparatus = None,
     creep: LocalCreep | None = None,
-    permanent: float = 0.0,
-    hardness: float | str | None = None,
+    permanent: Permanent = 0.0,
+    hardness: Hardness = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
 
@@ -167,13 +182,13 @@ def half_space(
 
 def layer(
     *,
-    modulus: float | str | None = None,
-    young: float | str | None = None,
-    poisson: float,
-    thickness: float | str,
+    modulus: Modulus = None,
+    young: Young = None,
+    poisson: Poisson,
+    thickness: Thickness,
     branches: Branches = (),
-    bonded: bool = True,
-    hardness: float | str | None = None,
+    bonded: Bonded = True,
+    hardness: Hardness = None,
 ) -> Solid:
     r"""Build an elastic or viscoelastic layer on a rigid base; see `asperity.solids.laws.LayerSpectrum`.
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from asperity.base import checks
 from asperity.lattice import Field, Lattice, Spectrum

@@ -21,7 +21,7 @@ from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.lattice import Lattice, Spectrum
-from asperity.relaxation import check_branches
+from asperity.solids.branches import check_branches
 from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]

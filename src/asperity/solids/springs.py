@@ -5,17 +5,18 @@ from __future__ import annotations
 from asperity.base import checks
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
+from asperity.solids.arguments import K0, K1, Hardness, Mobility, ViscousMobility
 from asperity.solids.solid import Solid, Springs
 
 
 def spring_lattice(
     *,
-    k0: float,
-    k1: float,
-    R: float = 1.0,
-    R_viscous: float = 0.0,
+    k0: K0,
+    k1: K1,
+    R: Mobility = 1.0,
+    R_viscous: ViscousMobility = 0.0,
     creep: LocalCreep | None = None,
-    hardness: float | str | None = None,
+    hardness: Hardness = None,
 ) -> Solid:
     """Build Jagla's lattice of springs (Eqs. e and dosrs).
 

@@ -1,5 +1,8 @@
 """Heights of surfaces: made at random, measured, or of single asperities; and what a surface measures."""
 
+from collections.abc import Callable
+from typing import Any
+
 from asperity.base.calls import answered as _answered
 from asperity.surfaces.asperities import array, paraboloid, punch, sphere
 from asperity.surfaces.heights import check_heights
@@ -34,4 +37,18 @@ __all__ = [
     "sphere",
     "statistics",
 ]
+KINDS: dict[str, Callable[..., Any]] = {
+    "gaussian": gaussian,
+    "exponential": exponential,
+    "self_affine": self_affine,
+    "spectral": spectral,
+    "spectrum": from_spectrum,
+    "sphere": sphere,
+    "paraboloid": paraboloid,
+    "punch": punch,
+    "array": array,
+    "file": read,
+}
+"""What makes surfaces, by the kind in a configuration; annotated arguments are its keys."""
+
 __dir__ = _answered(globals())

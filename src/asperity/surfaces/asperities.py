@@ -8,24 +8,49 @@ Dataset; it has the height of the body at this very point.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Gt, Len
 from numpy.typing import NDArray
 
 from asperity.base import checks, units
+from asperity.base.parameters import Quantity
 from asperity.errors import LARGEST, InputError
 from asperity.lattice import Edges, Field, Lattice
 from asperity.surfaces.heights import sides_of_pixels
+from asperity.surfaces.making import Length, Lengths, Shape
 from asperity.surfaces.surface import Surface
 
-Length = float | str
-Lengths = Length | Sequence[Length] | NDArray[np.float64]
-"""One number, or several; each in m, or a text with a unit."""
+_RADIUS = Quantity(
+    "radius of the asperity",
+    "m",
+    more="; of curvature of a paraboloid (one, or one an axis), of the face of a punch.",
+)
+_Radius = Annotated[Length, Gt(0), _RADIUS]
+_Radii = Annotated[Lengths, Gt(0), Len(1, 2), _RADIUS]
+_PixelSize = Annotated[
+    Lengths,
+    *(Gt(0), Len(1, 2)),
+    Quantity("distance between sites", "m", more=": one number, or between rows and between columns."),
+]
+_Position = Annotated[Length, Quantity("position", "m")]
+_Places = Annotated[
+    Sequence[tuple[_Position, _Position]] | Sequence[Sequence[Length]] | NDArray[np.float64],
+    Len(1),
+    Quantity("places of the balls", "m", more=": pairs y x, counted from the first site, in m."),
+]
+_RadiiOfBalls = Annotated[
+    Lengths, Gt(0), Len(1), Quantity("radii of the balls", "m", more=": one, or one a ball.")
+]
+_Heights = Annotated[
+    Lengths, Len(1), Quantity("heights of the summits of the balls", "m", more=": one, or one a ball.")
+]
 
 _ROUNDING = 1e-12  # relative distance beyond an edge at which a site still is on it
 
 
-def sphere(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges: Edges = "free") -> Surface:
+def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
     r"""Make a ball: :math:`h = \sqrt{R^2 - r^2} - R`, at the distance r from the middle.
 
     What lies beyond the ball, where the lattice is that large, is flat, at the height of its center, -R.
@@ -57,9 +82,7 @@ def sphere(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges
     return _made("sphere", lattice, heights, edges, radius=float(size[0]))
 
 
-def paraboloid(
-    shape: tuple[int, int], *, radius: Lengths, pixel_size: Lengths, edges: Edges = "free"
-) -> Surface:
+def paraboloid(shape: Shape, *, radius: _Radii, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
     r"""Make a paraboloid: :math:`h = -y^2/(2 R_y) - x^2/(2 R_x)`, the shape of which Hertz is exact.
 
     Parameters
@@ -76,7 +99,7 @@ def paraboloid(
     return _made("paraboloid", lattice, heights, edges, radius=radii.tolist())
 
 
-def punch(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges: Edges = "free") -> Surface:
+def punch(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
     r"""Make a flat circular punch: height 0 up to its edge, and one radius lower beyond it.
 
     A site belongs to the face if its center does. So the face has the area of these sites, and its edge is
@@ -97,12 +120,12 @@ def punch(shape: tuple[int, int], *, radius: Length, pixel_size: Lengths, edges:
 
 
 def array(
-    shape: tuple[int, int],
+    shape: Shape,
     *,
-    places: Sequence[Sequence[Length]] | NDArray[np.float64],
-    radii: Lengths,
-    pixel_size: Lengths,
-    heights: Lengths = 0.0,
+    places: _Places,
+    radii: _RadiiOfBalls,
+    pixel_size: _PixelSize,
+    heights: _Heights = 0.0,
     edges: Edges = "free",
 ) -> Surface:
     """Put balls at given places; where two overlap, the higher one counts.
@@ -163,7 +186,7 @@ def _middle(lattice: Lattice) -> Field:
     return (np.array(lattice.shape) - 1) / 2
 
 
-def _lattice(shape: tuple[int, int], pixel_size: Lengths) -> Lattice:
+def _lattice(shape: int | tuple[int, ...], pixel_size: Lengths) -> Lattice:
     lengths = checks.lattice_shape(shape, advice="(256, 256)")
     if len(lengths) != 2:
         raise InputError("shape", expected="two lengths", got=checks.shown(shape), advice="(256, 256)")

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
-from typing import Any, ParamSpec, Protocol, cast, overload
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, Literal, ParamSpec, Protocol, cast, overload
+
+import numpy as np
+from annotated_types import Ge, Gt, Le, Len, Lt
+from numpy.typing import NDArray
 
 from asperity.base import checks, units
+from asperity.base.parameters import Quantity
 from asperity.base.words import written_with_units
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -15,6 +20,39 @@ from asperity.surfaces.prepare import LENGTHS
 from asperity.surfaces.surface import Surface
 
 _P = ParamSpec("_P")
+
+Length = float | str
+Lengths = Length | Sequence[Length] | NDArray[np.float64]
+"""One number, or several; each in m, or a text with a unit."""
+
+MOST_SITES = 2**31
+"""Sites along an axis: far beyond any memory, far below what numpy cannot count."""
+
+Shape = Annotated[
+    int | tuple[int, ...],
+    *(Ge(1), Le(MOST_SITES), Len(1, 2)),
+    Quantity(
+        "sites along each axis", dimension="sites", more=": 200 200, or 4096 for a line.", usual=(200, 200)
+    ),
+]
+Rng = int | np.random.Generator | None
+Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights")]
+Rms = Annotated[float, Gt(0), Quantity("rms height", dimension="height unit")]
+PixelSize = Annotated[
+    Lengths | None,
+    *(Gt(0), Len(1, 2)),
+    Quantity(
+        "distance between sites",
+        key="spacing",
+        dimension="length unit",
+        more=": one number, or one an axis.",
+        usual=(1.0,),
+    ),
+]
+Unit = Annotated[
+    Literal["m", "mm", "um", "nm", "pm"] | None,
+    Quantity("unit of the spacing and of all heights and wavelengths"),
+]
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 _ADDED = {"unit": "str | None", "pixel_size": "ArrayLike | str | None"}
 """Arguments that are added, and what they may be."""
@@ -24,10 +62,10 @@ class Maker(Protocol[_P]):
     """Makes heights, or with a unit a surface."""
 
     @overload
-    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
+    def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...  # type: ignore[overload-overlap]
 
     @overload
-    def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...
+    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
 
 
 def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
@@ -51,13 +89,15 @@ def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
                     raise InputError("unit", expected=expected, got="none", advice="unit='um'")
                 return make(*args, **given)
             checks.choice("unit", unit, LENGTHS)
-            heights = make(*args, **{name: one for name, one in (given | sizes).items() if name not in added})
+            taken = {"unit": unit, **given, **sizes}
+            heights = make(*args, **{name: one for name, one in taken.items() if name not in added})
             facts = {name: one for name, one in given.items() if isinstance(one, float | int | list | tuple)}
             size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
             return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        parameters = [*signature.parameters.values(), *more]
-        whole = signature.replace(parameters=parameters, return_annotation="Field | Surface")
+        known = signature.parameters.values()
+        parameters = [one.replace(annotation=_ADDED.get(one.name, one.annotation)) for one in known]
+        whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
         call.__signature__ = whole  # type: ignore[attr-defined]
         return cast(Maker[_P], call)
 

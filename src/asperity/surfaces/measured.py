@@ -5,13 +5,15 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Annotated, Literal
 
 import numpy as np
+import scipy
+from annotated_types import Ge, Gt, Len, Lt
 from numpy.typing import NDArray
-from scipy.ndimage import find_objects
 
 from asperity.base import checks
+from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
@@ -19,35 +21,118 @@ from asperity.surfaces.files import Length
 from asperity.surfaces.levelling import Lines, Tilt
 from asperity.surfaces.surface import Provenance, Surface
 
-Undefined = Literal["fill", "refuse"]
 Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
-Unit = Literal["m", "mm", "um", "nm", "pm", "rms"]
-CropUnit = Literal["pixel", "m", "mm", "um", "nm", "pm"]
+
+_Path = Annotated[
+    str | Path,
+    Quantity("surface file", more="; the other settings of this group prepare it. For spectrum its table."),
+]
+_Undefined = Annotated[
+    Literal["fill", "refuse"],
+    Quantity("what is done about undefined pixels", more=": fill (from their rims) or refuse."),
+]
+_MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
+_UndefinedValue = Annotated[
+    float | None,
+    Quantity(
+        "height that stands for an undefined pixel",
+        dimension="height unit",
+        more=" in the file, such as -9999.",
+    ),
+]
+_Tilt = Annotated[
+    Tilt, Quantity("what is removed from the heights", more="; quadratic also the bow of a scanner.")
+]
+_Despike = Annotated[
+    bool, Quantity("pixels more than 6 robust standard deviations above the median height are filled")
+]
+_Lines = Annotated[
+    Lines,
+    Quantity("how the offsets of lines are levelled", more=". median: subtract its median from each row."),
+]
+_Periodic = Annotated[
+    Periodic,
+    Quantity(
+        "how the surface is made periodic",
+        more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the "
+        "mean. mirror: four mirrored copies, for what must be periodic.",
+    ),
+]
+_Unit = Annotated[
+    Literal[Length, "rms"] | None,
+    Quantity(
+        "unit of the heights",
+        more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit of "
+        "all lengths; by default none.",
+    ),
+]
+_Channel = Annotated[
+    str | int | None,
+    Quantity("channel of the surface file", more=", by name or number. By default the file's."),
+]
+_Resample = Annotated[bool, Quantity("pixels that are not square are averaged to the larger spacing")]
+_Crop = Annotated[
+    Sequence[float] | None,
+    Len(2, 4),
+    Quantity(
+        "part of the surface file",
+        dimension="pixels, or the unit of the part",
+        more=": top bottom left right, or left right of a profile, in pixels.",
+    ),
+]
+_CropUnit = Annotated[
+    Literal["pixel", Length] | None,
+    Quantity("unit of length in which the part is given", more=", in place of pixels."),
+]
+_Longest = Annotated[
+    float | None,
+    Gt(0),
+    Quantity(
+        "longest wavelength kept",
+        dimension="length unit",
+        more=", in the file's unit of length, or in pixels without one.",
+    ),
+]
+_Shortest = Annotated[
+    float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
+]
+_FileUnit = Annotated[Length | None, Quantity("unit of the heights in a file that does not say")]
+_PixelSize = Annotated[
+    float | str | Sequence[float | str] | None,
+    *(Gt(0), Len(1, 2)),
+    Quantity(
+        "distance between pixels",
+        dimension="length unit",
+        more=" in a file that does not say: one number, or between rows and between columns. Of a ball, a "
+        "paraboloid, a punch and an array it is that between sites, in m.",
+    ),
+]
+_LengthUnit = Annotated[Length | None, Quantity("unit of that distance")]
 
 # Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
 _LARGEST = 1e60
 
 
 def read(
-    path: str | Path,
+    path: _Path,
     *,
-    undefined: Undefined = "fill",
-    max_undefined: float = 0.1,
-    undefined_value: float | None = None,
-    tilt: Tilt = "plane",
-    despike: bool = False,
-    lines: Lines = "none",
-    periodic: Periodic = "reflect",
-    unit: Unit | None = None,
-    channel: str | int | None = None,
-    resample: bool = False,
-    crop: Sequence[float] | None = None,
-    crop_unit: CropUnit | None = None,
-    longest: float | None = None,
-    shortest: float | None = None,
-    file_unit: Length | None = None,
-    pixel_size: float | str | Sequence[float | str] | None = None,
-    length_unit: Length | None = None,
+    undefined: _Undefined = "fill",
+    max_undefined: _MaxUndefined = 0.1,
+    undefined_value: _UndefinedValue = None,
+    tilt: _Tilt = "plane",
+    despike: _Despike = False,
+    lines: _Lines = "none",
+    periodic: _Periodic = "reflect",
+    unit: _Unit = None,
+    channel: _Channel = None,
+    resample: _Resample = False,
+    crop: _Crop = None,
+    crop_unit: _CropUnit = None,
+    longest: _Longest = None,
+    shortest: _Shortest = None,
+    file_unit: _FileUnit = None,
+    pixel_size: _PixelSize = None,
+    length_unit: _LengthUnit = None,
 ) -> Surface:
     """Read a measured surface and make it ready for the solver.
 
@@ -127,17 +212,16 @@ def read(
         If an option is none of the above, or the unit cannot be converted; if there are not two of the
         larger pixels along the other axis; or if more pixels are spikes than undefined ones are filled.
     """
-    for option, value, choices in (
-        ("undefined", undefined, get_args(Undefined)),
-        ("tilt", tilt, get_args(Tilt)),
-        ("lines", lines, get_args(Lines)),
-        ("periodic", periodic, get_args(Periodic)),
-        ("unit", unit, (None, *get_args(Unit))),
-        ("crop_unit", crop_unit, (None, *get_args(CropUnit))),
-        ("file_unit", file_unit, (None, *get_args(Length))),
-        ("length_unit", length_unit, (None, *get_args(Length))),
-    ):
-        checks.choice(option, value, choices)
+    words: dict[str, str | None] = {
+        "undefined": undefined,
+        "tilt": tilt,
+        "lines": lines,
+        "periodic": periodic,
+        "unit": unit,
+    }
+    words |= {"crop_unit": crop_unit, "file_unit": file_unit, "length_unit": length_unit}
+    for name, value in words.items():
+        parameters_of(read)[name].checked(name, value)
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
@@ -209,7 +293,7 @@ def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[in
 
 def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> str:
     """Advise to crop, or to crop more, where an undefined frame is what is too much."""
-    (box,) = find_objects((~missing).astype(int))
+    (box,) = scipy.ndimage.find_objects((~missing).astype(int))
     if missing[box].mean() > limit:
         return ""
     starts = crop[::2] or [0] * missing.ndim

@@ -19,23 +19,40 @@ H = 1/2 is about 0.45 at L = 256 and 0.48 at L = 2048.
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Gt, Le
 
 from asperity.base import checks
+from asperity.base.parameters import Also, Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.making import in_unit
+from asperity.surfaces.making import MOST_SITES, Rng, Seed, in_unit
+
+
+def power_of_two(name: str, value: int) -> int:
+    """Refuse lengths that are no power of two with `InputError`."""
+    expected = "a power of two, 2 or more"
+    length = checks.integer(name, value, least=2, expected=expected, advice="256")
+    if length & (length - 1):
+        below = 1 << (length.bit_length() - 1)
+        raise InputError(name, expected=expected, got=length, advice=f"{below} or {2 * below}")
+    return length
+
+
+Size = Annotated[
+    int,
+    *(Le(MOST_SITES), Also(power_of_two)),
+    Quantity("sites along each axis", dimension="sites", more=", a power of two.", usual=256),
+]
+Hurst = Annotated[float, Gt(0), Le(1), Quantity("Hurst exponent")]
+Delta = Annotated[float, Gt(0), Quantity("roughness at the scale of the lattice", dimension="height unit")]
 
 
 @in_unit("delta")
 def self_affine(
-    size: int,
-    *,
-    hurst: float = 0.5,
-    delta: float = 0.01,
-    seed: int = 0,
-    rng: int | np.random.Generator | None = None,
+    size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Seed = 0, rng: Rng = None
 ) -> Field:
     """Make a periodic self-affine surface by successive random midpoints.
 
@@ -62,11 +79,7 @@ def self_affine(
         If the size is not a power of two, `hurst` is outside (0, 1], `delta` is not positive and
         finite, or the seed is not an integer of 0 or more.
     """
-    expected = "a power of two, 2 or more"
-    length = checks.integer("size", size, least=2, expected=expected, advice="256")
-    if length & (length - 1):
-        below = 1 << (length.bit_length() - 1)
-        raise InputError("size", expected=expected, got=length, advice=f"{below} or {2 * below}")
+    length = power_of_two("size", size)
     expected = "a number above 0 and up to 1"
     exponent = checks.number("hurst", hurst, above=0, most=1, expected=expected, advice="0.5")
     width = checks.number("delta", delta, above=0)

@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TypeGuard
 
 import numpy as np
-import scipy.sparse
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import spsolve
 
 from asperity.base import checks
 from asperity.errors import InputError
@@ -139,7 +137,7 @@ def fill(heights: Field) -> Field:
         rim, rim_height = number[here[~inner]], flat[there[~inner]]
         right = np.bincount(rim, weights=rim_height, minlength=unknowns)
         laplacian = scipy.sparse.diags_array(degree, format="csc") - links.tocsc()
-        solution = np.atleast_1d(spsolve(laplacian, right, permc_spec="MMD_AT_PLUS_A"))
+        solution = np.atleast_1d(scipy.sparse.linalg.spsolve(laplacian, right, permc_spec="MMD_AT_PLUS_A"))
         filled[missing] = _clipped(solution, links, rim, rim_height)
     return filled.reshape(heights.shape)
 
@@ -159,7 +157,7 @@ def _clipped(
     solution: Field, links: scipy.sparse.csr_array, rim: NDArray[np.intp], rim_height: Field
 ) -> Field:
     """Hold the solution between the lowest and the highest pixel of its hole's rim, in spite of rounding."""
-    holes, hole = connected_components(links, directed=False)
+    holes, hole = scipy.sparse.csgraph.connected_components(links, directed=False)
     lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
     np.minimum.at(lowest, hole[rim], rim_height)
     np.maximum.at(highest, hole[rim], rim_height)

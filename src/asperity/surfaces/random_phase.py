@@ -22,37 +22,86 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
 
 import numpy as np
-import scipy.fft
+import scipy
+from annotated_types import Ge, Gt, Le
 from numpy.typing import ArrayLike, NDArray
 
 from asperity.base import checks
+from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.surfaces.heights import checked_spacing
-from asperity.surfaces.making import in_unit
+from asperity.surfaces.making import PixelSize, Rng, Seed, Shape, Unit, in_unit
+from asperity.surfaces.spectrum_files import read_spectrum
 
 _USUAL_CUTOFF = 8
 """Shortest wavelength of a surface for which none is given, in units of the larger spacing."""
 
 _ROUNDING = 1e-9
 
+Hurst = Annotated[float, Ge(0), Le(1), Quantity("Hurst exponent")]
+RollOff = Annotated[
+    float | None,
+    Gt(0),
+    Quantity(
+        "wavelength above which the spectrum is flat",
+        dimension="length unit",
+        more=". By default the longest side.",
+    ),
+]
+Cutoff = Annotated[
+    float | None,
+    Gt(0),
+    Quantity(
+        "shortest wavelength", dimension="length unit", more=". By default eight times the larger spacing."
+    ),
+]
+RmsHeight = Annotated[
+    float | None,
+    Gt(0),
+    Quantity(
+        "rms height", dimension="height unit", more=". By default 1, unless slope or curvature is given."
+    ),
+]
+RmsSlope = Annotated[
+    float | None,
+    Gt(0),
+    Quantity("rms slope", dimension="height unit / length unit", more=", in place of the height."),
+]
+RmsCurvature = Annotated[
+    float | None,
+    Gt(0),
+    Quantity("rms mean curvature", dimension="height unit / length unit^2", more=", in place of the height."),
+]
+Table = Annotated[
+    Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike] | str | Path,
+    Quantity(
+        "table of the wave number q and the power spectrum C",
+        key="path",
+        more="; columns with units need `unit`.",
+    ),
+]
+
 
 @in_unit("roll_off", "cutoff", "rms_height")
 def spectral(
-    shape: int | tuple[int, ...],
+    shape: Shape,
     *,
-    hurst: float = 0.8,
-    roll_off: float | None = None,
-    cutoff: float | None = None,
-    rms_height: float | None = None,
-    rms_slope: float | None = None,
-    rms_curvature: float | None = None,
-    pixel_size: ArrayLike | None = None,
+    hurst: Hurst = 0.8,
+    roll_off: RollOff = None,
+    cutoff: Cutoff = None,
+    rms_height: RmsHeight = None,
+    rms_slope: RmsSlope = None,
+    rms_curvature: RmsCurvature = None,
+    pixel_size: PixelSize = None,
+    unit: Unit = None,
     spacing: ArrayLike | None = None,
-    seed: int = 0,
-    rng: int | np.random.Generator | None = None,
+    seed: Seed = 0,
+    rng: Rng = None,
 ) -> Field:
     """Make a periodic self-affine surface of a given power spectrum, with random phases.
 
@@ -92,13 +141,14 @@ def spectral(
     -----
     The amplitudes have no scatter: every surface has exactly this spectrum, and seeds differ in phases only.
     """
+    del unit  # of which `in_unit` makes a surface
     lengths = checks.lattice_shape(shape)
     exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
-    if spacing is None:
-        name, size = "pixel_size", 1.0 if pixel_size is None else pixel_size
-    else:
-        name, size = checks.one_of("pixel_size=0.5", pixel_size=pixel_size, spacing=spacing), spacing
-    steps = checked_spacing(name, size, len(lengths))
+    sizes: dict[str, ArrayLike | None] = {"pixel_size": pixel_size, "spacing": spacing}
+    if pixel_size is None and spacing is None:
+        sizes["pixel_size"] = 1.0
+    name = checks.one_of("pixel_size=0.5", **sizes)
+    steps = checked_spacing(name, sizes[name], len(lengths))
     lattice = Lattice(lengths, steps)
     q = lattice.wave_number
     longest, shortest = _band(roll_off, cutoff, [n * d for n, d in zip(lengths, steps, strict=True)], steps)
@@ -122,12 +172,13 @@ def spectral(
 
 @in_unit()
 def from_spectrum(
-    shape: int | tuple[int, ...],
-    spectrum: Callable[[Field], ArrayLike] | tuple[ArrayLike, ArrayLike],
+    shape: Shape,
+    spectrum: Table,
     *,
-    pixel_size: ArrayLike = 1.0,
-    seed: int = 0,
-    rng: int | np.random.Generator | None = None,
+    pixel_size: PixelSize = 1.0,
+    unit: Unit = None,
+    seed: Seed = 0,
+    rng: Rng = None,
 ) -> Field:
     r"""Make a periodic surface of a power spectrum of one's own, with random phases.
 
@@ -137,9 +188,10 @@ def from_spectrum(
         Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
     spectrum
         C(q), the same in all directions, as `power_spectrum` measures it: a function of an array of wave
-        numbers, or the pair (q, C) of a table with rising q. Between the points of a table ln C is linear in
-        ln q; outside of it there are no waves. q is in radians per unit of the pixel size, C in the squared
-        unit of the heights times the squared unit of the pixel size; of a profile, times that unit.
+        numbers, the pair (q, C) of a table with rising q, or the file of one, for `read_spectrum`. Between
+        the points of a table ln C is linear in ln q; outside of it there are no waves. q is in radians per
+        unit of the pixel size, C in the squared unit of the heights times the squared unit of the pixel size;
+        of a profile, times that unit.
     pixel_size
         Distance between sites; unit, seed, rng and result are those of `spectral`.
 
@@ -159,6 +211,8 @@ def from_spectrum(
     The amplitudes have no scatter: every wave has exactly this power, and seeds differ in phases only.
     """
     lengths = checks.lattice_shape(shape)
+    if isinstance(spectrum, str | Path):
+        spectrum = read_spectrum(spectrum, unit=unit, dimension=len(lengths))
     sides = checked_spacing("pixel_size", pixel_size, len(lengths))
     q = Lattice(lengths, sides).wave_number
     kept = q > 0

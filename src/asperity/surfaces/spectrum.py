@@ -25,9 +25,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.fft
-import scipy.ndimage
-import scipy.special
+import scipy
 from numpy.typing import ArrayLike
 
 from asperity.base import views

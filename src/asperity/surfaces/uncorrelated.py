@@ -8,21 +8,13 @@ is simplest: the ratio A(t)/A(0) does not depend on the load.
 
 from __future__ import annotations
 
-import numpy as np
-
 from asperity.base import checks
 from asperity.lattice import Field
-from asperity.surfaces.making import in_unit
+from asperity.surfaces.making import Rms, Rng, Seed, Shape, in_unit
 
 
 @in_unit("rms")
-def gaussian(
-    shape: int | tuple[int, ...],
-    *,
-    rms: float = 1.0,
-    seed: int = 0,
-    rng: int | np.random.Generator | None = None,
-) -> Field:
+def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent Gaussian heights of mean 0.
 
     Parameters
@@ -55,13 +47,7 @@ def gaussian(
 
 
 @in_unit("rms")
-def exponential(
-    shape: int | tuple[int, ...],
-    *,
-    rms: float = 1.0,
-    seed: int = 0,
-    rng: int | np.random.Generator | None = None,
-) -> Field:
+def exponential(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 
     Their standard deviation is `rms`, and so is their mean: the mean is not removed. Arguments, result and

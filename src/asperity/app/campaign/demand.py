@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from asperity.aging.memory import bytes_a_site
 from asperity.app.campaign.plan import Plan
 from asperity.app.campaign.store import QUANTITIES, Store
 from asperity.app.config import RunConfig
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import recorded_times
-from asperity.app.runs.pipeline import bytes_a_site
 from asperity.base import checks
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.cli.options import Results
-from asperity.app.cli.output import check_free
 from asperity.app.cli.report import Row, aligned
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
 from asperity.progress import listener
@@ -33,12 +32,13 @@ def compute_into(
     write: Callable[[Any, Path], Sequence[str] | None],
     every: float,
     results: Results,
+    replaceable: Standing,
 ) -> None:
     """Compute what is asked, and write its dataset, its summary and all else to a folder, or nothing.
 
-    A long computation keeps its place, every so many seconds, in a file beside the folder.
+    A long computation keeps its place, every so many seconds, in a file beside the folder. What is
+    `replaceable` there, `check_free` has said before all this was imported.
     """
-    replaceable = check_free(out, overwrite=results.overwrite)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:

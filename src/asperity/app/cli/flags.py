@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from cyclopts import Group, Parameter, Token
 
@@ -155,7 +155,7 @@ def _read(written: bool | str | list[str], what: What) -> object:
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Keys of a section, with its name; of several kinds, each key with what is said of all."""
     from asperity.app.config.keys import Key, keys_of, sections
-    from asperity.app.config.models import MeasuredSurface
+    from asperity.app.config.surfaces import MeasuredSurface
 
     if section == "prediction":
         yield from _of_a_prediction()
@@ -173,7 +173,7 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     measured = kinds.pop("file", {})
     for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
         owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
-        first = next(iter(owners.values()))
+        first = next((key for key in owners.values() if key.several), next(iter(owners.values())))
         text = f"{first.description} For {', '.join(owners)}."
         for kind, key in owners.items():
             if not key.required and key.default != first.default:
@@ -185,10 +185,12 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
+    from asperity.app.config.creep import FORMULAS
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
-    from asperity.app.config.models import Aging, Carried, Contact, Friction, MeasuredSurface, Output
-    from asperity.app.config.solids import FORMULAS, POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
+    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.surfaces import MeasuredSurface
 
     words = {
         "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
@@ -208,7 +210,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
     }
     for section, model, names in (
-        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path"}),
+        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path", "unit"}),
         ("solid", HalfSpace, PREDICTED),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
@@ -218,8 +220,9 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     ):
         for name, key in keys_of(model).items():
             if name in names:
+                named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
                 said = words.get(flag_of(section, name), key.description)
-                yield section, dataclasses.replace(key, description=said)
+                yield section, dataclasses.replace(key, name=named, description=said)
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
@@ -237,7 +240,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
     parameter = Parameter(
-        name=name,
+        name=("--unit", name) if key.name == "units" and quantity == "QUANTITY" else name,
         group=group,
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
@@ -247,4 +250,5 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
-    return Annotated[(list[str] if key.several or paired else str) | None, parameter]
+    one: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
+    return Annotated[(list[str] if key.several or paired else one) | None, parameter]

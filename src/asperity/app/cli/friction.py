@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Reading, Results
 from asperity.base.files import kind_of
 from asperity.base.words import number
@@ -95,14 +96,14 @@ def friction(
         several = [record for path in records for record in _records_at(path, strength, **how)]
         if several[0].si and isinstance(reference, float | int):
             raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
+    replaceable = check_free(out, overwrite=results.overwrite)
     # Late: what is no record is told before all is imported.
     from asperity.app.cli.computing import folder_of_results, tell_results
-    from asperity.app.cli.output import check_free, write_figure
+    from asperity.app.cli.output import write_figure
     from asperity.app.cli.reports.friction import events_report, friction_report
     from asperity.figures import rate_and_state_figure
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
-    replaceable = check_free(out, overwrite=results.overwrite)
     with in_flags(_FLAGS):
         found = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
     rows, by_event, fit = friction_report(found, str(records[0])), None, found.fits[found.preferred]

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, in_flags
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
@@ -93,8 +94,8 @@ def infer(
     chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
         *data, remarks, read = _data(file, chosen, vars(reading), (unit_time, unit_area), error, model)
+    replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
-    from asperity.app.cli.output import check_free
     from asperity.app.cli.reports.infer import inference_report, write_inference
     from asperity.app.config.reading import read_tables
     from asperity.base import checks
@@ -104,7 +105,6 @@ def infer(
     from asperity.progress import listener
 
     libraries()
-    replaceable = check_free(out, overwrite=results.overwrite)
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
     how |= {"absolute": unit_area is not None, "seed": seed, "walkers": walkers}
     how["priors"] = None if priors is None else read_tables(priors)

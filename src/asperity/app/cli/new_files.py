@@ -1,10 +1,10 @@
-"""Whether a file can be written, asked before anything is computed or imported for it."""
+"""Whether a file or a folder can be written, asked before anything is computed or imported for it."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from asperity.base.files import Standing, standing
+from asperity.base.files import MARKER, Standing, marker_of, named, standing
 from asperity.errors import InputError, OutputError
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
@@ -22,6 +22,36 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
         raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
     try_writing(flag, target, target.parent)
     return standing(target)
+
+
+def check_free(out: Path, *, overwrite: bool) -> Standing:
+    """Make sure, before anything is computed, that the results can be written; give what they may replace."""
+    folder = out.resolve()
+    if folder == Path.cwd() or folder in Path.cwd().parents:
+        raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
+    if out.exists() and not out.is_dir():
+        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
+    if found := {path.name for path in out.iterdir()} if out.exists() else set():
+        marker = marker_of(out)
+        foreign = sorted(found - {MARKER, *marker.get("files", ())})
+        expected, held, advice = "a new folder", "", "another name"
+        if not marker:
+            held = f"no {MARKER}, the mark of results,"
+        elif marker["kind"] == "campaign":
+            held = named("campaign")
+        elif not overwrite:
+            held, advice = named(marker["kind"]), "another name, or --overwrite"
+        elif foreign:
+            expected, held = "a folder of results with nothing else in it", f"{foreign[0]} too"
+            advice = "another name, or moving that away"
+        if held:
+            got = f"{out}, which holds {held} and is kept"
+            raise InputError("--out", expected=expected, got=got, advice=advice)
+    ground = folder.parent
+    while not ground.exists():
+        ground = ground.parent
+    try_writing("--out", out, ground)
+    return standing(out) if overwrite else frozenset()
 
 
 def try_writing(flag: str, target: Path, folder: Path) -> None:

@@ -10,11 +10,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
-from asperity.app.cli.new_files import try_writing
 from asperity.app.config.reading import to_toml
-from asperity.base.files import MARKER, Standing, marker_of, named, standing
+from asperity.base.files import Standing
 from asperity.base.tables import with_unit
-from asperity.errors import InputError
 from asperity.figures import (
     aging_curve,
     carried_figure,
@@ -34,36 +32,6 @@ if TYPE_CHECKING:
 
 _MOST_MAPS = 24
 """Maps that one figure shows."""
-
-
-def check_free(out: Path, *, overwrite: bool) -> Standing:
-    """Make sure, before anything is computed, that the results can be written; give what they may replace."""
-    folder = out.resolve()
-    if folder == Path.cwd() or folder in Path.cwd().parents:
-        raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
-    if out.exists() and not out.is_dir():
-        raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    if found := {path.name for path in out.iterdir()} if out.exists() else set():
-        marker = marker_of(out)
-        foreign = sorted(found - {MARKER, *marker.get("files", ())})
-        expected, held, advice = "a new folder", "", "another name"
-        if not marker:
-            held = f"no {MARKER}, the mark of results,"
-        elif marker["kind"] == "campaign":
-            held = named("campaign")
-        elif not overwrite:
-            held, advice = named(marker["kind"]), "another name, or --overwrite"
-        elif foreign:
-            expected, held = "a folder of results with nothing else in it", f"{foreign[0]} too"
-            advice = "another name, or moving that away"
-        if held:
-            got = f"{out}, which holds {held} and is kept"
-            raise InputError("--out", expected=expected, got=got, advice=advice)
-    ground = folder.parent
-    while not ground.exists():
-        ground = ground.parent
-    try_writing("--out", out, ground)
-    return standing(out) if overwrite else frozenset()
 
 
 def write_run(outcome: Outcome, folder: Path) -> list[str]:

@@ -6,23 +6,13 @@ import functools
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import (
-    OF_TABLES,
-    Columns,
-    Flags,
-    Out,
-    Switch,
-    Units,
-    Whole,
-    flags_for,
-    given,
-    in_flags,
-)
+from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -32,22 +22,10 @@ _CHECKPOINT_EVERY = 3.0
 
 @flags_of_fields
 class PredictFlags:
-    """What a relaxation table holds, and for which temperature.
+    """How a relaxation table is fitted, and for which temperature.
 
     Parameters
     ----------
-    kind
-        What the table holds, if the names of its columns do not say.
-    columns
-        Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency,
-        storage and loss modulus. [default: those that are named so]
-    units
-        Units of its columns in place of those of the table, such as E=MPa.
-    noise
-        Largest relative change in the wrong direction that is taken for noise of the table. [default: 0.05]
-    modulus
-        What the table measures: Young's modulus, the shear modulus, or the contact modulus E*.
-        [default: what the names of its columns say, else young]
     branches
         How many relaxation times the fit of the table has, which are free. [default: the fewest whose misfit
         looks like noise, five at most; else 1 or 2 per decade]
@@ -59,11 +37,6 @@ class PredictFlags:
         The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
     """
 
-    kind: Literal["relaxation", "creep", "dynamic"] | None = None
-    columns: Columns = None
-    units: Units = None
-    noise: float | None = None
-    modulus: Literal["young", "shear", "contact"] | None = None
     branches: Whole | None = None
     reference: Annotated[str | None, Parameter(metavar="QUANTITY", allow_leading_hyphen=True)] = None
     activation_energy: Annotated[str | None, Parameter(metavar="QUANTITY")] = None
@@ -113,11 +86,7 @@ def predict(
     flags = given(keys, units=True)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
-    if material is not None and material.suffix != ".toml":  # mistakes in it are told before all is imported
-        from asperity.relaxation import read
-
-        with in_flags(OF_TABLES):
-            read(material, **{name: asked for name in OF_TABLES if (asked := vars(wanted)[name]) is not None})
+    replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
     asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
@@ -134,4 +103,5 @@ def predict(
         write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
         results=results,
+        replaceable=replaceable,
     )

@@ -3,23 +3,43 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from asperity.analysis.prediction import Prediction
-from asperity.app.cli.flags import OF_TABLES, check_unit, in_flags, keys_for
-from asperity.app.config import MeasuredSurface
+from asperity.app.cli.flags import check_unit, in_flags, keys_for
+from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
-from asperity.app.config.models import SECTIONS
+from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
-from asperity.app.config.solids import POISSON, BesideTable
-from asperity.app.predict import predict, predict_config
+from asperity.app.config.solids import OF_TABLES, POISSON, BesideTable
 from asperity.base import units
-from asperity.carried import Carried
 from asperity.errors import InputError
-from asperity.relaxation import arrhenius, wlf
+from asperity.relaxation import Material
+from asperity.relaxation import material as material_of
+
+if TYPE_CHECKING:
+    from asperity.analysis import Prediction
+
+
+def flag(name: str) -> str:
+    """The flag of an argument that is called as it."""
+    return f"--{name.replace('_', '-')}"
+
+
+_ARGUMENTS = {key: name for name, key in OF_TABLES.items()}
+"""Arguments of `asperity.relaxation.material` by keys of another name."""
+
+
+def _named(wanted: Iterable[str], *sections: str) -> dict[str, str]:
+    """Flags by the arguments that they stand for, of some sections or of all."""
+    named = {
+        _ARGUMENTS.get(key.name, key.name): flag_of(section, key.name)
+        for section, key in keys_for("prediction")
+        if section in sections or not sections
+    }
+    return named | {name: flag(name) for name in (*wanted, "extrapolate")}
 
 
 def prediction_asked(
@@ -30,17 +50,33 @@ def prediction_asked(
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
-        asked, compute = repr((config, loading)), functools.partial(predict_config, config)
+        asked, compute = repr((config, loading)), functools.partial(_of_config, config)
     else:
-        scan, arguments = _scan(flags), _arguments(flags, wanted)
-        asked = repr((material, scan, arguments, loading))
-        compute = lambda **more: predict(material, scan.build(), **arguments, **more)  # noqa: E731
+        scan, of_table, how = _scan(flags), *_arguments(flags, wanted)
+        asked = repr((material, scan, of_table, how, loading))
+        with in_flags(_named(wanted, "solid") | {"units": "--unit"}):
+            table = material_of(material, **of_table)
+        compute = functools.partial(_of_table, table, scan, how)
 
     def of_flags_alone(**more: Any) -> Prediction:
-        with in_flags(_flags_of_arguments(wanted)):
+        with in_flags(_named(("surface", "ramp"))):
             return compute(ramp=loading, **more)
 
     return asked, of_flags_alone
+
+
+def _of_config(config: RunConfig, **more: Any) -> Prediction:
+    from asperity.app.predict import predict_config  # takes a second: mistakes are told before
+
+    return predict_config(config, **more)
+
+
+def _of_table(table: Material, scan: MeasuredSurface, how: dict[str, Any], **more: Any) -> Prediction:
+    from asperity.analysis import predict  # likewise
+    from asperity.carried import Carried
+
+    carried = Carried(**how["carried"]) if "carried" in how else None
+    return predict(table, scan.build(), **{**how, "carried": carried}, **more)
 
 
 def _scan(flags: Sections) -> MeasuredSurface:
@@ -53,10 +89,12 @@ def _scan(flags: Sections) -> MeasuredSurface:
 
 def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sections:
     """The flags as keys of a run's configuration, where there is no relaxation table."""
-    for name, value in wanted.items():
-        if value is not None:
-            expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
-            raise InputError(_flag(name), expected=expected, got=got)
+    about = [flag(name) for name, value in wanted.items() if value is not None]
+    if path is None:
+        about += [flag_of("solid", key) for key in flags.get("solid", {}) if key in _ARGUMENTS]
+    if about:
+        expected, got = "a relaxation table, which it is about", f"{path or 'none'}"
+        raise InputError(about[0], expected=expected, got=got)
     if path is not None:
         return flags
     _one_load(flags)
@@ -77,8 +115,11 @@ def _one_load(flags: Sections) -> None:
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
 
 
-def _arguments(flags: Sections, wanted: dict[str, Any]) -> dict[str, Any]:
-    """What `asperity.predict` takes besides table and scan; `AsperityError` for flags that are wrong."""
+def _arguments(flags: Sections, wanted: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What `asperity.relaxation.material` takes besides a table, and `asperity.predict` besides a scan.
+
+    `AsperityError` for flags that are wrong.
+    """
     _one_load(flags)
     solid = dict(flags.get("solid", {}))
     if solid.get("creep") == "none":
@@ -91,50 +132,28 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> dict[str, Any]:
                 got="both",
                 advice="--young 3GPa in place of the table",
             )
-    keys = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
-    if "poisson" in keys:
-        keys["poisson"] = keys["poisson"][0]
-    if "per_decade" in keys:
-        keys["branches_per_decade"] = keys.pop("per_decade")
+    asked = section_from("solid", BesideTable, solid).model_dump(exclude_unset=True)
+    of_table = {_ARGUMENTS.get(key, key): value for key, value in asked.items()}
+    if "poisson" in of_table:
+        of_table["poisson"] = of_table["poisson"][0]
+    of_table |= {name: value for name, value in wanted.items() if value is not None}
+    of_table |= {
+        name: _with_unit(flag(name), wanted[name], unit)
+        for name, unit in (("reference", "K"), ("activation_energy", "J/mol"))
+        if wanted[name] is not None
+    }
+    how: dict[str, Any] = {}
     for section, model in SECTIONS.items():
         found = section_from(section, model, flags.get(section, {}))
-        if not isinstance(found, CarriedSection):
-            keys |= found.model_dump(exclude_unset=True)
-        elif (carried := found.asked([keys.get("poisson", POISSON)])) is not None:
-            keys["carried"] = Carried(**carried)
-    keys |= {name: wanted[name] for name in (*OF_TABLES, "branches") if wanted[name] is not None}
-    return keys | {"shift": _shift(keys.pop("temperature", None), wanted)}
+        if isinstance(found, Output):
+            how["instrument"] = found.instrument
+        elif not isinstance(found, CarriedSection):
+            how |= found.model_dump(exclude_unset=True)
+        elif (carried := found.asked([of_table.get("poisson", POISSON)])) is not None:
+            how["carried"] = carried
+    return of_table, how
 
 
-def _shift(temperature: float | None, wanted: dict[str, Any]) -> float:
-    """Factor on the times of the table, from its temperature to that of the contact."""
-    reference, energy, constants = (wanted[name] for name in ("reference", "activation_energy", "wlf"))
-    if (temperature, reference, energy, constants) == (None, None, None, None):
-        return 1.0
-    if temperature is None or reference is None:
-        flag = "--temperature" if temperature is None else "--reference"
-        expected = "the temperatures of contact and table"
-        raise InputError(flag, expected=expected, got="none", advice=f"{flag} 25degC")
-    kelvin = (temperature, _with_unit("--reference", reference, "K"))
-    if (energy is None) == (constants is None):
-        expected, got = "an activation energy, or the constants of WLF", "both" if energy else "neither"
-        raise InputError("--activation-energy", expected=expected, got=got, advice="100kJ/mol")
-    if constants is not None:
-        return wlf(constants[0], constants[1], *kelvin)
-    return arrhenius(_with_unit("--activation-energy", energy, "J/mol"), *kelvin)
-
-
-def _with_unit(flag: str, text: str, unit: str) -> float:
-    check_unit(flag, text, unit)
-    return units.quantity(text, unit, flag)
-
-
-def _flags_of_arguments(wanted: dict[str, Any]) -> dict[str, str]:
-    """Flags of arguments, by their names in Python."""
-    keys = {key.name: flag_of(section, key.name) for section, key in keys_for("prediction")}
-    others = ("surface", "branches_per_decade", "extrapolate", "ramp", *wanted)
-    return keys | {name: _flag(name) for name in others} | OF_TABLES
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
+def _with_unit(name: str, text: str, unit: str) -> float:
+    check_unit(name, text, unit)
+    return units.quantity(text, unit, name)

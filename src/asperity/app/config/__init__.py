@@ -1,6 +1,6 @@
 """The configuration of a run: its model, its file, and how its mistakes are named."""
 
-from asperity.app.config.models import MeasuredSurface, RunConfig
+from asperity.app.config.models import RunConfig
 from asperity.app.config.reading import (
     config_from,
     file_surface,
@@ -10,6 +10,7 @@ from asperity.app.config.reading import (
     to_tables,
     to_toml,
 )
+from asperity.app.config.surfaces import MeasuredSurface
 
 __all__ = [
     "MeasuredSurface",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,20 @@ Sections = dict[str, dict[str, object]]
 ORDER = [*KINDS, *SECTIONS]
 """All sections, in the order in which they are written and shown."""
 
+_FLAGS = {
+    ("surface", "kind"): "surface",
+    ("surface", "path"): "file",
+    ("surface", "places"): "place",
+    ("solid", "kind"): "solid",
+    ("solid", "branches"): "branch",
+    ("solid", "base_branches"): "base-branch",
+    ("solid", "per_decade"): "branches-per-decade",
+    ("solid", "table_kind"): "kind",
+}
+
+
+_UNKNOWN = "no such key"
+
 
 def models_of(section: str) -> Sequence[type[BaseModel]]:
     """Models of a section: one, or one of each kind."""
@@ -29,151 +43,101 @@ def models_of(section: str) -> Sequence[type[BaseModel]]:
 
 def flag_of(section: str, key: str) -> str:
     """Name of the flag that sets a key."""
-    names = {
-        ("surface", "kind"): "surface",
-        ("surface", "path"): "file",
-        ("surface", "places"): "place",
-        ("solid", "kind"): "solid",
-        ("solid", "branches"): "branch",
-        ("solid", "base_branches"): "base-branch",
-        ("solid", "per_decade"): "branches-per-decade",
-        ("solid", "table_kind"): "kind",
-    }
-    return "--" + names.get((section, key), key).replace("_", "-")
+    return "--" + _FLAGS.get((section, key), key).replace("_", "-")
 
 
-def unknown_names(merged: dict[str, Any], flags: Sections, path: Path | None) -> list[str]:
-    """Find sections and keys that do not exist, and suggest those that do; in lines not shown nothing."""
-    found = list(_unknown(merged, flags, path))
-    told = [
-        said + (_meant(word, known) or f"; there are {', '.join(known)}") if known else said
-        for said, word, known in found[:SHOWN_PROBLEMS]
+def spelled(
+    errors: Iterable[ErrorDetails], flags: Sections, path: Path | None, section: str = ""
+) -> list[str]:
+    """One line for each mistake that pydantic found, first of names; those shown suggest what was meant."""
+    return [
+        _line(detail, [section, *detail["loc"]] if section else [*detail["loc"]], flags, path)
+        + (_suggestion(detail, section) if number < SHOWN_PROBLEMS else "")
+        for number, detail in enumerate(sorted(errors, key=lambda one: one["type"] != "extra_forbidden"))
     ]
-    return told + [said for said, _, _ in found[SHOWN_PROBLEMS:]]
 
 
-Unknown = tuple[str, str, list[str]]
-"""What is wrong with a name, the name, and those that may have been meant."""
+def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | None) -> str:
+    """One line for one mistake, without names that may have been meant."""
+    expected, home = _expectation(detail), str(place[0]) if place else ""
+    kind = place.pop(1) if len(place) > 1 and place[1] in KINDS.get(home, {}) else ""
+    if home == "protocol":
+        return _of_leg(place, expected, flags, path)
+    if len(place) < 2:
+        if detail["type"].startswith("union_tag"):
+            return f"{_named(home, 'kind', flags, path)}: {expected}"
+        if detail["type"] == "extra_forbidden":
+            return _where(path, _outside(home, detail["input"], path))
+        if detail["type"] == "value_error":
+            return _of_section(home, expected, flags, path) if home else _where(path, expected)
+        return _where(path, f"{home}: expected a section [{home}], got {_shown(detail['input'])}")
+    key, given = str(place[1]), flags.get(home, {})
+    if detail["type"] == "missing" and "kind" in given:
+        file = "expected the file of the surface, got none; try --file PATH"
+        return f"{flag_of(home, key)}: {file if key == 'path' else expected}"
+    owners = [other for other, model in KINDS.get(home, {}).items() if key in model.model_fields]
+    if (
+        detail["type"] == "extra_forbidden"
+        and owners
+        and MEANT.get(key) not in KINDS[home][kind].model_fields
+    ):
+        expected = f"not a key of a {home} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
+        expected += f"; try --{home} {owners[0]}" if key in given else ""
+    return f"{_named(home, key, flags, path)}: {expected}"
 
 
-def _unknown(merged: dict[str, Any], flags: Sections, path: Path | None) -> Iterator[Unknown]:
-    for section, table in merged.items():
-        if section == "protocol":
-            yield from _unknown_in_legs(table, flags, path)
-        elif section not in ORDER:
-            yield _no_section(section, table, path)
-        elif not isinstance(table, dict):
-            yield _where(path, f"{section}: expected a section [{section}], got {_shown(table)}"), "", []
-        else:
-            yield from _unknown_keys(section, table, flags, path)
-
-
-def _no_section(name: str, content: object, path: Path | None) -> Unknown:
-    """Say what is wrong with a name at the top of the file."""
+def _outside(name: str, content: object, path: Path | None) -> str:
+    """What is wrong with a name at the top of the file."""
     if name == "sweep":
         command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
-        reason = f"makes this the file of a campaign, not of a run; try {command}"
-        return _where(path, f"[sweep]: {reason}"), "", []
+        return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
     if isinstance(content, dict):
-        return _where(path, f"[{name}]: no such section"), name, [*ORDER, "sweep"]
+        return f"[{name}]: no such section"
     homes = [one for one in (*SECTIONS, *KINDS) for model in models_of(one) if name in model.model_fields]
-    where = f"; it belongs below [{homes[0]}]" if homes else ""
-    return _where(path, f"{name}: stands outside any section{where}"), "", []
+    return f"{name}: stands outside any section{f'; it belongs below [{homes[0]}]' if homes else ''}"
 
 
-def _unknown_keys(
-    section: str, table: dict[str, Any], flags: Sections, path: Path | None
-) -> Iterator[Unknown]:
-    kind = table.get("kind")
-    kinds: Mapping[str, type[BaseModel]] = KINDS.get(section, {})
-    model = SECTIONS.get(section) or (kinds.get(kind) if isinstance(kind, str) else None)
-    if model is None:  # the kind itself is the mistake
-        return
-    known = list(model.model_fields)
-    for key in table:
-        if key in known:
-            continue
-        named = _named(section, key, flags, path)
-        owners = [name for name, other in kinds.items() if key in other.model_fields]
-        meant = MEANT.get(key)
-        if meant in known or (not owners and any(meant in other.model_fields for other in kinds.values())):
-            yield f"{named}: no such key; try {meant}", key, []
-        elif owners:
-            reason = f"not a key of a {section} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
-            if key in flags.get(section, {}):
-                reason += f"; try --{section} {owners[0]}"
-            yield f"{named}: {reason}", key, []
-        else:
-            yield f"{named}: no such key", key, known
-
-
-def _unknown_in_legs(
-    legs: object, flags: Sections, path: Path | None, where: str = "protocol"
-) -> Iterator[Unknown]:
-    """Find keys of legs that do not exist."""
-    if not isinstance(legs, list) or not all(isinstance(leg, dict) for leg in legs):
-        advice = '[[protocol]] with kind = "hold" and duration = 10.0'
-        yield _where(path, f"{where}: expected a list of legs; try {advice}"), "", []
-        return
-    for number, leg in enumerate(legs):
-        known = list(LEGS[str(leg.get("kind"))].model_fields) if str(leg.get("kind")) in LEGS else list(leg)
-        here = f"{where}[{number}]"
-        for key in leg:
-            if key not in known:
-                named = f"--leg {key}" if "protocol" in flags else _where(path, f"{here} {key}")
-                yield f"{named}: no such key", key, [name for name in known if name != "kind"]
-        if "legs" in leg and "legs" in known:
-            yield from _unknown_in_legs(leg["legs"], flags, path, f"{here} legs")
-
-
-def is_unknown(detail: ErrorDetails) -> bool:
-    """Whether `unknown_names` has reported this already."""
-    reported = ("extra_forbidden", "model_type", "model_attributes_type")
-    return detail["type"] in reported or detail["loc"] == ("protocol",)
-
-
-def spelled(detail: ErrorDetails, flags: Sections, path: Path | None, section: str = "") -> str:
-    """One line for one mistake that pydantic found."""
-    place = [section, *detail["loc"]] if section else list(detail["loc"])
-    if len(place) > 1 and place[1] in KINDS.get(str(place[0]), {}):
-        del place[1]
-    expected = _expectation(detail)
-    if place[:1] == ["protocol"]:
-        return _spelled_leg(place, expected, flags, path)
-    if detail["type"] == "missing" and place[-1] == "path" and "kind" in flags.get("surface", {}):
-        return "--file: expected the file of the surface, got none; try --file PATH"
-    if not place:
-        return _where(path, expected)
+def _suggestion(detail: ErrorDetails, section: str) -> str:
+    """The name that may have been meant, or all that there are."""
+    place, got = [section, *detail["loc"]] if section else [*detail["loc"]], detail["input"]
+    home, word, known = str(place[0]) if place else "", str(place[-1]) if place else "", list[str]()
+    if detail["type"] != "extra_forbidden" or word == "sweep":
+        return ""
     if len(place) == 1:
-        if detail["type"].startswith("union_tag"):
-            place.append("kind")
-        else:
-            return _of_section(str(place[0]), expected, flags, path)
-    section, key = str(place[0]), str(place[1])
-    if detail["type"] == "missing" and "kind" in flags.get(section, {}):
-        return f"{flag_of(section, key)}: {expected}"
-    return f"{_named(section, key, flags, path)}: {expected}"
+        known = [*ORDER, "sweep"] if isinstance(got, dict) else []
+    elif home == "protocol":
+        known = [name for name in LEGS[str(place[-2])].model_fields if name != "kind"]
+    else:
+        kinds = KINDS.get(home, {})
+        model = kinds[str(place[1])] if kinds else SECTIONS[home]
+        others = {name for one in kinds.values() for name in one.model_fields}
+        meant, known = MEANT.get(word), [] if word in others else list(model.model_fields)
+        if meant in model.model_fields or (known and meant in others):
+            return f"; try {meant}"
+    return _meant(word, known) or (f"; there are {', '.join(known)}" if known else "")
 
 
 def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of a section; keys that came, or may come, as flags are named so."""
+    """One line for a mistake of a section; keys that came, or may come, as flags are named so.
+
+    Its keys stand before a colon, or are marked; advice has arguments of the library.
+    """
     given = flags.get(section, {})
 
     def named(found: re.Match[str]) -> str:
-        key = found[1] or found[2] or found[3]
+        key, values = next(filter(None, found.groups())), found[0].partition("=")[2].strip("[]")
+        key = "table_kind" if key == "kind" else key
         if key in given or (given and path is None):
-            return flag_of(section, key) + (f" {found[4].replace(',', '')}" if found[4] else "")
-        return found[0].strip("`")
+            flag = flag_of(section, key)
+            return f"{flag} {values.replace(',', '')}" if "=" in found[0] else flag
+        return found[0].replace("=", " = ") if "=" in found[0] else key
 
-    said = re.sub(r"^(\w+)(?=: )|`(\w+)`|(?<=; try )(\w+) = \[?([\d., ]+)\]?$", named, said)
-    # Advice on how to read a table, which is in the words of Python.
-    keys = {"kind": "table_kind", "columns": "columns", "units": "units", "noise": "noise"}
-    key_or_flag = (lambda key: f"--{key[1]} ") if path is None else (lambda key: f"{keys[key[1]]} = ")
-    said = re.sub(rf'\b({"|".join(keys)})=(?=["\d])', key_or_flag, said)
+    head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said).partition("; try ")
+    said = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
     return said if said.startswith("--") else _where(path, f"[{section}] {said}")
 
 
-def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
+def _of_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
     """One line for a mistake in a leg of the protocol; legs count from 0."""
     named = "protocol"
     for before, part in pairwise(place):
@@ -182,7 +146,8 @@ def _spelled_leg(place: list[Any], expected: str, flags: Sections, path: Path | 
         elif not isinstance(before, int):  # after a number stands the kind of leg, which is no key
             named += f" {part}"
     if "protocol" in flags:
-        return f"--leg {named.removeprefix('protocol')}: {expected}"
+        named = named.rpartition(" ")[2] if expected == _UNKNOWN else named.removeprefix("protocol")
+        return f"--leg {named}: {expected}"
     return _where(path, f"{named}: {expected}")
 
 
@@ -192,15 +157,16 @@ def _expectation(detail: ErrorDetails) -> str:
     kind, got = detail["type"], detail["input"]
     if kind == "missing":
         return "expected a value, got none"
+    if kind == "extra_forbidden":
+        return _UNKNOWN
+    if detail["loc"][:1] == ("protocol",) and kind in ("list_type", "model_attributes_type"):
+        return 'expected a list of legs; try [[protocol]] with kind = "hold" and duration = 10.0'
     if kind == "value_error":
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        known: Mapping[str, type[BaseModel]] = LEGS
-        if detail["loc"][:1] != ("protocol",):
-            known = KINDS[str(detail["loc"][0])] if detail["loc"] else KINDS["surface"]
-        kinds = ", ".join(map(repr, known))
-        return f"expected one of {kinds}, got {_shown(got)}{_meant(got, known)}"
+        known = list({**KINDS, "protocol": LEGS}[str(detail["loc"][0])])
+        return f"expected one of {', '.join(map(repr, known))}, got {_shown(got)}{_meant(got, known)}"
     expected = {
         "greater_than": f"a number above {context.get('gt')}",
         "greater_than_equal": f"a number of at least {context.get('ge')}",

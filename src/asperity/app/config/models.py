@@ -6,15 +6,12 @@ from the surface and the solid. The flags of the command line are made of these 
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import pairwise
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, Union, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, create_model, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from asperity.app.config.sections import (
     Conductivity,
@@ -22,359 +19,40 @@ from asperity.app.config.sections import (
     FirstForce,
     Force,
     OneOrTwo,
-    Place,
     Position,
     Positive,
     Pressure,
-    Real,
     Resistivity,
     Section,
-    Several,
     Share,
     Size,
     Time,
     Velocity,
     any_of,
-    by_kind,
     field_of,
+    made,
+    union_of,
     usual,
 )
-from asperity.app.config.solids import SOLIDS, AnySolid, SpringLattice
-from asperity.base.files import content_of, expanded
+from asperity.app.config.solids import SOLIDS, SolidSection
+from asperity.app.config.surfaces import SURFACES, SurfaceSection
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
 from asperity.protocols import KINDS as LEGS_OF_PROTOCOLS
 from asperity.protocols import Leg, leg_of
 
-if TYPE_CHECKING:  # these need scipy, for which the help does not wait
-    from asperity.lattice import Field as Heights
-    from asperity.surfaces import Surface
-    from asperity.theory.heights import HeightLaw
-
 Figure = Literal["png", "pdf", "svg"]
-
-_LONGEST = 2**31
-"""Sites along an axis: far beyond any memory, far below what numpy cannot count."""
-
-
-def _alone(values: Sequence[Any]) -> Any:
-    """The one value, or all."""
-    return values[0] if len(values) == 1 else values
-
-
-def _name_or_number(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int | str):
-        raise ValueError("expected the name or the number of a channel")
-    return value
-
-
-def _power_of_two(value: int) -> int:
-    if value < 2 or value & (value - 1):
-        below = 1 << (max(value, 2).bit_length() - 1)
-        raise ValueError(f"expected a power of two, 2 or more, got {value}; try {below} or {2 * below}")
-    return value
-
-
-def _micro(value: object) -> object:
-    """Take the micro sign and the Greek letter for the u of um."""
-    return "um" if value in ("\u00b5m", "\u03bcm") else value
-
-
-Length = Literal["m", "mm", "um", "nm", "pm"]
-AnyLength = Annotated[Length, BeforeValidator(_micro)]
-Seed = Annotated[int, Field(ge=0, lt=2**63)]
-Shape = OneOrTwo[Annotated[int, Field(ge=1, le=_LONGEST)]]
-
-_SHAPE = "Sites along each axis: 200 200, or 4096 for a line."
-_SEED = "Seed of the random heights."
-
-
-class SurfaceSection(Section):
-    """A surface, of one kind or another."""
-
-    only_powers_of_two: ClassVar[bool] = False
-
-    kind: str
-    edges: Literal["periodic", "reflecting", "free"] | None = usual(
-        None,
-        "What lies beyond the edges: the surface again, its mirror image, or nothing, for the "
-        "body ends there. By default what the kind of surface, or how a scan is made periodic, says.",
-    )
-
-    @property
-    def lattice(self) -> tuple[int, ...] | None:
-        """Sites along each axis; None where only making the surface tells."""
-        shape = getattr(self, "shape", None)
-        return None if shape is None else tuple(shape)
-
-    @property
-    def law(self) -> HeightLaw | None:
-        """The law of the heights, where the sites are independent."""
-        return None
-
-    @property
-    def file(self) -> Path | None:
-        """The file on which it depends, if any."""
-        path = getattr(self, "path", None)
-        return None if path is None else expanded(path)
-
-    def anywhere(self) -> Self:
-        """The same, with an absolute path of its file."""
-        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
-
-    @property
-    def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What the function of `asperity.surfaces` that makes it takes: the lattice, and what has a name."""
-        facts = self.model_dump(exclude_none=True, exclude={"kind", "edges"})
-        return tuple(facts.pop("shape")) if "shape" in facts else facts.pop("size"), facts
-
-    def build(self) -> Surface:
-        """Make or read the surface, and let it know where it comes from."""
-        made = self.made()
-        return made if self.edges is None else dataclasses.replace(made, edges=self.edges)
-
-    def made(self) -> Surface:
-        """The same, with the edges that surfaces of this kind have."""
-        from asperity.surfaces import Surface
-
-        found = self.heights_or_surface()
-        if isinstance(found, Surface):
-            return found
-        return Surface(found, provenance=self.model_dump(exclude={"edges"}))
-
-    def heights_or_surface(self) -> Any:
-        """What the function of `asperity.surfaces` gives that is called like the kind."""
-        import asperity.surfaces as surfaces
-
-        lattice, facts = self.arguments
-        return getattr(surfaces, self.kind)(lattice, **facts)
-
-
-class Independent(SurfaceSection):
-    """Heights that are independent at all sites: Gaussian or exponential ones."""
-
-    kind: Literal["gaussian", "exponential"] = "gaussian"
-    shape: Shape = usual([200, 200], _SHAPE)
-    rms: Positive = usual(1.0, "Rms height.")
-    seed: Seed = usual(0, _SEED)
-
-    @property
-    def law(self) -> HeightLaw:
-        """The law of the heights."""
-        from asperity.theory import ExponentialHeights, GaussianHeights
-
-        return (GaussianHeights if self.kind == "gaussian" else ExponentialHeights)(rms=self.rms)
-
-
-class SelfAffine(SurfaceSection):
-    """Self-affine heights."""
-
-    only_powers_of_two: ClassVar[bool] = True
-
-    kind: Literal["self_affine"] = "self_affine"
-    size: Annotated[int, Field(le=_LONGEST), AfterValidator(_power_of_two)] = usual(
-        256, "Sites along each axis, a power of two."
-    )
-    hurst: Annotated[float, Field(gt=0, le=1)] = usual(0.5, "Hurst exponent.")
-    delta: Positive = usual(0.01, "Roughness at the scale of the lattice.")
-    seed: Seed = usual(0, _SEED)
-
-    @property
-    def lattice(self) -> tuple[int, ...]:
-        """Sites along each axis."""
-        return (self.size, self.size)
-
-
-class Waves(SurfaceSection):
-    """Random waves on a lattice with units."""
-
-    shape: Shape = usual([200, 200], _SHAPE)
-    spacing: OneOrTwo[Positive] = usual([1.0], "Distance between sites: one number, or one an axis.")
-    unit: AnyLength | None = usual(None, "Unit of the spacing and of all heights and wavelengths.")
-    seed: Seed = usual(0, _SEED)
-
-    @property
-    def pixel_size(self) -> tuple[float, ...]:
-        """Distance between sites along each axis."""
-        return (*self.spacing, *self.spacing)[: len(self.shape)]
-
-    def made(self) -> Surface:
-        """See `SurfaceSection`."""
-        from asperity.surfaces import Surface
-
-        origin = self.model_dump(exclude_none=True, exclude={"edges"})
-        origin |= {"pixel_size": list(self.pixel_size), "length_unit": self.unit or ""}
-        heights = self.heights_or_surface()
-        if self.file is not None:
-            origin["sha256"] = hashlib.sha256(content_of(self.file)).hexdigest()
-        return Surface(heights, self.unit or "1", self.pixel_size, self.unit, origin)
-
-
-class Spectral(Waves):
-    """Self-affine heights of a given power spectrum; see `asperity.surfaces.spectral`."""
-
-    kind: Literal["spectral"] = "spectral"
-    hurst: Annotated[float, Field(ge=0, le=1)] = usual(0.8, "Hurst exponent.")
-    roll_off: Positive | None = usual(
-        None, "Wavelength above which the spectrum is flat. By default the longest side."
-    )
-    cutoff: Positive | None = usual(None, "Shortest wavelength. By default eight times the larger spacing.")
-    rms_height: Positive | None = usual(None, "Rms height. By default 1, unless slope or curvature is given.")
-    rms_slope: Positive | None = usual(None, "Rms slope, in place of the height.")
-    rms_curvature: Positive | None = usual(None, "Rms mean curvature, in place of the height.")
-
-    @property
-    def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What `asperity.surfaces.spectral` takes."""
-        lattice, facts = super().arguments
-        facts.pop("unit", None)
-        return lattice, facts | {"spacing": _alone(self.spacing)}
-
-
-class Spectrum(Waves):
-    """Heights of a power spectrum in a table; see `asperity.surfaces.from_spectrum`."""
-
-    kind: Literal["spectrum"] = "spectrum"
-    path: str = Field(
-        description="Table of the wave number q and the power spectrum C; columns with units need `unit`."
-    )
-
-    @property
-    def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What `asperity.surfaces.from_spectrum` takes beside the spectrum."""
-        return tuple(self.shape), {"pixel_size": self.pixel_size, "seed": self.seed}
-
-    def heights_or_surface(self) -> Heights:
-        """See `SurfaceSection`."""
-        from asperity.surfaces import from_spectrum, read_spectrum
-
-        lattice, facts = self.arguments
-        table = read_spectrum(self.path, unit=self.unit, dimension=len(lattice))
-        heights: Heights = from_spectrum(lattice, table, **facts)
-        return heights
-
-
-class Asperities(SurfaceSection):
-    """Single asperities, in SI, with free edges; see `asperity.surfaces.sphere`."""
-
-    shape: Shape = usual([200, 200], _SHAPE)
-    pixel_size: OneOrTwo[Size] = Field(
-        description="Distance between sites: one number, or between rows and between columns."
-    )
-
-    @property
-    def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What the function that makes it takes."""
-        lattice, facts = super().arguments
-        edges = {"edges": self.edges} if self.edges else {}
-        return lattice, facts | {"pixel_size": _alone(self.pixel_size)} | edges
-
-
-class Asperity(Asperities):
-    """One ball, paraboloid or flat punch in the middle."""
-
-    kind: Literal["sphere", "paraboloid", "punch"] = "sphere"
-    radius: OneOrTwo[Size] = Field(
-        description="Radius; of curvature of a paraboloid (one, or one an axis), of the face of a punch."
-    )
-
-
-class Array(Asperities):
-    """Balls at given places; see `asperity.surfaces.array`."""
-
-    kind: Literal["array"] = "array"
-    places: Annotated[list[Place], Field(min_length=1)] = Field(
-        description="Where balls are: pairs y x, counted from the first site, in m."
-    )
-    radii: Several[Size] = Field(description="Radii of the balls: one, or one a ball.")
-    heights: Several[Position] = usual([0.0], "Heights of their summits: one, or one a ball.")
-
-
-class MeasuredSurface(SurfaceSection):
-    """Heights from a file; see `asperity.surfaces.read`."""
-
-    kind: Literal["file"] = "file"
-    path: str = Field(
-        description="Measured surface; the other settings of this group prepare it. For spectrum its table."
-    )
-    undefined: Literal["fill", "refuse"] = usual(
-        "fill", "Undefined pixels: fill (from their rims) or refuse."
-    )
-    max_undefined: Annotated[float, Field(ge=0, lt=1)] = usual(
-        0.1, "Largest fraction of undefined pixels to fill."
-    )
-    undefined_value: Real | None = usual(
-        None, "Height that stands for an undefined pixel in the file, such as -9999."
-    )
-    tilt: Literal["plane", "quadratic", "mean", "none"] = usual(
-        "plane", "What to remove; quadratic also removes the bow of a scanner."
-    )
-    despike: bool = usual(
-        False, "Fill pixels more than 6 robust standard deviations above the median height."
-    )
-    lines: Literal["none", "median"] = usual(
-        "none", "median: subtract its median from each row, against offsets of the scan's lines."
-    )
-    periodic: Literal["mirror", "reflect", "taper", "wrap"] = usual(
-        "reflect",
-        "reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the mean. "
-        "mirror: four mirrored copies, for what must be periodic.",
-    )
-    unit: Annotated[Literal[Length, "rms"] | None, BeforeValidator(_micro)] = usual(
-        None,
-        "Unit of the heights; rms divides by the rms height. By default the file's. "
-        "For spectral and spectrum the unit of all lengths; by default none.",
-    )
-    channel: Annotated[int | str | None, BeforeValidator(_name_or_number)] = usual(
-        None, "Name or number of the channel or array. By default the file's."
-    )
-    resample: bool = usual(False, "Average pixels that are not square to the larger spacing.")
-    crop: Annotated[list[Real], Field(min_length=2, max_length=4)] | None = usual(
-        None, "Part to cut out: top bottom left right, or left right of a profile, in pixels."
-    )
-    crop_unit: Annotated[Literal["pixel", Length] | None, BeforeValidator(_micro)] = usual(
-        None, "Unit of length in which the part is given, in place of pixels."
-    )
-    longest: Positive | None = usual(
-        None, "Longest wavelength to keep, in the file's unit of length, or in pixels without one."
-    )
-    shortest: Positive | None = usual(None, "Shortest wavelength to keep, likewise.")
-    file_unit: AnyLength | None = usual(None, "Unit of the heights in a file that does not say.")
-    pixel_size: OneOrTwo[Positive] | None = usual(
-        None,
-        "Distance between pixels in a file that does not say: one number, or between rows "
-        "and between columns. Of a ball, a paraboloid, a punch and an array it is that between sites, in m.",
-    )
-    length_unit: AnyLength | None = usual(None, "Unit of that distance.")
-
-    @property
-    def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
-        """What `asperity.surfaces.read` is to do about the edges."""
-        if self.edges == "periodic":
-            return "wrap" if self.periodic == "reflect" else self.periodic
-        return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
-
-    @property
-    def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
-        facts = self.model_dump(exclude={"kind", "edges", "path"})
-        return self.path, facts | {"periodic": self.rule, "pixel_size": _alone(self.pixel_size or [None])}
-
-    def heights_or_surface(self) -> Surface:
-        """See `SurfaceSection`."""
-        from asperity.surfaces import read
-
-        path, facts = self.arguments
-        return read(path, **facts)
-
-
-Made = Independent | SelfAffine | Spectral | Spectrum | Asperity | Array
-AnySurface = Annotated[Made | MeasuredSurface, Field(discriminator="kind")]
-SURFACES = by_kind(*get_args(Made), MeasuredSurface)
-
 
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
 """Sections of several kinds, and the models of each kind; the first is the usual one."""
+
+
+if TYPE_CHECKING:
+    AnySurface = SurfaceSection
+    AnySolid = SolidSection
+    AnyLeg: TypeAlias = "LegSection"
+else:
+    AnySurface, AnySolid = map(union_of, KINDS.values())
 
 
 class Contact(Section):
@@ -466,20 +144,15 @@ class RepeatLeg(LegSection):
 
 
 def _section_of(kind: str, leg: type[Leg]) -> type[LegSection]:
-    keys: dict[str, Any] = {"kind": (Literal[kind], kind)}
-    keys |= {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
-    made = create_model(f"{leg.__name__}Leg", __base__=LegSection, **keys)
-    globals()[made.__name__] = made  # where pickle looks for it, to send a run to another process
-    return made
+    keys = {name: field_of(parameter) for name, parameter in parameters_of(leg).items()}
+    return made(f"{leg.__name__}Leg", __name__, LegSection, kind, keys)
 
 
 LEGS: dict[str, type[LegSection]] = {
     kind: RepeatLeg if kind == "repeat" else _section_of(kind, leg) for kind, leg in LEGS_OF_PROTOCOLS.items()
 }
-if TYPE_CHECKING:
-    AnyLeg = LegSection
-else:
-    AnyLeg = Annotated[Union[tuple(LEGS.values())], Field(discriminator="kind")]  # noqa: UP007
+if not TYPE_CHECKING:
+    AnyLeg = union_of(LEGS)
 
 
 class Friction(Section):
@@ -527,17 +200,19 @@ class Carried(Section):
             raise ValueError(f"{name}: expected {other} beside it, got none")
         return self
 
-    def asked(self, poisson: list[float] | None) -> dict[str, Any] | None:
+    def asked(self, poisson: float | list[float] | None) -> dict[str, Any] | None:
         """What `asperity.Carried` takes, beside Poisson's ratios; None where nothing is to be recorded."""
         facts = self.model_dump(exclude_defaults=True)
         if not facts:
             return None
         for name in {"resistivity", "conductivity"} & facts.keys():
-            facts[name] = _alone(tuple(facts[name]))
+            first, *others = facts[name]
+            facts[name] = (first, *others) if others else first
         if "friction_coefficient" in facts:
             facts["friction"] = facts.pop("friction_coefficient")
-        if facts.pop("stiffness", False) and poisson and len(set(poisson)) == 1:
-            facts["poisson"] = poisson[0]
+        ratios = {*(poisson if isinstance(poisson, list) else [poisson])} - {None}
+        if facts.pop("stiffness", False) and len(ratios) == 1:
+            facts["poisson"] = ratios.pop()
         return facts
 
 
@@ -583,8 +258,8 @@ SECTIONS: Mapping[str, type[Section]] = {
 class RunConfig(Section):
     """The configuration of a run."""
 
-    surface: AnySurface = Independent()
-    solid: AnySolid = SpringLattice()
+    surface: AnySurface = SURFACES["gaussian"](kind="gaussian")
+    solid: AnySolid = SOLIDS["spring_lattice"](kind="spring_lattice")
     contact: Contact = Contact()
     aging: Aging = Aging()
     protocol: list[AnyLeg] = Field(default=[])

@@ -6,7 +6,9 @@ import math
 import textwrap
 from typing import Any
 
-from asperity.app.config.models import Asperities, MeasuredSurface, RunConfig, Spectrum, Waves
+from asperity.app.config.models import RunConfig
+from asperity.app.config.surfaces import MeasuredSurface
+from asperity.base.parameters import parameters_of
 from asperity.base.version import __version__
 from asperity.carried import Carried
 from asperity.creep import LocalCreep
@@ -63,24 +65,15 @@ def _surface(config: RunConfig) -> str:
     chosen = config.surface
     first, facts = chosen.arguments
     if isinstance(chosen, MeasuredSurface):
-        usual = {name: field.default for name, field in MeasuredSurface.model_fields.items()}
+        usual = {name: one.default for name, one in parameters_of(chosen.make).items()}
         facts = {name: value for name, value in facts.items() if value != usual[name]}
-        return _call("asp.surfaces.read", repr(first), **facts)
-    heights = _call(f"asp.surfaces.{chosen.kind}", repr(first), **facts)
-    edges = {} if chosen.edges is None or isinstance(chosen, Asperities) else {"edges": chosen.edges}
-    if not isinstance(chosen, Waves):
-        return _call("asp.surfaces.Surface", heights, **edges) if edges else heights
-    if isinstance(chosen, Spectrum):
-        line = {"dimension": 1} if len(chosen.shape) == 1 else {}
-        table = _call("asp.surfaces.read_spectrum", repr(chosen.path), unit=chosen.unit, **line)
-        heights = _call("asp.surfaces.from_spectrum", repr(first), table, **facts)
-    units = {} if chosen.unit is None else {"unit": chosen.unit, "length_unit": chosen.unit}
-    return _call("asp.surfaces.Surface", heights, pixel_size=chosen.pixel_size, **units, **edges)
+    made = _call(f"asp.surfaces.{chosen.make.__name__}", repr(first), **facts)
+    return _call("asp.surfaces.Surface", made, **chosen.around) if chosen.around else made
 
 
 def _solid(config: RunConfig) -> str:
-    solid = config.solid.resolved()
-    return _call(f"asp.solids.{solid.kind}", **solid.given)
+    solid = config.solid
+    return _call(f"asp.solids.{solid.make.__name__}", **solid.given)
 
 
 def _call(name: str, *positional: str, **named: object) -> str:

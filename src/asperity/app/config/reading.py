@@ -10,9 +10,10 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from asperity.app.config.mistakes import Sections, is_unknown, spelled, unknown_names
-from asperity.app.config.models import KINDS, MeasuredSurface, RunConfig
-from asperity.app.config.solids import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
+from asperity.app.config.creep import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
+from asperity.app.config.mistakes import Sections, spelled
+from asperity.app.config.models import KINDS, RunConfig
+from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
 from asperity.errors import ConfigError, InputError
@@ -45,15 +46,10 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
     `ConfigError` with one line for each mistake.
     """
     merged = _merged(tables, flags)
-    problems = unknown_names(merged, flags, path)
     try:
-        config = RunConfig.model_validate(merged)
+        return RunConfig.model_validate(merged)
     except ValidationError as error:
-        problems += [spelled(detail, flags, path) for detail in error.errors() if not is_unknown(detail)]
-        raise ConfigError(problems) from None
-    if problems:
-        raise ConfigError(problems)
-    return config
+        raise ConfigError(spelled(error.errors(), flags, path)) from None
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
@@ -66,9 +62,7 @@ def section_from(section: str, model: type[_Model], flags: dict[str, object]) ->
     try:
         return model.model_validate(flags)
     except ValidationError as error:
-        raise ConfigError(
-            [spelled(detail, {section: flags}, None, section=section) for detail in error.errors()]
-        ) from None
+        raise ConfigError(spelled(error.errors(), {section: flags}, None, section)) from None
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:

@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass
+from pathlib import Path
 from types import NoneType
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from annotated_types import Ge, Gt, Le, Len, Lt
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    create_model,
+)
 from pydantic_core import CoreSchema, core_schema
 
-from asperity.base.parameters import Parameter
+from asperity.base.parameters import Also, Parameter, Quantity, item_of, kinds_of, parameters_of
 from asperity.base.words import InUnits, has_unit
 from asperity.creep.eyring import joules
 from asperity.errors import LARGEST, InputError
 
 _T = TypeVar("_T")
+_Section = TypeVar("_Section", bound="Section")
 
 
 class Section(BaseModel):
@@ -30,9 +43,17 @@ def usual(default: object, description: str) -> Any:
     return Field(default=default, description=description)
 
 
-def by_kind(*models: type[Section]) -> dict[str, type[Section]]:
-    """Models by the kind, or the kinds, that each is of; the first is the usual one."""
-    return {kind: model for model in models for kind in get_args(model.model_fields["kind"].annotation)}
+def made(name: str, home: str, base: type[_Section], kind: str, keys: dict[str, Any]) -> type[_Section]:
+    """A section of a kind, under a name in a module, where pickle looks for it to send it elsewhere."""
+    known: dict[str, Any] = {"kind": (Literal[kind], kind), **keys}
+    section = create_model(name, __base__=base, __module__=home, **known)
+    setattr(sys.modules[home], name, section)
+    return section
+
+
+def union_of(models: Mapping[str, type[Section]]) -> Any:
+    """Any of these, as its kind says."""
+    return Annotated[Union[tuple(models.values())], Field(discriminator="kind")]  # noqa: UP007
 
 
 @dataclass(frozen=True)
@@ -82,64 +103,135 @@ def any_of(words: Iterable[str]) -> str:
     return f"{', '.join(some)} or {last}" if some else last
 
 
-Several = Annotated[list[_T], Field(min_length=1), BeforeValidator(listed)]
 OneOrTwo = Annotated[list[_T], Field(min_length=1, max_length=2), BeforeValidator(listed)]
 """One of two bodies or axes, or of each."""
 Share = Annotated[float, Field(ge=0, le=1)]
-Real = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
-Constant = Annotated[float, Field(ge=0, le=1e30)]
-"""A stiffness or a mobility; steps of creep use its products in single precision, which ends at 3e38."""
 Time = Annotated[float, Field(ge=0, le=1e30), InUnit("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), InUnit("s")]
 FirstForce = Annotated[float, Field(ge=0, le=LARGEST), InUnit("N")]
 """A load at the beginning, from which a ramp may go up."""
 Force = Annotated[float, Field(gt=0, le=LARGEST), InUnit("N")]
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), InUnit("Pa")]
-Modulus = Annotated[float, Field(gt=0, le=1e30), InUnit("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]
 Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
-Stiffness = Annotated[float, Field(gt=0, allow_inf_nan=True), InUnit("N/m")]
-Energy = Annotated[float, Field(gt=0, le=LARGEST), InUnit("J")]
-Volume = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m^3")]
 Resistivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("ohm m")]
 Conductivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("W/m/K")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
 
-def annotation_of(parameter: Parameter) -> Any:
-    """How a key is checked that is a parameter of a class of the library."""
-    kinds, unit = parameter.kinds, parameter.quantity.unit
+def key_of(hint: Any, *facts: Any) -> Any:
+    """How a key is checked that is a parameter of the library, of what its annotation says."""
+    if get_origin(hint) is Annotated:
+        inner, *facts_inside = get_args(hint)
+        return key_of(inner, *facts_inside, *facts)
+    kinds = kinds_of(hint)
     words = tuple(kind for kind in kinds if isinstance(kind, str))
-    if float in kinds and words:
-        key: Any = Annotated[
-            (
-                float,
-                *parameter.facts,
-                Field(allow_inf_nan=True),
-                InUnit(unit),
-                BeforeValidator(lambda one: math.inf if one == "inf" else one),
-            )
-        ]
+    pair = next((kind for kind in kinds if get_origin(kind) is tuple and ... not in get_args(kind)), None)
+    item = next(filter(None, map(item_of, kinds)), None)
+    key: Any
+    if words and float not in kinds:
+        key = Annotated[Literal[words], BeforeValidator(_micro)]
+    elif item is not None:
+        key = list[key_of(item, *(fact for fact in facts if not isinstance(fact, Len | Also)))]  # type: ignore[misc]
+        few = [BeforeValidator(listed)] if {float, int, str} & {*kinds} else []
+        key = _with(key, *(fact for fact in facts if isinstance(fact, Len)), *few)
+    elif Path in kinds:
+        key = str
+    elif pair is not None:
+        key = Annotated[tuple[tuple(map(key_of, get_args(pair)))], BeforeValidator(_paired)]  # type: ignore[misc]
     elif float in kinds:
-        key = Annotated[(Real, *parameter.facts, *([InUnit(unit)] if unit else []))]
+        key = _number(kinds, facts)
+    elif bool in kinds:
+        key = bool
+    elif int in kinds:
+        key = Annotated[int | str, BeforeValidator(_name_or_number)] if str in kinds else _within(int, facts)
     else:
-        key = Literal[words] if words else Annotated[(int, *parameter.facts)]
+        key = str
+    key = _with(key, *(AfterValidator(_also(fact)) for fact in facts if isinstance(fact, Also)))
     return key | None if NoneType in kinds else key
 
 
+def _with(key: Any, *facts: object) -> Any:
+    return Annotated[(key, *facts)] if facts else key
+
+
+def _number(kinds: list[Any], facts: tuple[Any, ...]) -> Any:
+    unit = next((fact.unit for fact in facts if isinstance(fact, Quantity)), "")
+    units = [InUnit(unit)] if unit else []
+    alone = BeforeValidator(lambda one: one[0] if isinstance(one, list) and len(one) == 1 else one)
+    if "inf" not in kinds:
+        return Annotated[(_within(float, facts), *units, alone)]
+    infinite = BeforeValidator(lambda one: math.inf if one == "inf" else one)
+    return Annotated[(_within(float, facts, math.inf), Field(allow_inf_nan=True), *units, infinite)]
+
+
+def _within(kind: type, facts: tuple[Any, ...], largest: float = LARGEST) -> Any:
+    """A number of which the annotation has bounds; a float that is not to be infinite has two."""
+    bounds = [fact for fact in facts if isinstance(fact, Gt | Ge | Lt | Le)]
+    if kind is float and math.isfinite(largest):
+        bounds += [] if any(isinstance(fact, Gt | Ge) for fact in bounds) else [Ge(-largest)]
+        bounds += [] if any(isinstance(fact, Lt | Le) for fact in bounds) else [Le(largest)]
+    return _with(kind, *bounds)
+
+
+def _also(fact: Also) -> Callable[[Any], Any]:
+    def checked(value: Any) -> Any:
+        try:
+            return fact.check("", value)
+        except InputError as error:
+            raise ValueError(sentence(error.about(""))) from None
+
+    return checked
+
+
+def sentence(error: InputError) -> str:
+    """What an error of the library says, with its advice."""
+    advice = f"; try {error.advice}" if error.advice else ""
+    return f"{error.name}: expected {error.expected}, got {error.got}{advice}".removeprefix(": ")
+
+
+def _micro(value: object) -> object:
+    """Take the micro sign and the Greek letter for the u of um."""
+    return "um" if value in ("\u00b5m", "\u03bcm") else value
+
+
+def _name_or_number(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int | str):
+        raise ValueError("expected the name or the number of a channel")
+    return value
+
+
 def field_of(parameter: Parameter) -> Any:
-    """The same with its default and what it is."""
+    """A key with its default and what it is."""
     what, default = parameter.quantity, parameter.default
-    said = f"Its {what.meaning} {what.symbol}." if what.symbol else f"{what.meaning}."
+    default = default if what.usual is ... else what.usual
+    if what.key and isinstance(default, bool):
+        default = not default
+    key = key_of(parameter.hint, *parameter.facts)
+    if default is None and NoneType not in parameter.kinds:
+        key = key | None
+    if default not in (MISSING, None) and not isinstance(default, str) and any(map(item_of, parameter.kinds)):
+        default = list(default) if isinstance(default, tuple) else [default]
+    said = f"Its {what.meaning} {what.symbol}." if what.symbol else what.meaning + what.more
     said = said[0].upper() + said[1:]
-    return annotation_of(parameter), Field(... if default is MISSING else default, description=said)
+    return key, Field(... if default is MISSING else default, description=said)
 
 
-Branch = Annotated[tuple[Share, Duration], BeforeValidator(_paired)]
-"""A share of the modulus, and a relaxation time."""
-Place = Annotated[tuple[Position, Position], BeforeValidator(_paired)]
-"""A place on the lattice."""
-Power = Annotated[tuple[Positive, Annotated[float, Field(ge=-2, le=4)]], BeforeValidator(_paired)]
-"""A mobility, and the power of the wave number with which it goes."""
+def keys_of_maker(make: Callable[..., Any]) -> dict[str, Any]:
+    """Keys of a section: the annotated arguments of what makes a surface or a solid."""
+    return {one.quantity.key or name: field_of(one) for name, one in parameters_of(make).items()}
+
+
+def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
+    """Arguments of it, from the keys; without those that are not given."""
+    found = {}
+    for name, parameter in parameters_of(make).items():
+        value, kinds = getattr(section, parameter.quantity.key or name), {*parameter.kinds}
+        if value is None or value == [] or (isinstance(value, bool) and parameter.quantity.key and not value):
+            continue
+        if isinstance(value, list) and {float, int} & kinds:
+            value = value[0] if len(value) == 1 else tuple(value)
+        found[name] = not value if isinstance(value, bool) and parameter.quantity.key else value
+    return found

@@ -1,59 +1,49 @@
-"""The solids of a run: what each may be told, and the `asperity.solids.Solid` that it makes of it."""
+"""The solids of a run: sections that are made of the functions of `asperity.solids`."""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import AfterValidator, BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, create_model, model_validator
 
+from asperity.app.config.creep import ACTIVATED, ACTIVATION, CREEP, KEYS_OF_LAWS, OF_LAWS, marked
 from asperity.app.config.sections import (
-    Branch,
-    Constant,
-    Energy,
-    Modulus,
     OneOrTwo,
-    Power,
-    Pressure,
     Section,
-    Size,
-    Stiffness,
-    Temperature,
-    Velocity,
-    Volume,
     any_of,
-    by_kind,
+    arguments_of,
     field_of,
+    key_of,
+    keys_of_maker,
     listed,
+    made,
+    sentence,
     usual,
 )
 from asperity.base.files import expanded
 from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
+from asperity.solids import KINDS, Solid
+from asperity.solids.arguments import Branches
 
-if TYPE_CHECKING:  # these need scipy, for which the help does not wait
-    from asperity.relaxation import Fit
-    from asperity.solids import Solid
+if TYPE_CHECKING:
+    from asperity.relaxation import Fit, Material
 
-Poisson = Annotated[float, Field(gt=-1, le=0.5)]
-OnePoisson = Annotated[list[Poisson], Field(min_length=1, max_length=1), BeforeValidator(listed)]
 Plateau = Literal["plateau"]
 TableModulus = Literal["young", "shear", "contact"]
 Words = Annotated[list[str], BeforeValidator(lambda value: _as_words(listed(value)))]
 PerDecade = Annotated[float, Field(ge=0.2, le=10)]
 POISSON = 0.35
 """Poisson's ratio of a prediction to which none is given."""
-_APPARATUS = "Stiffness of the apparatus that holds it, which may be inf; with it a separation can be held."
-_HARDNESS = "Pressure under which the rough surface yields; on the lattice of springs, force of a site."
+
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
-
-_OF_TABLES = ("table_kind", "table_modulus", "columns", "units", "noise", "per_decade", "extrapolate")
-"""Keys about a relaxation table."""
 
 _BEYOND = 10.0
 """How far the recorded times go beyond the relaxation times on either side."""
@@ -65,185 +55,9 @@ def _as_words(value: object) -> object:
     )
 
 
-def _shares(branches: list[Branch]) -> list[Branch]:
-    if (total := sum(share for share, _ in branches)) > 1 + 1e-12:
-        raise ValueError(f"expected shares of at most 1 in sum, got {total:.6g}")
-    return branches
+class OfTable(Section):
+    """Keys about a relaxation table that gives the branches of a solid."""
 
-
-Branches = Annotated[list[Branch], AfterValidator(_shares)]
-"""Shares of the modulus that relax, and their times."""
-
-
-class SolidSection(Section):
-    """A solid, of one kind or another."""
-
-    kind: str
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """First and last time to record where none is given."""
-        return _SPAN
-
-    @property
-    def known(self) -> tuple[float, float] | None:
-        """First and last time of which the solid is known, where that is limited."""
-        return None
-
-    @property
-    def assumed(self) -> str:
-        """What is assumed of the solid beyond what is known; empty where nothing is."""
-        return ""
-
-    @property
-    def unused(self) -> str:
-        """What a run does not use; empty where it uses all."""
-        return ""
-
-    def resolved(self) -> Self:
-        """The same solid without files: with the numbers that they give."""
-        return self
-
-    @property
-    def numbers(self) -> dict[str, Any]:
-        """Arguments that are not keys of the same name and value."""
-        return {}
-
-    @property
-    def given(self) -> dict[str, Any]:
-        """What the function of `asperity.solids` that makes it takes, without what is not given."""
-        made = self.numbers
-        told = {name: made.get(name, getattr(self, name, None)) for name in signature(self.make).parameters}
-        return {name: value for name, value in told.items() if value is not None}
-
-    @property
-    def make(self) -> Callable[..., Solid]:
-        """The function that makes it, which is called like its kind."""
-        import asperity.solids as solids
-
-        made: Callable[..., Solid] = getattr(solids, self.kind)
-        return made
-
-    def build(self) -> Solid:
-        """Make the solid."""
-        return self.make(**self.given)
-
-
-def _kept(share: float) -> float:
-    from asperity.solids.continua import checked_permanent
-
-    try:
-        return checked_permanent(share)
-    except InputError as error:
-        raise ValueError(f"expected {error.expected}, got {error.got}") from None
-
-
-def _listed(keys: set[str]) -> str:
-    """Keys for a message, marked, so that where they came as flags it can name these."""
-    return ", ".join(f"`{key}`" for key in sorted(keys))
-
-
-FORMULAS = any_of(f"{name}, {law.formula}" for name, law in LAWS.items())
-"""Laws of creep in words."""
-
-KEYS_OF_LAWS: dict[str, list[set[str]]] = {
-    name: [{f"creep_{of}" for of in parameters_of(law)}] for name, law in LAWS.items()
-}
-KEYS_OF_LAWS["eyring"].append({"creep_energy", "creep_volume", "creep_prefactor", "temperature"})
-"""Keys that state each law of creep, in one way or another."""
-
-ACTIVATION = KEYS_OF_LAWS["eyring"][-1]
-OF_LAWS = {key for ways in KEYS_OF_LAWS.values() for way in ways for key in way}
-"""Keys of local laws of creep."""
-
-PREDICTED = OF_LAWS | {
-    *("young", "poisson", "branches", "per_decade", "extrapolate", "creep", "permanent", "hardness")
-}
-"""Keys of a half-space that a prediction takes as flags."""
-
-if TYPE_CHECKING:
-
-    class _OfLaws(SolidSection):
-        creep: str | None = None
-
-else:  # keys of all laws
-    _OfLaws = create_model(
-        "_OfLaws",
-        __base__=SolidSection,
-        creep=(
-            Annotated[
-                Literal[(*LAWS, "none")] | None, AfterValidator(lambda word: None if word == "none" else word)
-            ],
-            usual(
-                None,
-                f"Local law of creep: {FORMULAS}; s is the pressure, "
-                "or on the lattice of springs the force of a spring to the bulk.",
-            ),
-        ),
-        **{
-            f"creep_{name}": field_of(parameter.optional)
-            for law in LAWS.values()
-            for name, parameter in parameters_of(law).items()
-        },
-    )
-
-
-class Creeping(_OfLaws):
-    """A solid that may creep by a local law."""
-
-    @model_validator(mode="after")
-    def _one_law(self) -> Self:
-        given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
-        told = _listed(given) or "none"
-        if self.creep is None and given:
-            laws = [name for name, ways in KEYS_OF_LAWS.items() if given <= set().union(*ways)]
-            drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
-            advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
-            raise ValueError(f"creep: expected {any_of(laws or LAWS)} beside {told}, got none{advice}")
-        ways = [way for way in KEYS_OF_LAWS.get(self.creep or "", []) if way <= set(type(self).model_fields)]
-        if self.creep is not None and given not in ways:
-            expected = " or ".join(map(_listed, ways))
-            raise ValueError(f"creep: expected {expected} beside {self.creep}, got {told}")
-        return self
-
-    @property
-    def law(self) -> LocalCreep | None:
-        """The local law of creep."""
-        if self.creep is None:
-            return None
-        law = LAWS[self.creep]
-        return law(**{name: getattr(self, f"creep_{name}") for name in parameters_of(law)})
-
-
-class SpringLattice(Creeping):
-    """The lattice of springs; see `asperity.solids.spring_lattice`."""
-
-    kind: Literal["spring_lattice"] = "spring_lattice"
-    k0: Constant = usual(1.0, "Stiffness of the springs between neighbors.")
-    k1: Annotated[float, Field(gt=0, le=1e30)] = usual(3.0, "Stiffness of the springs to the bulk.")
-    R: Constant = usual(1.0, "Mobility of creep that conserves the mean.")
-    R_viscous: Constant = usual(0.0, "Mobility of viscous creep.")
-    hardness: Pressure | None = usual(None, _HARDNESS)
-
-    @property
-    def numbers(self) -> dict[str, Any]:
-        """See `SolidSection`."""
-        return {"creep": self.law}
-
-
-class Continuum(SolidSection):
-    """A solid with a modulus and with branches that relax."""
-
-    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ()
-
-    modulus: Modulus | None = usual(None, "Contact modulus E* at once, before anything relaxes.")
-    young: OneOrTwo[Modulus] | None = usual(
-        None, "Young's modulus at once, in place of the contact modulus; of two bodies both."
-    )
-    poisson: OneOrTwo[Poisson] | None = usual(None, "Poisson's ratio, of two bodies both.")
-    branches: Branches = usual(
-        [], "A share of the modulus and the time in which it relaxes; as often as there are such."
-    )
     relaxation: str | None = usual(
         None,
         "Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
@@ -278,6 +92,107 @@ class Continuum(SolidSection):
         "stays. By default later times are refused.",
     )
 
+
+OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
+    name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
+}
+"""Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
+
+PREDICTED = {*OF_LAWS, *OF_TABLES.values(), "young", "poisson", "branches", "creep", "permanent", "hardness"}
+"""Keys of a half-space that a prediction takes as flags."""
+
+
+class SolidSection(Section):
+    """A solid, of one kind or another."""
+
+    kind: str
+
+    @property
+    def make(self) -> Callable[..., Solid]:
+        """The function of `asperity.solids` that makes it."""
+        return KINDS[self.kind]
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """What `make` takes, without what is not given."""
+        law = {} if self.law is None else {"creep": self.law}
+        return arguments_of(self.make, self) | law
+
+    def build(self) -> Solid:
+        """Make the solid."""
+        return self.make(**self.given)
+
+    @property
+    def law(self) -> LocalCreep | None:
+        """The local law of creep, from numbers or from its activation."""
+        facts = {key: value for key, value in self if value is not None}
+        if "creep" not in facts:
+            return None
+        if "temperature" in facts:
+            return Eyring.activated(**{key.removeprefix("creep_"): facts[key] for key in ACTIVATION})
+        law = LAWS[facts["creep"]]
+        return law(**{name: facts[f"creep_{name}"] for name in parameters_of(law)})
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        self.check()
+        try:
+            self.build()
+        except InputError as error:
+            raise ValueError(sentence(error)) from None
+        return self
+
+    def check(self) -> None:
+        """Refuse keys of a law of creep that are not those of one law, with `ValueError`."""
+        keys, creep = type(self).model_fields, getattr(self, "creep", None)
+        given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
+        told = marked(given) or "none"
+        ways = [way for way in KEYS_OF_LAWS.get(creep or "", []) if way <= keys.keys()]
+        if creep is None and given:
+            laws = [name for name, ways in KEYS_OF_LAWS.items() if given <= set().union(*ways)]
+            drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
+            advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
+            raise ValueError(f"creep: expected {any_of(laws or LAWS)} beside {told}, got none{advice}")
+        if creep is not None and given not in ways:
+            raise ValueError(f"creep: expected {' or '.join(map(marked, ways))} beside {creep}, got {told}")
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record where none is given."""
+        return _SPAN
+
+    @property
+    def known(self) -> tuple[float, float] | None:
+        """First and last time of which the solid is known, where that is limited."""
+        return None
+
+    @property
+    def assumed(self) -> str:
+        """What is assumed of the solid beyond what is known; empty where nothing is."""
+        return ""
+
+    @property
+    def unused(self) -> str:
+        """What a run does not use; empty where it uses all."""
+        return ""
+
+    def resolved(self) -> Self:
+        """The same solid without files: with the numbers that they give."""
+        return self
+
+
+class Continuum(SolidSection):
+    """A solid with a modulus, and perhaps with branches that relax, which a table may give."""
+
+    if TYPE_CHECKING:
+        modulus: float | None
+        young: list[float] | float | None
+        poisson: list[float] | float | None
+        branches: list[tuple[float, float]]
+        table_modulus: TableModulus | None
+        per_decade: float | None
+        extrapolate: Plateau | None
+
     @model_validator(mode="before")
     @classmethod
     def _modulus_of_table(cls, keys: Any) -> Any:
@@ -286,43 +201,72 @@ class Continuum(SolidSection):
             return {**keys, "table_modulus": keys["modulus"], "modulus": None}
         return keys
 
-    @model_validator(mode="after")
-    def _one_modulus(self) -> Self:
-        given = [name for name in ("modulus", "young") if getattr(self, name) is not None]
-        if len(given) == 2:
-            raise ValueError("expected modulus or young, got both")
-        if not given and self.relaxation is None:
-            raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
-        bodies, ratios = len(self.young or [1]), len(self.poisson or [])
-        others = [key for key in _OF_TABLES if getattr(self, key) is not None]
-        if self.relaxation is None and others:
-            raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
-        if self.modulus is None and self.table_modulus != "contact" and bodies != ratios:
-            advice = f"try poisson = {[POISSON] * bodies if bodies > 1 else POISSON}"
-            raise ValueError(f"poisson: expected one for each of {bodies} in young, got {ratios}; {advice}")
-        if self.relaxation is not None:
-            if self.branches:
-                raise ValueError("expected branches or relaxation, got both")
-            if bodies > 1:
-                raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
-            try:
-                _ = self.fit
-            except InputError as error:
-                asked = error.name if error.name in _OF_TABLES else "relaxation"
-                raise ValueError(f"{asked}: {error}") from None
-        return self
+    def check(self) -> None:
+        """Refuse branches and a table, or keys of a table without one, with `ValueError`."""
+        super().check()
+        if "relaxation" not in type(self).model_fields:
+            return
+        if self.table is None:
+            if self.modulus is None and self.young is None:
+                raise ValueError("expected modulus, young and poisson, or relaxation and poisson, got none")
+            if others := [key for key in OF_TABLES.values() if getattr(self, key) is not None]:
+                raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
+            return
+        if self.branches:
+            raise ValueError("expected branches or relaxation, got both")
+        if len(listed(self.young) or []) > 1:  # type: ignore[arg-type]
+            raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
+        try:
+            measured = "" if (found := self.of_table) is None else found.facts["measured"]
+        except InputError as error:
+            asked = error.name if error.name in OF_TABLES.values() else "relaxation"
+            raise ValueError(f"{asked}: {error}") from None
+        if self.modulus is None and self.poisson is None and measured != "contact":
+            raise ValueError(f"poisson: expected one for each of 1 in young, got 0; try poisson={POISSON}")
+
+    @property
+    def table(self) -> Path | None:
+        """The file of the relaxation, if there is one."""
+        path = getattr(self, "relaxation", None)
+        return None if path is None else expanded(path)
+
+    @property
+    def of_table(self) -> Material | None:
+        """What the table gives, and what it is taken for."""
+        if (path := self.table) is None:
+            return None
+        changed = path.stat().st_mtime_ns if path.exists() else 0
+        how = {name: getattr(self, key) for name, key in OF_TABLES.items()}
+        how |= {"modulus": self.modulus or how["modulus"]}
+        how |= {name: one for name, one in self._of_one_body.items() if one is not None}
+        asked = ((name, tuple(one) if isinstance(one, list) else one) for name, one in how.items())
+        return _material(path, tuple((name, one) for name, one in asked if one is not None), changed)
+
+    @property
+    def _of_one_body(self) -> dict[str, float | None]:
+        found = {"young": self.young, "poisson": self.poisson}
+        return {name: one[0] if isinstance(one, list) else one for name, one in found.items()}
 
     @property
     def fit(self) -> Fit | None:
         """The table, fitted."""
-        if self.relaxation is None:
-            return None
-        path = expanded(self.relaxation)
-        changed = path.stat().st_mtime_ns if path.exists() else 0
-        how: dict[str, Any] = {"kind": self.table_kind, "modulus": self.table_modulus, "noise": self.noise}
-        how |= {"columns": self.columns and tuple(self.columns), "units": self.units and tuple(self.units)}
-        reading = tuple((key, value) for key, value in how.items() if value is not None)
-        return _fitted(path, reading, self.per_decade, self.extrapolate, changed)
+        return None if (made := self.of_table) is None else made.fit
+
+    @property
+    def _of_table(self) -> dict[str, Any]:
+        """Arguments that the table gives: branches, and a modulus where no other is given."""
+        if (made := self.of_table) is None or made.fit is None:
+            return {}
+        facts: dict[str, Any] = {"branches": list(made.fit.series.branches)}
+        if self.modulus is not None or self.young is not None:
+            return facts
+        contact, ratio = cast(float, made.solid.modulus), self._of_one_body["poisson"]
+        return facts | ({"modulus": contact} if ratio is None else {"young": contact * (1 - ratio**2)})
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """See `SolidSection`."""
+        return super().given | self._of_table
 
     @property
     def assumed(self) -> str:
@@ -330,26 +274,21 @@ class Continuum(SolidSection):
         return "" if self.fit is None else self.fit.assumed
 
     @property
-    def maxwell(self) -> list[Branch]:
+    def maxwell(self) -> list[tuple[float, float]]:
         """Shares and relaxation times of all branches."""
-        return self.branches if (fit := self.fit) is None else list(fit.series.branches)
+        return cast(
+            list[tuple[float, float]], self._of_table.get("branches") or getattr(self, "branches", [])
+        )
 
     @property
     def contact_modulus(self) -> float:
         """Contact modulus at once."""
-        from asperity.solids import contact_modulus
-
-        if self.modulus is not None:
-            return self.modulus
-        if self.young is None and (fit := self.fit) is not None:
-            return contact_modulus_of(fit, next(iter(self.poisson or []), POISSON), fit.data.measured)
-        return contact_modulus(self.young or [], self.poisson or [])
+        return cast(float, self.build().modulus)
 
     @property
-    def numbers(self) -> dict[str, Any]:
-        """See `SolidSection`; of the solids that have one ratio, that."""
-        told = {"modulus": self.contact_modulus, "young": None, "branches": self.maxwell or None}
-        return {**told, "poisson": next(iter(self.poisson or []), None)}
+    def times(self) -> list[float]:
+        """Relaxation times."""
+        return [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
 
     @property
     def span(self) -> tuple[float, float]:
@@ -360,167 +299,91 @@ class Continuum(SolidSection):
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
     @property
-    def times(self) -> list[float]:
-        """Relaxation times."""
-        return [time for share, time in self.maxwell if share > 0]
-
-    @property
     def known(self) -> tuple[float, float] | None:
         """First and last time that a table knows of, or that are assumed beyond it; None without."""
         return None if (fit := self.fit) is None else fit.series.span
 
     def resolved(self) -> Self:
         """The same solid with the branches and the modulus that a table gives."""
-        if self.relaxation is None:
+        if self.table is None:
             return self
-        numbers: dict[str, object] = dict.fromkeys(("relaxation", *_OF_TABLES))
-        numbers["branches"] = self.maxwell
-        if self.modulus is None and self.young is None:
-            numbers |= {"modulus": self.contact_modulus} | dict.fromkeys(self.not_beside_a_modulus)
-        return self.model_copy(update=numbers)
+        facts = self.model_dump(exclude_none=True, exclude=set(OfTable.model_fields))
+        return type(self).model_validate(facts | self._of_table)
 
 
-class HalfSpace(Creeping, Continuum):
+def _section_of(kind: str) -> type[SolidSection]:
+    """The section of a kind, with the arguments of the function as keys, and keys that give some of these."""
+    make = KINDS[kind]
+    base: type[SolidSection] = SolidSection
+    keys = keys_of_maker(make)
+    if "creep" in signature(make).parameters:
+        keys |= CREEP
+    if "modulus" in keys:
+        base = Continuum
+        keys |= {name: field_of(one) for name, one in ACTIVATED.items() if "creep" in keys}
+    if "branches" in keys:
+        keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
+    return made(f"{kind.title().replace('_', '')}Solid", __name__, base, kind, keys)
+
+
+_Branches: Any = key_of(Branches)
+
+
+class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
     """A half-space; see `asperity.solids.half_space`."""
 
-    not_beside_a_modulus: ClassVar[tuple[str, ...]] = ("poisson",)
-
-    kind: Literal["half_space"] = "half_space"
-    draws: Annotated[list[Branches], Field(min_length=2)] | None = Field(
+    draws: Annotated[list[_Branches], Field(min_length=2)] | None = Field(
         default=None,
         exclude=True,  # no run uses them, and what was not used is not recorded
         description="Lists of branches that may be in place of these, such as draws of a posterior: their "
         "spread is in the band of a prediction.",
     )
-    flow: Power | None = usual(
-        None,
-        "In place of branches: mobility of creep, and the power of the wave number with which "
-        "it goes (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface).",
-    )
-    creep_energy: Energy | None = usual(
-        None,
-        "Energy of activation Q; with the next three it gives Eyring's v0 = prefactor "
-        "exp(-Q/kT) and s0 = kT/volume.",
-    )
-    creep_volume: Volume | None = usual(None, "Volume of activation.")
-    creep_prefactor: Velocity | None = usual(None, "Velocity v0 far above Q = kT.")
-    temperature: Temperature | None = usual(None, "Temperature of thermally activated creep.")
-    permanent: Annotated[float, Field(ge=0, le=0.99), AfterValidator(_kept)] | None = usual(
-        None, "Share of the modulus that does not creep by the local law. By default 0."
-    )
-    apparatus: Stiffness | None = usual(None, _APPARATUS)
-    hardness: Pressure | None = usual(None, _HARDNESS)
 
-    @property
-    def law(self) -> LocalCreep | None:
-        """The local law of creep, from numbers or from its activation."""
-        if self.temperature is None:
-            return super().law
-        facts = {name: getattr(self, f"creep_{name}") for name in ("energy", "volume", "prefactor")}
-        return Eyring.activated(**facts, temperature=self.temperature)
-
-    @model_validator(mode="after")
-    def _one_creep(self) -> Self:
-        if self.modulus is not None and self.poisson is not None:
-            raise ValueError("poisson: expected none beside the contact modulus, which holds it; try young")
-        if self.flow is not None and (self.branches or self.relaxation is not None):
-            raise ValueError("expected branches or flow, got both")
-        if self.permanent and self.creep is None:
-            raise ValueError(
-                "permanent: expected a local law of creep beside it, got none; of branches it is the rest; "
-                "try to drop permanent"
-            )
-        if self.creep is not None and (self.branches or self.relaxation is not None or self.flow is not None):
-            raise ValueError("expected branches, flow or creep, got two of them")
+    def check(self) -> None:
+        """Refuse draws without branches, with `ValueError`."""
+        super().check()
         if self.draws is not None and not self.branches:
             others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
             raise ValueError(f"draws: expected branches beside it, got {next(others, 'none')}")
-        return self
+
+    @property
+    def material(self) -> Material:
+        """What a prediction is of."""
+        from asperity.relaxation import material
+
+        table, solid = self.of_table, self.build()
+        return material(solid, draws=self.draws) if table is None else replace(table, solid=solid)
 
     @property
     def unused(self) -> str:
         """See `SolidSection`."""
         return "" if self.draws is None else "a run does not use [solid] draws; asperity predict does"
 
-    @property
-    def numbers(self) -> dict[str, Any]:
-        """See `SolidSection`."""
-        return {**super().numbers, "poisson": None, "permanent": self.permanent or None, "creep": self.law}
+
+SOLIDS: dict[str, type[SolidSection]] = {
+    kind: HalfSpace if kind == "half_space" else _section_of(kind) for kind in KINDS
+}
 
 
-class BesideTable(Section):
-    """Keys of a half-space that a prediction takes beside a relaxation table."""
-
-    poisson: OnePoisson | None = None
-    per_decade: PerDecade | None = None
-    extrapolate: Plateau | None = None
-    hardness: Pressure | None = None
-    temperature: Temperature | None = None
-
-
-class Layer(Continuum):
-    """A layer on a rigid base; see `asperity.solids.layer`."""
-
-    kind: Literal["layer"] = "layer"
-    poisson: OnePoisson = Field(description="Poisson's ratio.")
-    thickness: Size = Field(description="Thickness of the layer or the film.")
-    frictionless: bool = usual(
-        False, "The layer slides on its base without friction; else it is bonded to it."
-    )
-    hardness: Pressure | None = usual(None, _HARDNESS)
-
-    @property
-    def numbers(self) -> dict[str, Any]:
-        """See `SolidSection`."""
-        return {**super().numbers, "bonded": False if self.frictionless else None}
-
-
-class CoatedHalfSpace(Continuum):
-    """A film on a half-space of another material; see `asperity.solids.coated_half_space`."""
-
-    kind: Literal["coated_half_space"] = "coated_half_space"
-    poisson: OnePoisson = Field(description="Poisson's ratio.")
-    thickness: Size = Field(description="Thickness of the layer or the film.")
-    base_modulus: Modulus = Field(description="Contact modulus of the base at once.")
-    base_poisson: Poisson = Field(description="Poisson's ratio of the base.")
-    base_branches: Branches = usual([], "A share of the modulus of the base and its relaxation time.")
-    apparatus: Stiffness | None = usual(None, _APPARATUS)
-    hardness: Pressure | None = usual(None, _HARDNESS)
-
-    @property
-    def times(self) -> list[float]:
-        """Relaxation times of film and base."""
-        return [*super().times, *(time for share, time in self.base_branches if share > 0)]
-
-    @property
-    def numbers(self) -> dict[str, Any]:
-        """See `SolidSection`."""
-        return {**super().numbers, "base_branches": self.base_branches or None}
-
-
-SOLIDS = by_kind(SpringLattice, HalfSpace, Layer, CoatedHalfSpace)
-AnySolid = Annotated[SpringLattice | HalfSpace | Layer | CoatedHalfSpace, Field(discriminator="kind")]
-
-
-def contact_modulus_of(fit: Fit, poisson: float, measured: TableModulus | None) -> float:
-    """E* of a table of E, of G = E/2(1 + nu), or of E* itself."""
-    from asperity.solids import contact_modulus
-
-    if measured == "contact":
-        return fit.series.modulus
-    return contact_modulus(fit.series.modulus * (2 * (1 + poisson) if measured == "shear" else 1), poisson)
+_BESIDE: dict[str, Any] = {
+    name: (field.annotation, field)
+    for name, field in HalfSpace.model_fields.items()
+    if name in (*OF_TABLES.values(), "hardness", "temperature")
+}
+BesideTable = create_model(
+    "BesideTable",
+    __base__=Section,
+    poisson=(Annotated[OneOrTwo[float], Field(max_length=1)] | None, None),
+    modulus=(TableModulus | None, None),
+    **_BESIDE,
+)
+"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 @functools.lru_cache(maxsize=8)
-def _fitted(
-    path: Path,
-    how: tuple[tuple[str, Any], ...],
-    per_decade: float | None,
-    extrapolate: Plateau | None,
-    changed: int,
-) -> Fit:
-    """A table, fitted; ``changed`` tells one state of the file from another."""
-    from asperity.relaxation import fit, read
+def _material(path: Path, how: tuple[tuple[str, Any], ...], changed: int) -> Material:
+    """What a table gives; ``changed`` tells one state of the file from another."""
+    from asperity.relaxation import material
 
     del changed
-    return fit(read(path, **dict(how)), per_decade=per_decade, extrapolate=extrapolate)
+    return material(path, **dict(how))

@@ -1,7 +1,5 @@
-"""Predictions: from a relaxation table or a solid, a scan and a load to the growth of the real contact."""
+"""Predictions from the configuration of a run, in files and words."""
 
-from asperity.app.predict.pipeline import predict, predict_config
-from asperity.base.calls import answered as _answered
+from asperity.app.predict.pipeline import predict_config
 
-__all__ = ["predict", "predict_config"]
-__dir__ = _answered(globals())
+__all__ = ["predict_config"]

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
-from asperity.app.runs.defaults import remark_on_loading
 from asperity.app.runs.words import carried_words
 from asperity.base.words import counted as how_many
 from asperity.base.words import thousands
 
 Row = tuple[str, str]
-
-_WAVES, _NOISE = 1e-3, 0.05
-"""Largest deviations of a table from its fit, in waves or like noise, from which on a remark is made."""
 
 
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -105,29 +99,3 @@ def _growth(prediction: Prediction) -> list[Row]:
         name, symbol = prediction.beside
         rows.append((name, f"{prediction.between(symbol)} = {effective[-1] / effective[0]:.5g}"))
     return rows
-
-
-def remarks_on(prediction: Prediction) -> tuple[str, ...]:
-    """What limits the prediction, in numbers."""
-    fraction = float(prediction.series("contact_fraction")[-1])
-    remarks = []
-    fit = prediction.fit
-    if fit is not None and fit.assumed:
-        remarks.append(fit.assumed)
-    if not prediction.solid.branches:
-        remarks.append("nothing grows: the solid is elastic")
-    elif np.ptp(prediction.series("contact_area")) == 0:
-        reason = ": creep has not begun" if prediction.solid.creep is not None and fraction < 1 else ""
-        remarks.append(f"the contact does not grow by {written(float(prediction.time[-1]), 's')}{reason}")
-    remarks += remark_on_loading(prediction.time, prediction.ramp, written(prediction.ramp, "s"))
-    if fit is not None and fit.series.error > (_WAVES if fit.systematic else _NOISE):
-        cause = ", which looks like noise"
-        if fit.systematic:
-            more = (
-                f"{fit.finer:g} branches per decade miss it by less than half"
-                if fit.finer
-                else ("its errors depend on each other, or branches are too few")
-            )
-            cause = f" in waves, so that the band has no noise of the table: {more}"
-        remarks.append(f"the fit misses the table by up to {100 * fit.series.error:.2g} %{cause}")
-    return tuple(remarks)

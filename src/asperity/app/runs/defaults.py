@@ -10,18 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from asperity.base.words import counted
+from asperity.analysis.predicting import USUAL_MAPS
 from asperity.errors import InputError
-from asperity.lattice import Field
-
-USUAL_MAPS = 6
 
 
 def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:
-    """Load that brings a Gaussian surface near 1 % contact when k1/k0 = 3: 0.005 (k0 + k1) rms sites.
-
-    It has three significant digits. `InputError` if the surface is flat, so that there is no such load.
-    """
+    """Load that brings a Gaussian surface near 1 % contact when k1/k0 = 3: 0.005 (k0 + k1) rms sites."""
     return _modest("load", 0.005 * (k0 + k1) * rms * sites, "rms height")
 
 
@@ -31,26 +25,16 @@ def modest_pressure(*, modulus: float, slope: float) -> float:
     While little of it touches, the contact fraction of a self-affine surface is about 2 p / (E* rms slope)
     (S. Hyun, L. Pei, J.-F. Molinari, M. O. Robbins, Phys. Rev. E 70, 026117 (2004)). On a layer that is
     thin beside the distances of contacts less touches.
-
-    It has three significant digits. `InputError` if the surface is flat.
     """
     return _modest("pressure", 0.005 * modulus * slope, "rms slope")
 
 
 def _modest(name: str, value: float, of_what: str) -> float:
+    """The value to three digits; `InputError` if the surface is flat."""
     if not value > 0:
         expected = f"a {name}, as the {of_what} of the surface is 0 and suggests none"
         raise InputError(name, expected=expected, got="none", advice=f"a {name} of your own")
     return float(f"{value:.3g}")
-
-
-def hold_times(*, first: float, last: float, per_decade: int) -> Field:
-    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included.
-
-    Where the range is no whole number of steps, the steps are stretched or shrunk a little.
-    """
-    steps = max(1, round(math.log10(last / first) * per_decade))
-    return np.geomspace(first, last, steps + 1)
 
 
 def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, ...]:
@@ -71,13 +55,3 @@ def map_times(times: Sequence[float], count: int = USUAL_MAPS) -> tuple[float, .
     # The last of each of `wanted` equal parts: the early stretch, where little happens, has no extra map.
     chosen = [later[math.ceil((part + 1) * len(later) / wanted) - 1] for part in range(wanted)]
     return (0.0, *chosen)
-
-
-def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
-    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
-    if not (early := sum(0 < time < end for time in times)):
-        return ()
-    return (
-        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
-        "there the load still rises, and the area with it",
-    )

@@ -3,61 +3,40 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from asperity.aging.legs import check_slides
+from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.plausible import remarks_on_contact
+from asperity.analysis.plausible import remark_on_loading, remarks_on_contact, remarks_on_edges
+from asperity.analysis.predicting import USUAL_MAPS, hold_times
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
-from asperity.app.config.models import Independent
 from asperity.app.config.solids import Continuum
 from asperity.app.runs import defaults
-from asperity.app.runs.defaults import USUAL_MAPS, hold_times, map_times, remark_on_loading
+from asperity.app.runs.defaults import map_times
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import Carried, check_half_space
-from asperity.contact import Contact
 from asperity.contact.bodies import bodies_of
-from asperity.errors import ConvergenceError, InputError, Remark
+from asperity.errors import ConvergenceError, InputError
 from asperity.friction import ShearStrength, add_friction
-from asperity.lattice import Field, Lattice
+from asperity.lattice import Field
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
-from asperity.results import Checkpoint, History
-from asperity.simulate import age, press, relax
+from asperity.results import Checkpoint
+from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
-
-_SPRINGS, _OTHERS, _BRANCH, _MAP, _MAPPED_BRANCH = 225, 360, 115, 56, 16
-"""Bytes a site that a run needs by cycles and by transforms, that each branch of the latter adds after the
-first, that each map adds, and each branch in it after the first.
-
-Measured on 1024 x 1024 sites, on 512 x 512 with k0 = 0 and on lines of 262,144, with one map and with six;
-for branches on half-spaces of 512 x 512 with one, three and six of them, held and unloaded: at most 390, 590
-and 990 with two maps.
-"""
-
-_LOCAL, _SHARED = 400, 720
-"""The same by local creep on a half-space, and where a share of that is permanent.
-
-Measured: 431 and 704 with one map of 512 x 512 sites, 760 with a hardness, 778 with six maps.
-"""
-
-_HELD, _HELD_BRANCH = 340, 85
-"""The same of a separable solid under a load that stays, and what each branch adds; of a map, 8 for each.
-
-Measured on 512 x 512 sites with six maps: 418 with one branch, 1323 with eight.
-"""
 
 _IN_RAMP = 12
 """Times recorded in a ramp, evenly spread."""
@@ -102,20 +81,42 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
-    contact = _press(rough, solid, config, progress)
+    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
+    contact = pressed(rough, solid, **config.contact.model_dump())
+    if contact.area == 0:
+        expected, advice = (
+            f"one at which the solids touch, below {contact.heights.max():.6g}",
+            "a smaller one, or a load",
+        )
+        raise InputError("separation", expected=expected, got=config.contact.separation, advice=advice)
     if config.output.instrument:
         observe(contact, **config.output.instrument)  # refuses before hours have passed
-    history = _age(contact, config, progress, checkpoint)
-    dataset = _observed(history.dataset, config)
+    times = recorded_times(config)
+    progress.stage("aging", times=times.tolist())
+    history = age(
+        contact,
+        times,
+        protocol=config.legs or None,
+        hold=config.aging.hold,
+        rtol=config.aging.rtol,
+        fields_at=config.output.maps_at or (),
+        progress=progress.reached,
+        checkpoint=checkpoint,
+        carried=carried_by(config),
+    )
+    dataset = _observed(history.dataset, config.output.instrument)
     remarks += remarks_on_contact(rough, solid, dataset)
     if law is not None:
         dataset = add_friction(dataset, law)
     if config.protocol:
         return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
     progress.stage("finding the relaxed state")
-    dataset, late_remarks = _with_limit(dataset, contact, config)
+    try:
+        dataset = with_limit(dataset, relax(contact, hold=config.aging.hold))
+    except (InputError, ConvergenceError) as error:  # the history is worth keeping all the same
+        remarks += (f"no relaxed state: {error}",)
     dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks + late_remarks)
+    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks)
 
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
@@ -123,22 +124,6 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
     maps, free = config.output.maps_at, config.surface.edges == "free"
     needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps), free=free)
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
-
-
-def bytes_a_site(solid: Solid, shape: Sequence[int], maps: int, *, free: bool, held: bool = False) -> int:
-    """Bytes of memory a site that a run needs; a load that is held asks less of a separable solid."""
-    # Sites on which a contact is computed, for each site of the surface.
-    embedding = Lattice(tuple(shape), edges="free").embedding.shape if free else shape
-    embedded = math.prod(embedding) / math.prod(shape)
-    springs, branches = solid.springs, len(solid.branches)
-    if held and solid.separable:
-        return round((_HELD + branches * _HELD_BRANCH) * embedded) + 8 * branches * maps
-    more = max(branches - 1, 0)
-    cycles = len(shape) == 2 and min(shape) >= 4 and springs is not None and springs.k0 > 0
-    needed = _SPRINGS if cycles else _OTHERS + _BRANCH * more
-    if springs is None and solid.creep is not None:
-        needed = _SHARED if solid.permanent_share > 0 else _LOCAL
-    return round(needed * embedded) + maps * (_MAP + _MAPPED_BRANCH * more)
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
@@ -161,10 +146,10 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
     sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
     modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
     stresses = ("Pa", _SOFT * modulus, modulus)
-    young = next(iter(config.solid.young or []), None)
+    young = config.solid.young
     told: list[tuple[str, float | None, str, float, float]] = [
         ("modulus", config.solid.modulus, "Pa", *_MODULI),
-        ("young", young, "Pa", *_MODULI),
+        ("young", young[0] if isinstance(young, list) else young, "Pa", *_MODULI),
         ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
         ("hardness", getattr(config.solid, "hardness", None), *stresses),
         ("shear_strength", config.friction.shear_strength, *stresses),
@@ -181,19 +166,6 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
         for name, value, unit, low, high in dict.fromkeys(told)
         if value is not None and not isinstance(value, InUnits) and value != 0 and not low <= value <= high
     )
-
-
-def _press(rough: Surface, solid: Solid, config: RunConfig, progress: Progress) -> Contact:
-    progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    with warnings.catch_warnings():  # it is among the remarks on the history
-        warnings.filterwarnings("ignore", message="the mean contact pressure", category=Remark)
-        # Load on filled pixels is remarked at the end, of all maps.
-        contact: Contact = press(replace(rough, filled=None), solid, **config.contact.model_dump())
-    if contact.area == 0:
-        expected = f"one at which the solids touch, below {contact.heights.max():.6g}"
-        got = config.contact.separation
-        raise InputError("separation", expected=expected, got=got, advice="a smaller one, or a load")
-    return contact
 
 
 def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
@@ -223,7 +195,7 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'reflect' (--periodic reflect)",
         )
-    if rough.heights.ndim == 1 and isinstance(chosen, Independent):
+    if rough.heights.ndim == 1 and chosen.law is not None:
         n = rough.heights.size
         remarks += (
             f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
@@ -249,18 +221,6 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     return config.model_copy(update=completed), remarks
 
 
-def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
-    """Which edges a scan was given, and why."""
-    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
-        return ()
-    if rough.edges == "free":
-        return ("edges are free: the body ends with the scan, and does not tilt",)
-    return (
-        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
-        "edges = 'free' (--edges free)",
-    )
-
-
 def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
     """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
     chosen, solid = config.surface, config.solid
@@ -270,9 +230,13 @@ def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, s
         said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
         return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-    nominal = chosen.rms if isinstance(chosen, Independent) else None
+    nominal = getattr(chosen, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
-    load = defaults.modest_load(k0=solid.k0, k1=solid.k1, rms=rms, sites=rough.heights.size)
+    if (springs := solid.build().springs) is None:
+        raise InputError(
+            "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
+        )
+    load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=rough.heights.size)
     said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
     return ContactSection(load=load), said
 
@@ -304,30 +268,13 @@ def _map_times(config: RunConfig) -> list[float]:
     return [switches[index] for index in chosen]
 
 
-def _age(contact: Contact, config: RunConfig, progress: Progress, checkpoint: Checkpoint | None) -> History:
-    times = recorded_times(config)
-    progress.stage("aging", times=times.tolist())
-    return age(
-        contact,
-        times,
-        protocol=config.legs or None,
-        hold=config.aging.hold,
-        rtol=config.aging.rtol,
-        fields_at=config.output.maps_at or (),
-        progress=progress.reached,
-        checkpoint=checkpoint,
-        carried=carried_by(config),
-    )
-
-
 def carried_by(config: RunConfig) -> Carried | None:
     """What to record of what the contact carries."""
     return None if config.carries is None else Carried(**config.carries)
 
 
-def _observed(dataset: xr.Dataset, config: RunConfig) -> xr.Dataset:
+def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:
     """Add the area that the instrument sees on each map, if there is one."""
-    instrument = config.output.instrument
     if not instrument:
         return dataset
     maps = (dataset.isel(field_time=number) for number in range(dataset.sizes["field_time"]))
@@ -345,13 +292,3 @@ def _shear_strength(config: RunConfig) -> ShearStrength | None:
     law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
     law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
     return law
-
-
-def _with_limit(
-    dataset: xr.Dataset, contact: Contact, config: RunConfig
-) -> tuple[xr.Dataset, tuple[str, ...]]:
-    """Add the relaxed state; where there is none to be had, the history is worth keeping all the same."""
-    try:
-        return with_limit(dataset, relax(contact, hold=config.aging.hold)), ()
-    except (InputError, ConvergenceError) as error:
-        return dataset, (f"no relaxed state: {error}",)

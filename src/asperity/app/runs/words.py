@@ -9,7 +9,7 @@ import xarray as xr
 from asperity.analysis.rows import Row, carried_rows, history_rows, words_of
 from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
-from asperity.app.config.models import SurfaceSection
+from asperity.app.config.surfaces import SurfaceSection
 from asperity.app.runs.pipeline import Outcome
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named

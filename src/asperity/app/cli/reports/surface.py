@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
-from asperity.app.config.models import MeasuredSurface, SurfaceSection
+from asperity.app.config.surfaces import MeasuredSurface, SurfaceSection
 from asperity.app.runs.words import described
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum

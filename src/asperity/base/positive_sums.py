@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from asperity.base.checks import Floats
 from asperity.errors import ConvergenceError
@@ -21,7 +21,7 @@ def positive_weights(columns: Floats, values: Floats, scale: Floats) -> Floats:
     norms = np.linalg.norm(matrix, axis=0)
     norms[norms == 0] = 1
     try:
-        weights, _ = nnls(matrix / norms, values / scale, maxiter=100 * matrix.shape[1])
+        weights, _ = scipy.optimize.nnls(matrix / norms, values / scale, maxiter=100 * matrix.shape[1])
     except RuntimeError as error:
         raise ConvergenceError("the least squares for the branches did not converge") from error
     weights = weights / norms

@@ -1,0 +1,290 @@
+"""From a material, a scan and a load to the growth of the real contact: the prediction."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asperity.aging.march import DEFAULT_RTOL
+from asperity.aging.memory import bytes_a_site
+from asperity.analysis.observation import observe
+from asperity.analysis.plausible import remarks_on_contact, remarks_on_edges, remarks_on_prediction
+from asperity.analysis.prediction import Band, Prediction, growth_of, resolved
+from asperity.analysis.scan import written
+from asperity.base import checks, units
+from asperity.base.machine import require
+from asperity.carried import Carried
+from asperity.errors import InputError
+from asperity.lattice import Field
+from asperity.progress import Progress, listener
+from asperity.protocols import Hold, Ramp
+from asperity.relaxation import Material, Measured, PronySeries
+from asperity.relaxation import material as material_of
+from asperity.results import Checkpoint, History
+from asperity.simulate import age, pressed
+from asperity.solids import Solid
+from asperity.surfaces import Surface, read
+from asperity.surfaces.prepare import length_factor
+
+USUAL_MAPS = 6
+LEAST_TIMES = 5
+
+_FACTORS = (1, 2, 4, 8, 16)
+"""Shortest waves of a study of resolution, over two pixels, which are the shortest that a scan has."""
+
+_FEWEST = 8
+"""Waves along the shorter side that a band has at least."""
+
+
+def predict(
+    material: Material | Solid | Measured | PronySeries | str | Path,
+    surface: str | Path | Surface,
+    *,
+    load: float | str | None = None,
+    pressure: float | str | None = None,
+    ramp: float | str | None = None,
+    first: float | str | None = None,
+    last: float | str | None = None,
+    per_decade: int = 4,
+    shear_strength: float | str | None = None,
+    carried: Carried | None = None,
+    instrument: Mapping[str, float | str] | None = None,
+    resolution_study: bool = False,
+    progress: Progress | bool | None = None,
+    checkpoint: str | Path | Checkpoint | None = None,
+) -> Prediction:
+    """Predict how the contact of a rough rigid surface with a half-space grows under a load that stays.
+
+    Numbers are in SI units, or texts with a unit: ``"1 MPa"``.
+
+    Parameters
+    ----------
+    material
+        From `asperity.relaxation.material`; or what that makes one of by itself, such as the file of a
+        relaxation table, or a half-space.
+    surface
+        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. Of a
+        scan and its mirror images the scan is taken, with reflecting edges.
+    load, pressure
+        Normal load, N; or in its place load over nominal area, Pa. It stays once it is put on.
+    ramp
+        Time, s, within which the load is put on, in proportion to time; by default at once. All times count
+        from the start of the loading.
+    first, last
+        Times, s, between which to predict; by default all that the table spans and that are after the ramp.
+        Without a table both are needed.
+    per_decade
+        Times recorded in each decade.
+    shear_strength
+        Of the contacts, Pa: gives friction (Tabor).
+    carried
+        What else to record at each time: stiffness, resistances, what sticks; see `asperity.age`.
+    instrument
+        Arguments ``pixel``, ``blur`` and ``threshold`` of `asperity.observe`, through which to look at the
+        contact; the threshold is 0.5 by default.
+    resolution_study
+        Whether to predict the same without waves below 4, 8, 16 and 32 pixels, too: see `Prediction.bands`.
+    progress
+        True for a bar, in notebooks as on terminals; or who is told how far it has come.
+    checkpoint
+        Where aging keeps its place; see `asperity.age`.
+
+    Raises
+    ------
+    AsperityError
+        Something given is wrong, or does not fit together; a solver did not converge.
+
+    Notes
+    -----
+    A generalized Maxwell half-space is separable, and the load never falls: the contact at each time is the
+    exact one, see `asperity.age`. Local laws of creep and a hardness are followed in time steps.
+
+    References
+    ----------
+    H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
+    """
+    which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
+    amount = positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))
+    density = checks.integer("per_decade", per_decade, least=1, most=1000)
+    loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
+    strength = None if shear_strength is None else positive_quantity("shear_strength", shear_strength, "Pa")
+    with listener(progress) as listening:
+        if not isinstance(material, Material):
+            listening.stage("reading the material")
+            material = material_of(material)
+        times = _times_within(material, first, last, density, loading)
+        listening.stage("reading the scan")
+        if isinstance(surface, str | Path):
+            surface = read(surface)
+        advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
+        return predicted(
+            material,
+            checks.instance("surface", surface, Surface, advice).scan,
+            times,
+            {which: amount},
+            ramp=loading,
+            strength=strength,
+            carried=carried,
+            instrument=checks.instance("instrument", instrument or {}, dict, "{'pixel': '0.2 um'}"),
+            study=resolution_study,
+            progress=listening,
+            checkpoint=checkpoint,
+        )
+
+
+def predicted(
+    material: Material,
+    scan: Surface,
+    times: Field,
+    held: Mapping[str, float],
+    *,
+    ramp: float,
+    strength: float | None,
+    carried: Carried | None,
+    instrument: Mapping[str, Any],
+    study: bool,
+    progress: Progress,
+    checkpoint: str | Path | Checkpoint | None,
+    rtol: float = DEFAULT_RTOL,
+) -> Prediction:
+    """Press a scan, follow the contact under what is held, and weigh what is known of the spread."""
+    solid = material.solid
+    instrument = {"blur": 0.0, "threshold": 0.5, **instrument} if instrument else {}
+    if scan.heights.ndim != 2:
+        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+    scan.in_meters()
+    if not solid.half_space:
+        raise no_half_space("material", solid.kind)
+    maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
+    require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)
+    progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
+    # There is no contact without a load but where the scan is highest: a ramp begins there.
+    legs = [Ramp(ramp, **held), Hold(float(times[-1]) - ramp)] if ramp else None
+    at_first: dict[str, Any] = {"load": 0.0} if ramp else {**held}
+
+    def followed(surface: Surface, at: list[float]) -> History:
+        return age(pressed(surface, solid, **at_first), at, protocol=legs, rtol=rtol)
+
+    try:
+        contact = pressed(scan, solid, **at_first)
+        if instrument:
+            observe(contact, **instrument)  # refuses before minutes have passed
+        progress.stage("aging", times=times.tolist())
+        how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
+        dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
+    except InputError as error:
+        raise _of_pressure(error, held, solid) from None
+    if ramp:  # switches between legs were recorded, too
+        asked = np.isin(dataset["time"], times)
+        dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
+    bands = bands_of(scan, followed, times[[0, -1]].tolist(), progress) if study else ()
+    facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
+    known = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
+    dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(known))
+    progress.stage("weighing the spread of the table and of the scan")
+    looked_at = (dataset.isel(field_time=n) for n in range(len(maps) if instrument else 0))
+    prediction = Prediction(
+        dataset,
+        material,
+        growth_of(dataset, material.spread, ramp=ramp),
+        resolved(dataset),
+        shear_strength=strength,
+        observed=tuple(observe(one, **instrument) for one in looked_at),
+        bands=bands,
+    )
+    on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
+    remarks = *scan.remarks, *remarks_on_edges(scan), *on_contact, *remarks_on_prediction(prediction)
+    return replace(prediction, remarks=remarks)
+
+
+def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
+    """The same error, in terms of the pressure where that was given and is too large for the hardness."""
+    if error.name != "load" or "pressure" not in held or not solid.yields:
+        return error
+    expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
+    got, advice = written(held["pressure"], "Pa"), "a lower pressure, or a greater hardness"
+    return InputError("pressure", expected=expected, got=got, advice=advice)
+
+
+def positive_quantity(name: str, given: object, unit: str) -> float:
+    """Read a number above 0, in SI or with a unit."""
+    return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
+
+
+def hold_times(*, first: float, last: float, per_decade: int) -> Field:
+    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included."""
+    steps = max(1, round(math.log10(last / first) * per_decade))
+    return np.geomspace(first, last, steps + 1)
+
+
+def _times_within(
+    material: Material, first: float | str | None, last: float | str | None, per_decade: int, ramp: float
+) -> Field:
+    """Times to record: of the material, and no others but on a plateau after it."""
+    begin, end = material.span
+    latest = end if material.fit is None else material.fit.data.span[1]
+    for name, time, usual in (("first", first, begin), ("last", last, latest)):
+        if time is None and usual in (0, math.inf):
+            expected, advice = "a time, for no table spans any", 'first="1 ms", last="10 days"'
+            raise InputError(name, expected=expected, got="none", advice=advice)
+    stop = latest if last is None else positive_quantity("last", last, "s")
+    check_ramp(ramp, stop)
+    start = max(begin, ramp) if first is None else positive_quantity("first", first, "s")
+    if not start < stop:
+        raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
+    for name, time in (("first", start), ("last", stop)):
+        if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
+            expected = f"a time that the table spans, {begin:.3g} s to {end:.3g} s"
+            advice = "extrapolate=plateau" if time > end else "a table of more decades"
+            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
+    check_span("last", start, stop)
+    least = math.ceil(LEAST_TIMES / math.log10(stop / start))
+    return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
+
+
+def check_ramp(ramp: float, last: float) -> None:
+    """Refuse a loading that is not over by the last time."""
+    if ramp >= last:
+        expected = f"less than the last time, {last:.4g} s"
+        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice=f'last="{10 * ramp:g} s"')
+
+
+def check_span(name: str, first: float, last: float) -> None:
+    """Refuse times in less than a decade, of which no growth per decade can be told."""
+    if last < 10 * first * (1 - 1e-9):
+        expected = "times that span a decade or more"
+        advice = f'last="{10 * first:g} s"' if name.endswith("last") else "later times"
+        raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", advice=advice)
+
+
+def no_half_space(name: str, kind: str) -> InputError:
+    """What is said of other solids."""
+    advice = "asperity run, or asperity.press and asperity.age, which follow it without a band"
+    return InputError(name, expected="a relaxation table or a half_space", got=kind, advice=advice)
+
+
+def bands_of(
+    scan: Surface, followed: Callable[[Surface, list[float]], History], span: list[float], progress: Progress
+) -> tuple[Band, ...]:
+    """Follow the scan with ever fewer waves as the prediction does, to the first and the last time (s)."""
+    sides = scan.pixel_size or ()
+    meter = length_factor(str(scan.length_unit), "m")
+    longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST
+    found = []
+    for factor in _FACTORS:
+        shortest = 2 * max(sides) * factor
+        if factor > 1 and shortest > longest:
+            break
+        progress.stage(f"waves from {factor * 2} pixels on")
+        history = followed(scan if factor == 1 else scan.band(shortest=shortest), span)
+        first, last = history.dataset["time"].values == span[0], history.final
+        area, force = last.contact_area_corrected, last.load
+        growth = area / float(history.dataset["contact_area_corrected"][first][0])
+        found.append(Band(shortest * meter, area, force / area, growth, last.normal_stiffness))
+    return tuple(found)

@@ -1,0 +1,135 @@
+"""Surfaces of a run: sections that are made of the functions of `asperity.surfaces`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from inspect import signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self, cast
+
+import numpy as np
+
+from asperity.app.config.sections import Section, arguments_of, keys_of_maker, made, usual
+from asperity.base.files import content_of, expanded
+from asperity.surfaces import KINDS, Surface
+
+if TYPE_CHECKING:
+    from asperity.theory.heights import HeightLaw
+
+
+class SurfaceSection(Section):
+    """A surface, of one kind or another."""
+
+    kind: str
+    edges: Literal["periodic", "reflecting", "free"] | None = usual(
+        None,
+        "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default what the kind "
+        "of surface, or how a scan is made periodic, says.",
+    )
+
+    @property
+    def make(self) -> Callable[..., Any]:
+        """The function of `asperity.surfaces` that makes it."""
+        return KINDS[self.kind]
+
+    @property
+    def lattice(self) -> tuple[int, ...] | None:
+        """Sites along each axis; None where only making the surface tells."""
+        if (size := getattr(self, "size", None)) is not None:
+            return (size, size)
+        shape = getattr(self, "shape", None)
+        return None if shape is None else tuple(shape)
+
+    @property
+    def only_powers_of_two(self) -> bool:
+        """Whether its axes have to be powers of two."""
+        return hasattr(self, "size")
+
+    @property
+    def law(self) -> HeightLaw | None:
+        """The law of the heights, where the sites are independent."""
+        from asperity.theory import ExponentialHeights, GaussianHeights
+
+        laws = {"gaussian": GaussianHeights, "exponential": ExponentialHeights}
+        return cast("HeightLaw", laws[self.kind](self.model_dump()["rms"])) if self.kind in laws else None
+
+    @property
+    def file(self) -> Path | None:
+        """The file on which it depends, if any."""
+        path = getattr(self, "path", None)
+        return None if path is None else expanded(path)
+
+    def anywhere(self) -> Self:
+        """The same, with an absolute path of its file."""
+        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `make` takes: the lattice or the file, and what has a name."""
+        first, *facts = arguments_of(self.make, self).items()
+        return first[1], dict(facts) | (self._edges if self._knows_edges else {})
+
+    @property
+    def around(self) -> dict[str, Any]:
+        """What `asperity.surfaces.Surface` takes around what `make` gives; empty where that is all."""
+        facts = {} if self._knows_edges else self._edges
+        if (spacing := getattr(self, "spacing", None)) is not None:
+            facts["pixel_size"] = (*spacing, *spacing)[: len(self.lattice or ())]
+            unit = getattr(self, "unit", None)
+            facts |= {} if unit is None else {"unit": unit, "length_unit": unit}
+        return facts
+
+    @property
+    def _knows_edges(self) -> bool:
+        return "edges" in signature(self.make).parameters
+
+    @property
+    def _edges(self) -> dict[str, Any]:
+        return {} if self.edges is None else {"edges": self.edges}
+
+    def build(self) -> Surface:
+        """Make or read the surface, and let it know where it comes from."""
+        first, facts = self.arguments
+        found, around = self.make(first, **facts), self.around
+        if isinstance(found, Surface) and not around:
+            return found
+        origin = self.model_dump(exclude_none=True, exclude={"edges"})
+        if "pixel_size" in around:
+            origin |= {"pixel_size": list(around["pixel_size"]), "length_unit": around.get("unit", "")}
+        if self.file is not None:
+            origin["sha256"] = hashlib.sha256(content_of(self.file)).hexdigest()
+        return Surface(np.asarray(found), **around, provenance=origin)
+
+
+def _section_of(kind: str) -> type[SurfaceSection]:
+    """The section of a kind, with the arguments of the function as keys."""
+    name = f"{kind.title().replace('_', '')}Surface"
+    return made(name, __name__, SurfaceSection, kind, keys_of_maker(KINDS[kind]))
+
+
+class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
+    """Heights from a file; see `asperity.surfaces.read`."""
+
+    @property
+    def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
+        """What `asperity.surfaces.read` is to do about the edges."""
+        if self.edges == "periodic":
+            return "wrap" if self.periodic in ("reflect", "free") else self.periodic
+        return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
+
+    @property
+    def arguments(self) -> tuple[Any, dict[str, Any]]:
+        """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
+        path, facts = super().arguments
+        return path, facts | {"periodic": self.rule}
+
+    @property
+    def around(self) -> dict[str, Any]:
+        """See `SurfaceSection`: the rule has the edges."""
+        return {}
+
+
+SURFACES: dict[str, type[SurfaceSection]] = {
+    kind: MeasuredSurface if kind == "file" else _section_of(kind) for kind in KINDS
+}

@@ -1,0 +1,269 @@
+"""A material: a half-space, and what is known of it besides its numbers."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast, get_args
+
+from asperity.base import checks
+from asperity.base import units as si
+from asperity.base.columns import Chosen, Units
+from asperity.base.files import content_of, expanded
+from asperity.base.parameters import parameters_of
+from asperity.base.words import has_unit
+from asperity.creep import LAWS
+from asperity.errors import InputError
+from asperity.relaxation.data import Extrapolate, Measured, Modulus
+from asperity.relaxation.files import Kind, read
+from asperity.relaxation.fitting import Fit, fit
+from asperity.relaxation.series import PronySeries
+from asperity.relaxation.temperature import arrhenius
+from asperity.relaxation.temperature import wlf as by_wlf
+from asperity.solids import Solid, half_space
+from asperity.solids.branches import check_branches
+from asperity.solids.continua import checked_poisson
+
+POISSON = 0.35
+"""Poisson's ratio where none is given."""
+
+_READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
+_SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
+_AT_ONCE, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """A half-space, and what is known of it besides its numbers; `material` makes one.
+
+    Attributes
+    ----------
+    solid
+        The half-space, for `asperity.press`.
+    fit
+        Of the relaxation table, at the temperature of the contact; None without a table.
+    draws
+        Series of E* that may be in place of that of the solid.
+    span
+        Times of which it is known, s.
+    facts
+        What identifies the table and how it was taken, for the record.
+    """
+
+    solid: Solid
+    fit: Fit | None = None
+    draws: tuple[PronySeries, ...] = ()
+    span: tuple[float, float] = (0.0, math.inf)
+    facts: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        spread = self.fit or (f"{len(self.draws)} draws" if self.draws else "no spread")
+        return f"<Material: {self.solid!r}, {spread}>"
+
+    @property
+    def spread(self) -> tuple[PronySeries, ...]:
+        """Its series, and those that may be in its place: of the fit, or the draws; empty without either."""
+        if self.fit is not None:
+            return (self.fit.series, *self.fit.alternatives)
+        return (relaxing_of(self.solid), *self.draws) if self.draws else ()
+
+
+def relaxing_of(solid: Solid) -> PronySeries:
+    """The contact modulus of a half-space as it relaxes."""
+    return PronySeries(cast(float, solid.modulus), tuple(solid.relaxing))
+
+
+def material(
+    source: str | Path | Measured | PronySeries | Solid | None = None,
+    *,
+    kind: Kind | None = None,
+    columns: Chosen | None = None,
+    units: Units | None = None,
+    noise: float | None = None,
+    branches: int | None = None,
+    per_decade: float | None = None,
+    extrapolate: Extrapolate | None = None,
+    modulus: Modulus | float | str | None = None,
+    young: float | str | None = None,
+    poisson: float | None = None,
+    temperature: float | str | None = None,
+    reference: float | str | None = None,
+    activation_energy: float | str | None = None,
+    wlf: tuple[float, float] | None = None,
+    shift: float | None = None,
+    hardness: float | str | None = None,
+    draws: Sequence[Iterable[Sequence[float | str]]] | None = None,
+) -> Material:
+    """Make a material for `asperity.predict`. Numbers are in SI units, or texts with a unit: ``"3 GPa"``.
+
+    Parameters
+    ----------
+    source
+        A relaxation table: a file for `read`, or what that returns. Or a series; a half-space from
+        `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
+        an inference. None: an elastic half-space of `young` or `modulus`.
+    kind, columns, units, noise
+        How to read the file of a table, see `read`.
+    branches, per_decade, extrapolate
+        How to fit a table, see `fit`.
+    modulus
+        What table or series are of: "young", Young's modulus E; "shear", the shear modulus G; "contact", E*.
+        By default what the names of columns say, else E. Or E* at once, of which they give the shares.
+    young
+        Young's modulus at once in its place.
+    poisson
+        Poisson's ratio, 0.35 by default, which does not relax: E* = E/(1 - nu^2) = 2 G/(1 - nu).
+    temperature, reference
+        Of the contact and of table or series, K: shifts all times by Arrhenius or WLF.
+    activation_energy, wlf
+        The energy, J/mol; or the constants c1 and c2 (K). See `arrhenius` and `asperity.relaxation.wlf`.
+    shift
+        In place of these four: the factor on all times.
+    hardness
+        Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
+    draws
+        Branches that may be in place of those of a solid, such as draws of a posterior: 2 lists or more of
+        pairs of a share of the modulus and a relaxation time, s.
+
+    Raises
+    ------
+    InputError
+        Something is wrong, or is not about such a source.
+    """
+    given = {name: value for name, value in locals().items() if name != "source" and value is not None}
+    if isinstance(source, str | Path) and Path(source).suffix == ".toml":
+        source, of_file = _of_toml(expanded(source))
+        draws = of_file if draws is None else draws
+    what, names = _about(source)
+    for name in given:
+        if name not in (*names, "hardness"):
+            raise InputError(name, expected=f"none beside {what}", got=checks.shown(given[name]))
+    if isinstance(source, Solid):
+        solid = source.with_hardness(hardness)
+        return Material(solid, draws=_draws(draws, solid))
+    factor = _shift(**{name: given[name] for name in _SHIFT if name in given})
+    measured: Any = modulus if isinstance(modulus, str) and modulus in _WORDS else None
+    found: Fit | None = None
+    series: PronySeries | None = None
+    if isinstance(source, PronySeries):
+        series = source.shifted(factor)
+    elif source is not None:
+        how = {name: given[name] for name in _READING if name in given}
+        table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
+        found = fit(table.shifted(factor), **{name: given[name] for name in _FITTING if name in given})
+        series, measured = found.series, measured or found.data.measured
+    at_once, of = _at_once(series, measured, given)
+    solid = half_space(**at_once, branches=series.branches if series else (), hardness=hardness)
+    span = series.span if series else (0.0, math.inf)
+    if found is None:
+        return Material(solid, draws=_draws(draws, solid), span=span)
+    ratio = None if of == "contact" else given.get("poisson", None if of == "shares" else POISSON)
+    facts = {"measured": of, "poisson": ratio, "shift": factor, **_origin(source, found)}
+    return Material(solid, found, span=span, facts=facts)
+
+
+def _about(source: object) -> tuple[str, tuple[str, ...]]:
+    """What a source is, and the arguments that are about it."""
+    if source is None:
+        return "an elastic solid", _AT_ONCE
+    if isinstance(source, Solid):
+        return "a solid, for it is about a relaxation table", ("draws",)
+    if isinstance(source, PronySeries):
+        return "a series, for it is about a relaxation table", (*_AT_ONCE, *_SHIFT, "draws")
+    if isinstance(source, str | Path | Measured):
+        of_file = _READING if isinstance(source, str | Path) else ()
+        what = "a relaxation table" if of_file else "a table that was read"
+        return what, (*of_file, *_FITTING, *_AT_ONCE, *_SHIFT)
+    expected = "a relaxation table or its file, a series, or a half-space"
+    advice = "asperity.relaxation.read(path)"
+    raise InputError("material", expected=expected, got=checks.kind_of(source), advice=advice)
+
+
+def _shift(
+    temperature: float | str | None = None,
+    reference: float | str | None = None,
+    activation_energy: float | str | None = None,
+    wlf: tuple[float, float] | None = None,
+    shift: float | None = None,
+) -> float:
+    """Shift factor by Arrhenius or WLF, or as it is given."""
+    if (temperature, reference, activation_energy, wlf) == (None, None, None, None):
+        return 1.0 if shift is None else checks.number("shift", shift, above=0)
+    for name, given in (("temperature", temperature), ("reference", reference)):
+        if given is None:
+            expected = "the temperatures of contact and table"
+            raise InputError(name, expected=expected, got="none", advice=f"{name}='25 degC'")
+    ways = [way for way in (activation_energy, wlf, shift) if way is not None]
+    if len(ways) != 1:
+        expected, advice = "an activation energy, or the constants of WLF", "activation_energy='100 kJ/mol'"
+        got = "both" if ways else "neither"
+        raise InputError("activation_energy", expected=expected, got=got, advice=advice)
+    kelvin = si.quantity(temperature, "K", "temperature"), si.quantity(reference, "K", "reference")
+    if wlf is not None:
+        return by_wlf(*wlf, *kelvin)
+    return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
+
+
+def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """The modulus at once, as `half_space` takes it, and what gives it: a number, or what series are of."""
+    ratio = checked_poisson("poisson", given.get("poisson", POISSON))
+    at_once = {name: given[name] for name in ("modulus", "young") if name in given}
+    if isinstance(at_once.get("modulus"), str) and at_once["modulus"] in _WORDS:
+        del at_once["modulus"]
+    elif isinstance(at_once.get("modulus"), str) and not has_unit(at_once["modulus"]):
+        expected = "'young', 'shear' or 'contact', or E* at once, such as '3 GPa'"
+        raise InputError("modulus", expected=expected, got=checks.shown(at_once["modulus"]))
+    if at_once or series is None:
+        return at_once | ({"poisson": ratio} if "young" in at_once else {}), "shares"
+    if measured == "contact":
+        return {"modulus": series.modulus}, measured
+    factor = 2 * (1 + ratio) if measured == "shear" else 1
+    return {"young": series.modulus * factor, "poisson": ratio}, measured or "young"
+
+
+def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
+    """Series of a solid with other branches that it may have."""
+    if draws is None:
+        return ()
+    if not solid.relaxing:
+        raise InputError("draws", expected="branches of the solid, in whose place they may be", got="none")
+    if not hasattr(draws, "__len__") or len(draws) < 2:
+        raise InputError("draws", expected="2 lists of branches or more", got=checks.shown(draws))
+    found, modulus = [], relaxing_of(solid).modulus
+    for number, branches in enumerate(draws):
+        try:
+            found.append(PronySeries(modulus, check_branches(branches)))
+        except InputError as error:
+            raise error.about(f"draws[{number}]: {error.name}") from None
+    return tuple(found)
+
+
+def _of_toml(path: Path) -> tuple[Solid, Any]:
+    """The half-space that a file has under ``[solid]``, and draws of its branches."""
+    try:
+        keys = tomllib.loads(content_of(path).decode())["solid"]
+        kind, draws = keys.pop("kind"), keys.pop("draws", None)
+    except (OSError, ValueError, KeyError, AttributeError) as error:
+        expected = "a TOML file with the half_space of [solid]"
+        got = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
+        raise InputError(path.name, expected=expected, got=got) from None
+    if kind != "half_space":
+        raise InputError(f"{path.name}: [solid] kind", expected="a half_space", got=checks.shown(kind))
+    if (law := LAWS.get(keys.get("creep"))) is not None:
+        of_law = {name: keys.pop(f"creep_{name}", None) for name in parameters_of(law)}
+        keys["creep"] = law(**of_law)
+    return half_space(**keys), draws
+
+
+def _origin(table: object, found: Fit) -> dict[str, object]:
+    """What identifies a table."""
+    path = expanded(table) if isinstance(table, str | Path) else None
+    facts: dict[str, object] = {"table": "", "table_sha256": ""}
+    if path is not None:
+        facts = {"table": path.name, "table_sha256": hashlib.sha256(content_of(path)).hexdigest()}
+    facts |= {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
+    return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})

@@ -1,0 +1,151 @@
+"""Materials: a half-space with what is known of it, from a table, a series, a solid, or a file."""
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.errors import CallError
+from asperity.relaxation import PronySeries, Relaxation, material
+from asperity.relaxation.materials import relaxing_of
+from tests.refusals import refuses
+
+TIME = np.geomspace(1e-2, 1e3, 21)
+SERIES = PronySeries(2e9, ((0.3, 0.1), (0.4, 10.0)))
+DATA = Relaxation(TIME, SERIES.modulus_at(TIME))
+WARM = {"temperature": 300, "reference": 290}
+SOLID = asp.solids.half_space(modulus="3 GPa", branches=[(0.2, 3.0)])
+
+
+@pytest.mark.parametrize(
+    ("how", "modulus"),
+    [
+        ({}, 2e9 / (1 - 0.35**2)),
+        ({"poisson": 0.5}, 2e9 / 0.75),
+        ({"modulus": "shear", "poisson": 0.4}, 2 * 2e9 / 0.6),  # 2 G/(1 - nu)
+        ({"modulus": "contact"}, 2e9),
+        ({"young": "3 GPa", "poisson": 0.3}, 3e9 / 0.91),  # the table gives the shares
+        ({"modulus": "5 GPa"}, 5e9),
+    ],
+)
+def test_tables_and_series_give_the_contact_modulus_and_its_branches(how, modulus):
+    for source in (DATA, SERIES):
+        made = material(source, **how)
+        found = relaxing_of(made.solid)
+        assert found.modulus == pytest.approx(modulus, rel=1e-6)
+        np.testing.assert_allclose(found.branches, SERIES.branches, rtol=1e-5)
+        assert (made.fit is None) == (source is SERIES)
+        assert made.span == (DATA.span if source is DATA else (0.0, np.inf))
+    table = material(DATA, hardness="0.1 GPa")
+    assert table.solid.hardness == 1e8
+    assert len(table.spread) == 1 + 200
+
+
+def test_another_temperature_shifts_all_times():
+    # Q/R (1/T - 1/T_ref) by hand; WLF at T_ref + c2 is a factor 10^(-c1/2).
+    energy = {"temperature": "313.15 K", "reference": 293.15, "activation_energy": "100 kJ/mol"}
+    arrhenius = np.exp(1e5 / 8.31446261815324 * (1 / 313.15 - 1 / 293.15))
+    wlf = {"temperature": 350.0, "reference": "300 K", "wlf": (2.0, 50.0)}
+    for source in (DATA, SERIES):
+        for how, factor in ((energy, arrhenius), (wlf, 0.1), ({"shift": 3.0}, 3.0)):
+            times = np.array(relaxing_of(material(source, **how).solid).branches)[:, 1]
+            np.testing.assert_allclose(times, factor * np.array([0.1, 10.0]), rtol=1e-5)
+
+
+def test_a_solid_a_file_and_draws(tmp_path):
+    draws = [[(0.1, 2.0)], [(0.3, "1 min")]]
+    text = 'kind = "half_space"\nyoung = "3 GPa"\npoisson = 0.5\nbranches = [[0.2, "3 s"]]\n'
+    file = tmp_path / "solid.toml"
+    file.write_text(f'[solid]\n{text}draws = [[[0.1, "2 s"]], [[0.3, "1 min"]]]\nhardness = "1 GPa"\n')
+    for made, modulus in ((material(SOLID, draws=draws), 3e9), (material(file), 4e9)):
+        own, *others = made.spread
+        assert own.branches == ((0.2, 3.0),)
+        assert [one.branches for one in others] == [((0.1, 2.0),), ((0.3, 60.0),)]
+        assert own.modulus == pytest.approx(modulus)
+    assert material(file).solid.hardness == 1e9
+    assert material(SOLID).spread == ()
+    elastic = material(young="3 GPa", poisson=0.5).solid
+    assert (relaxing_of(elastic).modulus, elastic.branches) == (pytest.approx(4e9), ())
+    law = 'creep = "eyring"\ncreep_rate = "1 nm/s"\ncreep_stress = "20 MPa"'
+    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\n{law}')
+    assert material(file).solid.creep == asp.solids.Eyring(rate=1e-9, stress=2e7)
+
+
+@pytest.mark.parametrize(
+    ("name", "got", "source", "how"),
+    [
+        ("material", "float", 3.5, {}),
+        ("modulus and young", "none", None, {}),
+        ("shift", "2.0", None, {"young": 1e9, "shift": 2.0}),
+        ("draws", "(0.1, 1.0)", DATA, {"draws": [[(0.1, 1.0)]] * 2}),
+        ("columns", "0 1", DATA, {"columns": "0 1"}),
+        ("poisson", "0.3", SOLID, {"poisson": 0.3}),
+        ("branches", "2", SERIES, {"branches": 2}),
+        ("draws", "none", material(young=1.0).solid, {"draws": [[(0.1, 1.0)]] * 2}),
+        ("modulus", "shape (2,)", DATA, {"modulus": np.array([1e9, 2e9])}),
+        ("modulus", "'bulk'", DATA, {"modulus": "bulk"}),
+        ("poisson", "0.6", DATA, {"modulus": "contact", "poisson": 0.6}),
+        ("reference", "none", DATA, {"temperature": "20 degC"}),
+        ("activation_energy", "neither", DATA, {"temperature": "20 degC", "reference": "0 degC"}),
+        (
+            "activation_energy",
+            "both",
+            DATA,
+            {"temperature": 300, "reference": 290, "wlf": (1, 50), "shift": 2},
+        ),
+        ("solid.toml", "No such file", "solid.toml", {}),
+    ],
+)
+def test_what_is_no_material(name, got, source, how):
+    with refuses(name, got):
+        material(source, **how)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "got"),
+    [
+        ("[solid", "a.toml", "TOMLDecodeError"),
+        ('[solid]\nkind = "layer"', "a.toml: [solid] kind", "'layer'"),
+    ],
+)
+def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text(text)
+    with refuses(name, got):
+        material("a.toml")
+
+
+@pytest.mark.parametrize(
+    ("moved", "there"),
+    [
+        *(
+            (name, f"asperity.relaxation.material(..., {name}=...)")
+            for name in ("poisson", "hardness", "draws")
+        ),
+        ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
+        ("pixel", "instrument={'pixel': ...}"),
+        ("protocol", "asperity.age"),
+    ],
+)
+def test_arguments_that_moved_are_refused_with_their_place(moved, there):
+    with refuses("predict", repr(moved), advice=there, kind=CallError):
+        asp.predict("table.csv", "scan.opd", **{moved: 1.0})
+
+
+def test_predict_takes_about_a_dozen_arguments():
+    assert len(inspect.signature(asp.predict).parameters) <= 14
+
+
+def test_predict_takes_what_a_material_is_made_of():
+    heights = asp.surfaces.spectral((16, 16), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
+    scan = asp.surfaces.Surface(heights, "nm", (50.0, 50.0), "nm")
+    how: dict[str, Any] = {"load": "10 uN", "first": "1 s", "last": "100 s", "per_decade": 2}
+    made, bare = (asp.predict(one, scan, **how) for one in (material(DATA), DATA))
+    assert made.growth == bare.growth
+    series = asp.predict(material(SERIES), scan, instrument={"pixel": "0.2 um"}, **how)
+    np.testing.assert_array_equal(series.series("area"), made.series("area"))
+    assert series.growth.of_table == (series.growth.per_decade,) * 2
+    assert series.observed[0].threshold == 0.5
