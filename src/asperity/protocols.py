@@ -458,36 +458,34 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
     """Legs as `described` writes them, in one line: ``hold 10, repeat 3 (step load=160, hold 1)``."""
     words = []
     for leg in legs:
-        usual, said, named = parameters_of(_kind_of(leg["kind"])), [leg["kind"]], []
+        usual = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
+        said, named = [leg["kind"]], []
         for key, value in leg.items():
             short = f"{value:g}" if isinstance(value, float | int) else str(value)
             if key in ("duration", "count"):
                 said.append(short)
-            elif key not in ("kind", "legs") and value != usual[key].default:
+            elif key not in ("kind", "legs") and not (key in usual and value == usual[key].default):
                 named.append(f"{key}={short}")
         nested = [f"({in_words(leg['legs'])})"] if "legs" in leg else []
         words.append(" ".join(said + named + nested))
     return ", ".join(words)
 
 
-def leg_of(values: Mapping[str, Any]) -> Leg:
-    """Make a leg of what `described` wrote."""
-    arguments = {name: value for name, value in values.items() if name != "kind"}
-    if "legs" in arguments:
-        arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
-    return _kind_of(values["kind"])(**arguments)
-
-
 KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Step, Slide, Repeat)}
 """Legs by their kind in a configuration. What is added before `asperity.app` is imported has keys too."""
 
 
-def _kind_of(name: str) -> type[Leg]:
-    """The class of a kind, of this module or of an imported one."""
-    others = {kind.__name__.lower(): kind for kind in (*Leg.__subclasses__(), *Change.__subclasses__())}
-    if found := (others | KINDS).get(name):
-        return found
-    raise InputError("protocol", expected="legs whose classes are imported", got=repr(name))
+def leg_of(values: Mapping[str, Any]) -> Leg:
+    """Make a leg of what `described` wrote: by `KINDS` or the last class of this name and these fields."""
+    arguments = {name: value for name, value in values.items() if name != "kind"}
+    if "legs" in arguments:
+        arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
+    kind, keys = values["kind"], set(arguments)
+    named = [leg for leg in (*Leg.__subclasses__(), *Change.__subclasses__()) if leg.__name__.lower() == kind]
+    found = [KINDS[kind]] if kind in KINDS else [leg for leg in named if keys <= set(parameters_of(leg))]
+    if not found:
+        raise InputError("protocol", expected="legs whose classes are imported", got=repr(kind))
+    return found[-1](**arguments)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
@@ -74,8 +74,10 @@ def explicit(target, R_viscous):
     def change(time):
         return {"load": 6.0, "separation": 0.7}[target] * (1 + math.sin(8 * time) / 3)
 
-    how = (change, None) if target == "load" else (None, change)
-    return second_order(uncorrelated(8), *how, tuple(TIMES), k0=1.0, k1=3.0, R=1.0, R_viscous=R_viscous)
+    load, separation = (change, None) if target == "load" else (None, change)
+    return second_order(
+        uncorrelated(8), load, separation, tuple(TIMES), k0=1.0, k1=3.0, R=1.0, R_viscous=R_viscous
+    )
 
 
 @pytest.mark.parametrize("solver", [Multigrid(), ActiveSet()], ids=["springs", "fields"])
@@ -83,7 +85,8 @@ def explicit(target, R_viscous):
 @pytest.mark.parametrize("target", ["load", "separation"])
 def test_oscillations_follow_the_explicit_algorithm(target, R_viscous, solver):
     value = {"load": 6.0, "separation": 0.7}[target]
-    contact = asp.press(uncorrelated(8), springs(R_viscous=R_viscous), **{target: value})
+    how: dict[str, Any] = {target: value}
+    contact = asp.press(uncorrelated(8), springs(R_viscous=R_viscous), **how)
     leg = Sine(1.0, value / 3, math.pi / 4, target)
     history = asp.age(contact, TIMES, protocol=leg, rtol=1e-4, fields_at=TIMES, solver=solver)
     assert_follows(history, explicit(target, R_viscous), contact.u.std())
@@ -141,7 +144,7 @@ def test_the_exact_contact_follows_a_load_that_rises_as_it_likes():
 )
 def test_without_an_amplitude_it_is_a_hold(target, solver):
     contact = asp.press(correlated(16), springs(R_viscous=0.1), load=10.0)
-    hold = "separation" if target in ("separation", "approach") else "load"
+    hold: Any = "separation" if target in ("separation", "approach") else "load"
     still, held = (
         asp.age(contact, TIMES, protocol=leg, rtol=1e-4, solver=solver)
         for leg in (Sine(2.0, 0.0, 10.0, target, mobility=3.0), Hold(2.0, hold=hold, mobility=3.0))

@@ -122,7 +122,7 @@ def test_stopped_and_resumed(tmp_path, name):
 
 def test_whole_fields_take_over_where_cycles_get_nowhere_and_frames_say_so():
     moments: list[Midway] = []
-    frames = list(creep(**LEFT_TO_FIELDS, after_step=lambda _, midway: moments.append(midway())))
+    frames = list(creep(**LEFT_TO_FIELDS, after_step=lambda midway: moments.append(midway())))
     assert {moment.kind for moment in moments} == {"fields"}
     assert [frame.solved_by for frame in frames] == ["", *len(TIMES) * ["fields"]]
 

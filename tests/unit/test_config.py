@@ -269,7 +269,7 @@ def test_what_is_written_reads_back_as_the_very_same(tmp_path: Path) -> None:
     ramps = [{"kind": "ramp", "duration": 1.0, "load": load} for load in (3.0, 1.0)]
     repeated = [{"kind": "repeat", "count": 2, "legs": ramps}]
     from_no_load = RunConfig.model_validate({"contact": {"load": 0.0}, "protocol": repeated})
-    assert [leg.end for leg in from_no_load.written_out] == [3.0, 1.0, 3.0, 1.0]
+    assert [leg.arguments["load"] for leg in from_no_load.written_out] == [3.0, 1.0, 3.0, 1.0]
     for config in (
         RunConfig(),
         RunConfig(surface=SelfAffine(size=64, hurst=1 / 3, delta=1e-17)),

@@ -1,6 +1,7 @@
 """Time steps: their length by errors alone, and those of springs in corrections, against whole fields."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_a_step_agrees_with_one_of_whole_fields(heights, k1, p, R_viscous, held)
     control = contact.control if held == "load" else Separation(contact.separation)
     system = contact.system(control)
     exact = FieldSteps.begin(system, ActiveSet(), contact)
-    quick = SpringSteps.begin(system, Multigrid(), contact)
+    quick: Any = SpringSteps.begin(system, Multigrid(), contact)
     scale = contact.u.std()
     for duration in (0.1, 0.5, 3.0):
         aim = Aim((TOLERANCE, TOLERANCE), (1e-9 * scale, 1e-9 * scale))
@@ -85,7 +86,7 @@ def test_cycles_solve_every_step_where_the_creeping_springs_are_stiff():
     # From one contact on; without parts of corrections 22 of these steps are left to Fourier modes.
     heights = np.random.default_rng(0).exponential(size=(12, 12))
     contact = asp.press(heights, asp.solids.spring_lattice(k0=1.0, k1=800.0), load=28.8)
-    steps = SpringSteps.begin(contact.system(None), Multigrid(), contact)
+    steps: Any = SpringSteps.begin(contact.system(None), Multigrid(), contact)
     allowed, left, time, duration = 1e-4 * heights.std(), 0, 0.0, 1e-4
     while time < 100.0:
         left += steps.attempt(duration, Aim((TOLERANCE, TOLERANCE), (allowed, allowed))).failure is not None
