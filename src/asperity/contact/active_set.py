@@ -249,9 +249,8 @@ class _Run:
         goal = max(target, 0.5 * acceptable) / self.worst
         if self.single:
             goal = max(goal, TUNING.digits)
-        correction = self.linear_problem().correct(
-            self.force, self.worst, goal, left, self.allowed_error, self.allowed_imbalance
-        )
+        allowed = self.allowed_error, self.allowed_imbalance
+        correction = self.linear_problem().correct(self.force, self.worst, goal, left, allowed)
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.fresh = False

@@ -147,19 +147,13 @@ class FreeSites:
         self.waves = waves
 
     def correct(
-        self,
-        force: Field,
-        worst: float,
-        goal: float,
-        most: int,
-        allowed_error: float,
-        allowed_imbalance: float,
+        self, force: Field, worst: float, goal: float, most: int, allowed: tuple[float, float]
     ) -> Correction:
         """Displace the free sites until no force on them exceeds ``goal`` times the ``worst`` there.
 
-        It ends earlier after ``most`` iterations, or when the displacement is off by no more than an error,
-        rms over the sites, and the sum of the forces off contact by no more than an imbalance.
+        Or until ``allowed`` are the error, rms over the sites, and the sum of the forces off contact.
         """
+        allowed_error, allowed_imbalance = allowed
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
@@ -197,9 +191,7 @@ class FreeSites:
                 if left_over <= allowed_error and allowed_imbalance < math.inf:
                     share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
                     left_over = max(left_over, allowed_error * share)
-                if left_over <= allowed_error:
-                    break
-            if largest(defect, xp) <= goal:
+            if left_over <= allowed_error or largest(defect, xp) <= goal:
                 break
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)
