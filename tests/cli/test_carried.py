@@ -75,6 +75,7 @@ def test_the_figure_draws_what_was_recorded(history):
     assert len(drawn) == len(NAMES)
     for line, name in zip(drawn, NAMES, strict=True):
         values, found = history.dataset[name].values, np.asarray(line.get_ydata(), dtype=float)
+        assert line.axes is not None
         label, unit = line.axes.get_ylabel(), history.dataset[name].attrs["units"]
         if unit == "1":
             np.testing.assert_allclose(found, values)

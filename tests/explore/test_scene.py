@@ -8,7 +8,7 @@ import shutil
 import struct
 import subprocess
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -161,7 +161,7 @@ def test_the_page_compares_with_the_end_of_a_ramp_from_no_load(loads: list[float
 def test_growth_and_friction_after_a_ramp_are_over_its_end_and_sizes_are_areas() -> None:
     rough = asp.surfaces.spectral((32, 32), spacing=1e-6, rms_slope=0.1, unit="m", seed=1)
     solid = asp.solids.half_space(modulus=3e9, branches=[(0.5, 1.0)])
-    legs = [asp.protocols.Ramp(1.0, load="3 mN"), asp.protocols.Hold(99.0)]
+    legs: Any = [asp.protocols.Ramp(1.0, load=cast(Any, "3 mN")), asp.protocols.Hold(99.0)]
     contact = asp.press(rough, solid, load=0.0)
     times = [0.5, 1.0, 2.0, 11.0, 100.0]
     aged = asp.age(contact, times, protocol=legs, fields_at=[1.0], carried=asp.Carried(resistivity=1e-6))

@@ -2,7 +2,7 @@
 
 import inspect
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ def test_another_temperature_shifts_all_times():
 
 
 def test_a_solid_a_file_and_draws(tmp_path):
-    draws = [[(0.1, 2.0)], [(0.3, "1 min")]]
+    draws: Any = [[(0.1, 2.0)], [(0.3, "1 min")]]
     text = 'kind = "half_space"\nyoung = "3 GPa"\npoisson = 0.5\nbranches = [[0.2, "3 s"]]\n'
     file = tmp_path / "solid.toml"
     file.write_text(f'[solid]\n{text}draws = [[[0.1, "2 s"]], [[0.3, "1 min"]]]\nhardness = "1 GPa"\n')
@@ -68,7 +68,8 @@ def test_a_solid_a_file_and_draws(tmp_path):
     assert material(file).solid.hardness == 1e9
     assert material(SOLID).spread == ()
     elastic = material(young="3 GPa", poisson=0.5).solid
-    assert (relaxing_of(elastic).modulus, elastic.branches) == (pytest.approx(4e9), ())
+    assert relaxing_of(elastic).modulus == pytest.approx(4e9)
+    assert not elastic.branches
     law = 'creep = "eyring"\ncreep_rate = "1 nm/s"\ncreep_stress = "20 MPa"'
     file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\n{law}')
     assert material(file).solid.creep == asp.solids.Eyring(rate=1e-9, stress=2e7)
@@ -132,7 +133,7 @@ def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):
 )
 def test_arguments_that_moved_are_refused_with_their_place(moved, there):
     with refuses("predict", repr(moved), advice=there, kind=CallError):
-        asp.predict("table.csv", "scan.opd", **{moved: 1.0})
+        asp.predict("table.csv", "scan.opd", **cast(Any, {moved: 1.0}))
 
 
 def test_predict_takes_about_a_dozen_arguments():

@@ -103,25 +103,28 @@ def test_a_half_space_from_outside_is_that_of_the_package(edges, exact):
         asp.age(pressed(solid, edges), TIMES, fields_at=TIMES, carried=carried, exact=exact)
         for solid in (OUTSIDE, INSIDE)
     ]
-    assert_equal(*(run.dataset.drop_vars("residual") for run in runs), rtol=1e-9)
+    outside, inside = (run.dataset.drop_vars("residual") for run in runs)
+    assert_equal(outside, inside, rtol=1e-9)
     ends = [run.final for run in runs]
     assert ends[0].area > pressed(OUTSIDE, edges).area
     for slip in (end.partial_slip(shear=1e-3, friction=0.3, poisson=0.3) for end in ends):
         assert slip.displacement > 0
-    assert_equal(*(asp.relax(end).dataset.drop_vars(["residual", "iterations"]) for end in ends), rtol=1e-6)
+    outside, inside = (asp.relax(end).dataset.drop_vars(["residual", "iterations"]) for end in ends)
+    assert_equal(outside, inside, rtol=1e-6)
     assert runs[0].dataset.attrs["solid"] == "delayed"
 
 
 def test_it_is_predicted():
-    found = [
+    outside, inside = (
         asp.predict(solid, scan(), load=1e-2, first="1 s", last="1 ks", shear_strength="1 MPa")
         for solid in (OUTSIDE, INSIDE)
-    ]
-    assert_equal(*(one.dataset.drop_vars("residual") for one in found), rtol=1e-9)
-    assert found[0].modulus == MODULUS
-    np.testing.assert_allclose(found[0].effective_load, found[1].effective_load, rtol=1e-12)
-    assert repr(found[0])
-    assert found[0]._repr_html_()
+    )
+    assert_equal(outside.dataset.drop_vars("residual"), inside.dataset.drop_vars("residual"), rtol=1e-9)
+    assert outside.modulus == MODULUS
+    assert outside.effective_load is not None and inside.effective_load is not None  # noqa: PT018
+    np.testing.assert_allclose(outside.effective_load, inside.effective_load, rtol=1e-12)
+    assert repr(outside)
+    assert outside._repr_html_()
 
 
 def test_it_is_saved_and_read_again(tmp_path):
