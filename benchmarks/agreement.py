@@ -36,6 +36,7 @@ from running import answered, head, line
 from solvers import SolverError, Worker
 
 import asperity as asp
+from asperity.contact.problem import Accuracy
 
 Field = NDArray[np.float64]
 
@@ -107,8 +108,8 @@ def compare(ours: State, theirs: State) -> Difference:
 class Strict:
     """The usual solver of a half-space, asked for as much as double precision gives."""
 
-    def solve(self, problem, guess, tolerance):
-        return asp.ActiveSet().solve(problem, guess, min(tolerance, 1e-14))
+    def solve(self, problem, guess, accuracy):
+        return asp.ActiveSet().solve(problem, guess, Accuracy(min(accuracy.residual, 1e-14)))
 
 
 def press(surface: asp.surfaces.Surface, pressure: float, *, strict: bool = False) -> State:

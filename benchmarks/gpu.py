@@ -92,9 +92,9 @@ class Timed(asp.ActiveSet):
 
     seconds = 0.0
 
-    def solve(self, problem: Any, guess: Any, *arguments: Any, **options: Any) -> Any:
+    def solve(self, problem: Any, guess: Any, accuracy: Any) -> Any:
         begin = time.perf_counter()
-        solution = super().solve(problem, guess, *arguments, **options)
+        solution = super().solve(problem, guess, accuracy)
         Timed.seconds = time.perf_counter() - begin  # the finest lattice ends last
         return solution
 

@@ -38,8 +38,11 @@ class Dense:
         self.hangs = sum(c.flat[0] for c in stiffness) > 0
         self.touching = np.zeros(self.n, dtype=bool)
 
-    def contact(self, v, load=None, position=None):
-        """The surface u and X for given anchors, by guesses of the set of contacts that get better."""
+    def contact(self, v, load=None, position=None, known=0.0):
+        """The surface u, X and r for given anchors, by guesses of the set of contacts that get better.
+
+        A known force acts beside r; the load is the sum of both.
+        """
         n, one = self.n, np.ones(self.n)
         S = self.H + sum(self.C)
         pull = sum((C @ field for C, field in zip(self.C, v, strict=True)), np.zeros(n))
@@ -52,7 +55,7 @@ class Dense:
             # Unknown: y = u - X, and X.
             A[:n, :n] = np.where(self.touching[:, None], np.eye(n), S)
             A[:n, n] = np.where(self.touching, 1.0, 0.0)
-            b[:n] = np.where(self.touching, self.heights, pull - even)
+            b[:n] = np.where(self.touching, self.heights, pull - even + known)
             if position is not None:
                 A[n, n], b[n] = 1.0, position
             elif self.hangs:
@@ -61,7 +64,7 @@ class Dense:
                 A[n, :n] = 1.0
             found = np.linalg.solve(A, b)
             y, X = found[:n], found[n]
-            r = S @ y - pull + even
+            r = S @ y - pull + even - known
             scale = np.abs(r).max() + np.abs(S).max() * np.ptp(self.heights)
             better = np.where(
                 self.touching, r > -1e-13 * scale, y + X < self.heights - 1e-13 * np.ptp(self.heights)

@@ -5,10 +5,4 @@ from asperity.contact.problem import SpectralProblem
 
 def problem_of(lattice, heights, stiffness, rhs):
     """The problem of a stiffness spectrum and a right-hand side, heights from their maximum."""
-    return SpectralProblem(
-        lattice,
-        heights - heights.max(),
-        stiffness=stiffness,
-        rhs=rhs,
-        load_controlled=bool(stiffness.flat[0] == 0),
-    )
+    return SpectralProblem(lattice, heights - heights.max(), stiffness=stiffness, rhs=rhs)

@@ -8,7 +8,7 @@ from dataclasses import astuple
 
 import numpy as np
 
-from asperity.contact.multigrid.loops import CoarseTwo, Two
+from asperity.contact.multigrid.loops import CoarseTwo
 from asperity.contact.multigrid.processor import Defects, Extremes, Found
 
 
@@ -106,10 +106,7 @@ class WholeFields:
         out[...] = restricted(defect, eq.sites)
         return Extremes(np.abs(defect).max(), np.abs(eq.e).max(), np.sum(~free))
 
-    def products(self, eq, coarse, previous):
-        if isinstance(eq, Two):
-            return self.products_2(eq, coarse, previous)
-        (coarse,), (previous,) = coarse, previous
+    def products_1(self, eq, coarse, previous):
         free = eq.e > eq.bound
         d, q, r = refined(coarse, eq.sites) * free, previous * free, self.gradient_1(eq)
         d_force, q_force = (lap(x, eq.sites) + eq.bed * x for x in (d, q))
@@ -152,16 +149,11 @@ class WholeFields:
         lag = eq.diagonal - 4 * eq.spread
         return balance, eq.c + eq.shift + eq.e - eq.spread * lap(eq.f, eq.sites) - lag * eq.f
 
-    def cycle_2(self, eq, moves, out, *, correcting, restricting):
+    def cycle_2(self, eq, coarse, part, out, *, correcting, restricting):
         if correcting:
-            alpha, beta = (moves.alpha, moves.beta) if moves.keeping else (1, 0)
-            free = eq.e > eq.bound
-            moves.previous.e[...] = (
-                alpha * refined(moves.coarse.e, eq.sites) + beta * moves.previous.e
-            ) * free
-            moves.previous.f[...] = alpha * refined(moves.coarse.f, eq.sites) + beta * moves.previous.f
-            eq.e[...] = np.maximum(eq.bound, eq.e + moves.previous.e)
-            eq.f[...] += moves.previous.f
+            moved = eq.e + part * refined(coarse.e, eq.sites) * (eq.e > eq.bound)
+            eq.e[...] = np.maximum(eq.bound, moved)
+            eq.f[...] += part * refined(coarse.f, eq.sites)
         for color in colors(eq.sites):
             damping = 1 / eq.diagonal
             known = eq.spread * sum(around(eq.f, eq.sites)) + eq.c + eq.shift
@@ -175,20 +167,6 @@ class WholeFields:
         if restricting:
             out.e[...], out.f[...] = restricted(balance, eq.sites), restricted(creep, eq.sites)
         return Defects(eq.f.sum(), np.sum(~free), np.sum(eq.e**2))
-
-    def products_2(self, eq, coarse, previous):
-        free = eq.e > eq.bound
-        d, p = refined(coarse.e, eq.sites) * free, refined(coarse.f, eq.sites)
-        q, g = previous.e * free, previous.f
-        balance, creep = self.defects_2(eq)
-
-        def form(x, f, y, h):
-            creep = f * (eq.spread * lap(h, eq.sites) + (eq.diagonal - 4 * eq.spread) * h)
-            return np.sum(x * lap(y, eq.sites) + eq.bed * (x * h + f * y - creep))
-
-        gradients = [eq.bed * np.sum(creep * f) - np.sum(balance * x) for x, f in ((d, p), (q, g))]
-        forms = [form(d, p, d, p), form(d, p, q, g), form(q, g, q, g)]
-        return np.array([*gradients, *forms, p.sum(), g.sum()])
 
     def smooth_2(self, grid, order):
         area = np.outer(grid.my, grid.mx)
@@ -218,6 +196,7 @@ class WholeFields:
         grid.c[...] += shift * np.outer(grid.my, grid.mx)
         self.smooth_2(grid, (1, 0))
         joined.e[...], joined.f[...] = grid.e, grid.f
+        return np.sum(grid.f * np.outer(grid.my, grid.mx))
 
     def guess(self, past, numbers, middle, bound, guess, c, sites):
         del sites

@@ -41,7 +41,8 @@ def test_one_contact_on_a_torus(shape, R_viscous):
     separation = age(contact, times, rtol=1e-5).dataset["separation"].values
     expected = -load * torus_compliance(x1, np.concatenate([[0.0], times]), shape, viscous=R_viscous)
     deformation = contact.u.std()
-    np.testing.assert_allclose(separation[0], expected[0], rtol=1e-12)
+    digits = 1e-12 if len(shape) > 1 else 1e-11  # conjugate gradients end at a residual of 1e-9
+    np.testing.assert_allclose(separation[0], expected[0], rtol=digits)
     np.testing.assert_allclose(separation, expected, atol=1e-4 * deformation + 2e-4 * abs(expected[-1]))
     assert relax(contact).separation == pytest.approx(
         -load * torus_compliance(x1, np.inf, shape, viscous=R_viscous), rel=1e-11

@@ -1,5 +1,6 @@
 """The benchmarks' own judges and tables, without any peer."""
 
+import ast
 import importlib
 import json
 import sys
@@ -183,3 +184,18 @@ def test_tolerances_tighten_by_half_decades(house, monkeypatch, tmp_path):
     assert tolerances.known("numpi", "b") == 1e-9
     assert tolerances.known("numpi", "c") == 1e-6
     assert [tolerances.tighter(one) for one in (1e-6, 3.2e-7, 2e-15)] == [3.2e-7, 1e-7, None]
+
+
+def test_every_tuned_number_of_contacts_is_seen(house):
+    """Fractions stand in a `Tuning`, which sensitivity.py finds, but for those that rounding sets."""
+    seen = {module.__file__ for module, *_ in house("sensitivity").tunings()}
+    for path in (Path(asp.__file__).parent / "contact").rglob("*.py"):
+        tree = ast.parse(path.read_text())
+        classes = [
+            node for node in ast.walk(tree) if isinstance(node, ast.ClassDef) and node.name == "Tuning"
+        ]
+        assert not classes or str(path) in seen, path
+        tuned = {number for one in classes for number in ast.walk(one)}
+        numbers = [node for node in ast.walk(tree) if isinstance(node, ast.Constant) and node not in tuned]
+        left = [node.value for node in numbers if isinstance(node.value, float)]
+        assert not [x for x in left if 1e-5 < abs(x) < 1e5 and 2 * x != round(2 * x)], path

@@ -13,7 +13,7 @@ import asperity as asp
 from asperity.aging import constant_area, controller, march
 from asperity.app.cli.app import with_others
 from asperity.app.config.keys import sections
-from asperity.contact import ActiveSet, Multigrid
+from asperity.contact import Multigrid, active_set
 from tests.named import ROOT, SOURCE, Source, in_docstrings, in_pages
 from tests.surfaces import uncorrelated
 from tests.unit.test_house import ROOMS, ROOMS_OF_RESEARCH
@@ -234,8 +234,8 @@ def test_rooms_of_contributing_are_those_of_the_house():
         ("histories", f"shorter than {constant_area.TUNING.lapse:g} in ln t"),
         ("histories", f"fewer than {constant_area.TUNING.fewest_sites} sites in contact"),
         ("design", f"did not solve in {Multigrid().max_cycles} cycles"),
-        ("design", f"After {ActiveSet().careful_after} revisions"),
-        ("design", f"residual has fallen to {ActiveSet().reduction:g}"),
+        ("design", f"After {active_set.TUNING.careful_after} revisions"),
+        ("design", f"residual has fallen to {active_set.TUNING.reduction:g}"),
     ],
 )
 def test_numbers_of_the_engine_are_what_a_page_says(page, sentence):

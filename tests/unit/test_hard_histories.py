@@ -10,7 +10,7 @@ import pytest
 import asperity as asp
 from asperity.aging import controller
 from asperity.contact import ActiveSet
-from asperity.contact.problem import Guess
+from asperity.contact.problem import PUBLISHED, Guess
 from asperity.errors import ConvergenceError
 from tests.refusals import each_refuses, refuses
 
@@ -84,7 +84,7 @@ def test_what_leads_nowhere_is_refused(monkeypatch):
     step = contact.system().mechanics.implicit_step(1.0)
     problem = contact.system().problem(step, np.full((1, 16, 16), np.nan))
     with refuses(kind=ConvergenceError):
-        ActiveSet().solve(problem, Guess(contact.u, contact.in_contact), 1e-9)
+        ActiveSet().solve(problem, Guess(contact.u, contact.in_contact), PUBLISHED)
     monkeypatch.setattr(controller, "TUNING", replace(controller.TUNING, most_steps=0.02))
     with refuses(kind=ConvergenceError):
         asp.age(contact, [1.0], rtol=1e-5)

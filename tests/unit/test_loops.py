@@ -51,7 +51,7 @@ def run_python(code, **environment):
 
 
 OF_MULTIGRID = [f"multigrid.loops.{name}" for name in ("one_field", "rows", "states", "two_fields")]
-NAMES = ("asperities", "branches", "line_sites", *OF_MULTIGRID, "stencils")
+NAMES = ("asperities", "branches", *OF_MULTIGRID, "stencils")
 MODULES = [f"asperity.contact.{name}" for name in NAMES]
 TREES = {name: ast.parse(inspect.getsource(importlib.import_module(name))) for name in MODULES}
 COMPILED_SO = {

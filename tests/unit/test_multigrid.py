@@ -1,6 +1,7 @@
 """The multigrid solver: its parts against their definitions, its results against the Fourier solver."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,11 @@ from asperity.contact import ActiveSet, Load, Multigrid, Separation
 from asperity.contact.multigrid import solver
 from asperity.contact.multigrid.grids import Axis, Hierarchy, empty
 from asperity.contact.multigrid.loops import Sites, rows
-from asperity.contact.multigrid.pins import coherent_potential, compliance
+from asperity.contact.multigrid.pins import compliance
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import TOLERANCE, Guess
+from asperity.contact.pinning import coherent_potential
+from asperity.contact.problem import PUBLISHED, Guess
 from asperity.solids import Springs
 from tests.independent import assert_equilibrium, laplacian
 from tests.refusals import each_refuses
@@ -77,7 +79,7 @@ def test_compliance_of_a_site_is_the_mean_over_the_zone(springs, level, sigma):
 @pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.5, 0.99])
 def test_coherent_potential_solves_its_condition(fraction):
     springs = Springs(1.0, 0.5, 10.0)
-    sigma = coherent_potential(springs, fraction)
+    sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
     assert sigma * zone_mean(springs, 0, sigma) == pytest.approx(fraction, rel=0.05)
 
 
@@ -94,7 +96,8 @@ def test_pins_far_up_hold_like_the_contacts_together(contacts):
     hierarchy.set_pins(surface, gap, contacts / heights.size, springs)
     total = float(hierarchy.grids[-1].pins.sum())
     assert total == pytest.approx(
-        heights.size * coherent_potential(springs, contacts / heights.size), rel=0.15
+        heights.size * coherent_potential(partial(compliance, springs, 0), contacts / heights.size, 1.0),
+        rel=0.15,
     )
 
 
@@ -131,7 +134,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     gap = np.where(touching, 0.0, 1.0)
     work.bound[...] = np.where(work.backend.packed(np.ones(shape)) > 0, work.backend.packed(-gap), -np.inf)
     work.prepare(bed, spread, drag)
-    work.wanted = None if held else 1.0
+    work.begin(None if held else 1.0, 0.0, 0.0)
     error = rng.normal(size=shape)
 
     n, free, even = error.size, ~touching.ravel(), np.ones(error.size)
@@ -146,7 +149,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
         matrix[n:-1, -1], matrix[-1, n:-1] = -even, even
     found = np.linalg.solve(matrix, np.concatenate([np.zeros(n), -error.ravel(), [0.0]]))
     exact = found[:n] - found[n:-1] + found[-1]
-    work.set_pins(float(touching.sum()))
+    work.improve_on_grids(float(touching.sum()))
     mean, estimate = work.left_of(work.backend.packed(error))
     assert mean == pytest.approx(exact.mean(), abs=0.02)
     expected = np.sqrt(np.mean(exact**2)) if held else exact.std()
@@ -211,7 +214,7 @@ def test_an_aged_contact_pressed_anew_agrees_with_the_fourier_solver(heights, k1
         before = aged.anchors - system.datum
         problem = system.problem(system.mechanics.implicit_step(0.0), before)
         guess = Guess(aged.u - system.datum, aged.in_contact)
-        here, there = (solver.solve(problem, guess, TOLERANCE) for solver in (Multigrid(), ActiveSet()))
+        here, there = (solver.solve(problem, guess, PUBLISHED) for solver in (Multigrid(), ActiveSet()))
         np.testing.assert_array_equal(here.in_contact, there.in_contact)
         np.testing.assert_allclose(here.u, there.u, atol=1e-7 * heights.std())
         assert here.iterations < 20

@@ -80,7 +80,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.observe, image=MASK, pixel=2.0, blur=1.5, threshold=0.5, spacing=[0.5, 1.0]),
     call(asp.Checkpoint, path="place", every=2.0),
     call(asp.Multigrid, max_cycles=20),
-    call(asp.ActiveSet, reduction=0.5, max_iterations=9, patience=2, careful_after=3, max_revisions=4),
+    call(asp.ActiveSet, max_iterations=9),
     call(asp.protocols.Hold, duration=8.0, mobility=2.0),
     call(asp.protocols.Ramp, duration=8.0, load=0.5, mobility=2.0),
     call(asp.protocols.Step, load=8.0),

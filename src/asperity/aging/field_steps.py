@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
-from asperity.contact.active_set import ActiveSet
 from asperity.contact.anchors import AnchorFields, AnchorModes
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
 from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
-from asperity.contact.problem import ContactSolver, Guess
+from asperity.contact.problem import Accuracy, ContactSolver, Guess
 from asperity.contact.stencils import extrapolated
 from asperity.contact.system import System
 from asperity.lattice import Field, Modes
@@ -120,7 +119,7 @@ class FieldSteps(TrBdf2):
         self.tried, self.implicit = [self.point], self.system.mechanics.implicit_step(tau)
 
     def solve(self, stage: Stage) -> int:
-        """See `TrBdf2`; `ActiveSet` solves to the error allowed, where that can be balanced."""
+        """See `TrBdf2`; problems are solved to the error allowed, where that can be balanced."""
         system, mechanics, start = self.system, self.system.mechanics, self.point
         lattice = mechanics.lattice
         numbers = (-1.0, 0.0)[: len(stage.creeps)]
@@ -133,13 +132,11 @@ class FieldSteps(TrBdf2):
         guess = Guess(
             extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True
         )
-        allowed, settled = 0.0, True
-        if self.eager and isinstance(self.solver, ActiveSet):
-            allowed, settled = stage.allowed_error, stage.is_last
-            solution = self.solver.solve(problem, guess, stage.tolerance, allowed, settled=settled)
-        else:
-            solution = self.solver.solve(problem, guess, stage.tolerance)
-        if settled or not allowed:  # steps begin with modes that are exact
+        accuracy = Accuracy(stage.tolerance)
+        if self.eager:
+            accuracy = Accuracy(stage.tolerance, stage.allowed_error, settled=stage.is_last)
+        solution = self.solver.solve(problem, guess, accuracy)
+        if accuracy.settled:  # steps begin with modes that are exact
             modes = lattice.forward(solution.u)
         else:
             modes = lattice.forward_near(solution.u, latest.u, latest.modes)

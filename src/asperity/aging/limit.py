@@ -22,7 +22,7 @@ from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
 from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.problem import PUBLISHED, ContactSolver, Guess, Solution
 from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
@@ -58,7 +58,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     else:
         guess = Guess(np.array(u), in_contact, disposable=True)
         problem = system.problem(step, before)
-        solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
+        solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     stretch, position = system.stretch(step, solution, before, position)
     how = system, solution, AnchorFields(solution.u - stretch), position
     return contact_from(*how, bodies=contact)
@@ -86,7 +86,7 @@ def _without_stiffness(system: System, step: ImplicitStep, before: Field, positi
     stretch, position = system.stretch(step, everywhere, before, position)
     load = system.load
     if load is None:
-        load = system.carried(system.heights, stretch, position) or 0.0
+        load = system.body.carried(system.heights, stretch, position) or 0.0
     if load <= 0 or system.free_mean:
         raise InputError(
             "contact",

@@ -29,11 +29,10 @@ from numpy.typing import NDArray
 
 from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
-from asperity.contact.active_set import ActiveSet
 from asperity.contact.anchors import AnchorModes
 from asperity.contact.arrays import largest
 from asperity.contact.contact import Contact
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, SpectralProblem
+from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver, Guess, SpectralProblem
 from asperity.contact.system import System
 from asperity.lattice import Field, Spectrum
 from asperity.relaxation import PronySeries, interlacing
@@ -116,7 +115,7 @@ class SeparableSteps(Steps):
         self.stiffness, shares, times = parts_of(system)
         self.effective = EffectiveLoad(shares, times)
         self.tried = self.u, self.loads
-        self.eager = isinstance(solver, ActiveSet) and system.mechanics.anchors_can_balance
+        self.eager = system.mechanics.anchors_can_balance
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
@@ -155,13 +154,12 @@ class SeparableSteps(Steps):
     def state(self) -> State:
         """See `Steps`."""
         mechanics, now, stretch = self.system.mechanics, self.system.at(self.time), self._stretch()
-        hanging = mechanics.hanging
-        load = now.load
+        body, load = mechanics.body, now.load
         assert load is not None
-        if hanging[1:].any():  # the stiffness at wave vector 0 is the solid's own
-            stretch[mechanics.lattice.mean] = (self.loads[0] - self.loads[1:]) / mechanics.mean_stiffness
+        if body.creeping.any():  # the stiffness at wave vector 0 is the solid's own
+            stretch[mechanics.lattice.mean] = (self.loads[0] - self.loads[1:]) / body.stiffness
             load = float(self.loads[0])
-        drop = load / mechanics.mean_stiffness if mechanics.mean_stiffness > 0 else 0.0
+        drop = load / body.stiffness if body.stiffness > 0 else 0.0
         position = float(self.u.mean()) - drop / self.system.sites
         held, touching = now.held(position), self.u <= self.system.heights
         change = mechanics.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
@@ -193,13 +191,13 @@ class SeparableSteps(Steps):
         guess = Guess(u, disposable=True)
         lattice = system.mechanics.lattice
         rhs = lattice.flat_modes(-total / system.sites)
-        problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs, load_controlled=True)
-        if self.eager and isinstance(self.solver, ActiveSet):
+        problem = SpectralProblem(lattice, system.heights, self.stiffness, rhs)
+        # Forces relax; what is left off contact and not balanced stays in the anchors, so it is to be small.
+        accuracy = Accuracy(TOLERANCE * load / total)
+        if self.eager:
             passing, allowed = aim.allowed_errors
-            settled = allowed < passing
-            solution = self.solver.solve(problem, guess, aim.tolerances[1], allowed, settled=settled)
-        else:  # forces relax; what is left off contact stays in the anchors, and is to be small beside them
-            solution = self.solver.solve(problem, guess, TOLERANCE * load / total)
+            accuracy = Accuracy(aim.tolerances[1], allowed, settled=allowed < passing)
+        solution = self.solver.solve(problem, guess, accuracy)
         error = 0.0
         if ahead > 0:
             surprise = solution.u - self.u - ahead * (self.u - self.before)

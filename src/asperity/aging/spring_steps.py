@@ -58,10 +58,9 @@ class SpringSteps(TrBdf2):
         self.mean_u0, self.offset, self.tau, self.weight = float(arrays["mean_u0"]), 0.0, 0.0, 0.0
         self.drifts = [float(arrays["drift"])]
         self.changes = [Pair(*(arrays[name] for name in names)) for names in _CHANGES]
-        self.flow, self.middle = self.work.pair()
+        self.flow, self.middle = self.work.fields()
         self.error = np.zeros_like(self.flow)
-        for field in self.work.correction:
-            field.fill(0.0)
+        self.work.clear()
         self.work.bound.fill(-np.inf)
         self.settle(0.0)
 
@@ -80,7 +79,7 @@ class SpringSteps(TrBdf2):
         work, unit = solver.work_on(mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:
-            arrays |= zip(names, work.pair(), strict=True)
+            arrays |= zip(names, work.fields(), strict=True)
         means = {"scales": [unit, u.mean()], "mean_u0": u.mean() - w.mean(), "drift": system.drift}
         arrays |= {name: np.array(value) for name, value in means.items()}
         return cls(system, solver, arrays | {"times": np.zeros(2)})
@@ -110,7 +109,7 @@ class SpringSteps(TrBdf2):
 
     def stretch(self) -> Field:
         """The field w; its mean is exact, for what creep conserves must not drift."""
-        mean = self.system.at(self.time).mean_stretch
+        mean = self.system.body.stretch(self.system.at(self.time).load)
         if mean is None:
             mean = float(self.u.mean()) - self.mean_u0
         return self.w + (mean - float(self.w.mean()))
@@ -141,22 +140,22 @@ class SpringSteps(TrBdf2):
             numbers = growth, self.offset, self.weight, self.weight
         places = self.middle, work.bound, work.correction, work.source.f, work.sites
         e, f, source = (value / size for value in work.backend.guess(self.past(weights), numbers, *places))
-        mean = self.system.at(stage.time).mean_stretch
+        mean = self.system.body.stretch(self.system.at(stage.time).load)
         moved = np.dot(stage.creeps, self.drifts) - self.system.moved(self.time, stage.time)
         self.drifts.append(float(-moved / tau))
         moved = float(moved / self.unit)
-        work.wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
-        work.shift = moved if work.wanted is None else work.mean_lag * f - e - source
+        wanted = None if mean is None else (mean * size - self.moments.stretch) / self.unit
+        shift = moved if wanted is None else work.mean_lag * f - e - source
+        work.begin(wanted, self.moments.stretch / self.unit, shift)
         done, cycles = work.improve(stage.allowed_error / self.unit, self.max_cycles)
         if not done:
-            for field in work.correction:  # it may be no number, and the next guess takes 0 times it
-                field.fill(0.0)
+            work.clear()  # it may be no number, and the next guess takes 0 times it
             raise ConvergenceError(
                 f"aging: {cycles} cycles did not solve a step of {tau:.1e}; "
                 "try Multigrid(max_cycles=...) with more, or solver=asperity.ActiveSet()"
             )
         e, f = map(self.mean, work.correction)
-        due = (e + source + moved) / work.mean_lag if work.wanted is None else work.wanted / size
+        due = (e + source + moved) / work.mean_lag if wanted is None else wanted / size
         self.offset = due - f
         return cycles
 
@@ -200,7 +199,6 @@ class SpringSteps(TrBdf2):
         self.moments: Found = work.backend.measure(
             surface, self.springs, 0.0, scales, into, work.sites, flowing=True
         )
-        work.known_stretch = self.moments.stretch / self.unit
 
 
 _CHANGES = [(f"change_{n}_u", f"change_{n}_stretch") for n in range(2)]

@@ -167,7 +167,7 @@ class Steps(ABC):
         system = self.system
         if not system.control.load_controlled:
             return -system.moved(0.0, self.time)
-        viscous = system.mechanics.mean_mobility * origin.impulse / system.sites
+        viscous = system.body.mobility * origin.impulse / system.sites
         return origin.separation - separation + viscous
 
     @abstractmethod

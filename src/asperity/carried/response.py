@@ -12,9 +12,9 @@ from asperity.contact import ActiveSet, Contact, Load
 from asperity.contact.contact import Each
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.interface import Interface
-from asperity.contact.mechanics import Prescribed
 from asperity.contact.partial_slip import PartialSlip, shear_ratio
-from asperity.contact.problem import TOLERANCE, Guess
+from asperity.contact.problem import PUBLISHED, Guess
+from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
 from asperity.lattice import Lattice
 from asperity.solids import Solid
@@ -31,7 +31,7 @@ def normal_stiffness(contact: Contact) -> float:
     step = mechanics.implicit_step(0.0)
     problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
     guess = Guess(np.zeros_like(flat), in_contact)
-    u = ActiveSet().solve(problem, guess, TOLERANCE).u
+    u = ActiveSet().solve(problem, guess, PUBLISHED).u
     _, position = step.stretch_modes(mechanics.lattice.forward(u), step.flat_modes(0.0), held)
     return -1.0 / position if position < 0 else math.inf
 

@@ -4,7 +4,7 @@ The sites are split into contacts, where u = xi, and free sites, where S u = b i
 gradients (`asperity.contact.free_sites`). Then contacts in tension (r < 0) are released and free sites that
 penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J.
 Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
-solved: the more sites a revision moved, the less accurate a solution the next is worth.
+solved, when its residual has fallen to a third or so.
 
 A stage of creep may stop as soon as u is as accurate as the step needs: what conjugate gradients leave is
 estimated by the preconditioned residual and the last correction.
@@ -12,7 +12,7 @@ estimated by the preconditioned residual and the last correction.
 The linear problems are corrections to a surface whose forces are evaluated in double precision at every
 revision, and are themselves solved in single precision, until that no longer helps.
 
-Exchanging all wrong sites at once is fast but may cycle. After `patience` exchanges that set no new
+Exchanging all wrong sites at once is fast but may cycle. After some exchanges that set no new
 record for the number of wrong sites, one site (the last) is exchanged at a time until one does; in exact
 arithmetic this ends for every positive definite S (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587
 (1994), DOI 10.1016/0305-0548(94)90106-6), and sites whose sign is decided by rounding are left unchanged.
@@ -32,9 +32,9 @@ from asperity.base import checks
 from asperity.contact.arrays import inner, largest, library, to_numpy
 from asperity.contact.cascade import cold_start
 from asperity.contact.contact_sites import solved_on_contacts
-from asperity.contact.free_sites import Accuracy, FreeSites
-from asperity.contact.line_sites import LineSites, line_sites
+from asperity.contact.free_sites import FreeSites
 from asperity.contact.problem import (
+    Accuracy,
     ContactProblem,
     Guess,
     Solution,
@@ -58,8 +58,21 @@ class Tuning:
     digits: float = 1e-5
     """How far single precision can reduce a residual in one correction, with room to spare."""
 
-    reduction_per_change: float = 4.0
-    """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
+    reduction: float = 0.3
+    """How far, at least, the linear residual falls before the set of contacts is revised."""
+
+    careful_after: int = 60
+    """Revisions after which linear solutions become accurate, records are kept, and sites that are wrong by
+    no more than rounding are left unchanged."""
+
+    careful: float = 1e-8
+    """Residual of these solutions, over that before."""
+
+    patience: int = 5
+    """Exchanges of all wrong sites allowed without a new record, before single exchanges begin."""
+
+    most_revisions: int = 10_000
+    """Revisions of the set after which the solver gives up."""
 
 
 TUNING = Tuning()
@@ -74,71 +87,44 @@ class ActiveSet:
 
     Parameters
     ----------
-    reduction
-        How far, at least, the linear residual falls before the set of contacts is revised.
     max_iterations
         Conjugate-gradient iterations after which the solver gives up.
-    patience
-        Exchanges of all wrong sites allowed without a new record, before single exchanges begin.
-    careful_after
-        Revisions of the set after which linear solutions become accurate, records are kept, and sites
-        that are wrong by no more than rounding are left unchanged.
-    max_revisions
-        Revisions of the set after which the solver gives up.
     arrays
         The array library in which to compute: ``"numpy"``, or the name of another one that follows the
         array API standard and has its transforms: ``"cupy"``, or ``"torch"`` once its default device is
         "cuda". Problems and solutions are numpy arrays in any case.
     """
 
-    reduction: float = 0.3
     max_iterations: int = 10_000
-    patience: int = 5
-    careful_after: int = 60
-    max_revisions: int = 10_000
     arrays: str = "numpy"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "reduction", checks.number("reduction", self.reduction, above=0, below=1))
-        for name in ("max_iterations", "patience", "careful_after", "max_revisions"):
-            object.__setattr__(self, name, checks.integer(name, getattr(self, name), least=0))
+        most = checks.integer("max_iterations", self.max_iterations, least=0)
+        object.__setattr__(self, "max_iterations", most)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(
-        self,
-        problem: ContactProblem,
-        guess: Guess | None,
-        tolerance: float,
-        allowed_error: float = 0.0,
-        *,
-        settled: bool = True,
-    ) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve the problem from a guess, or without one through coarser lattices.
-
-        A step of creep may stop earlier: when u is off by no more than ``allowed_error``, rms over the sites,
-        and, where the contacts are to be ``settled``, no site is on the wrong side.
 
         Raises
         ------
         ConvergenceError
-            The tolerance was not reached within ``max_iterations``.
+            The accuracy was not reached within ``max_iterations``.
         MissingExtraError
             The array library is not installed.
         """
         modes = problem.spectral()
-        if modes.springs is not None:  # few solutions, or none that may stop early
-            allowed_error = 0.0
         guess, rounds = guess or cold_start(modes, self), 0
         # Where an error is allowed few iterations are left: forces from nothing take no less time.
-        if self.arrays == "numpy" and allowed_error == 0 and not modes.interface.yields:
-            guess, rounds = solved_on_contacts(modes, guess, tolerance)
-        run = _Run(self, modes, guess, tolerance, allowed_error)
+        if self.arrays == "numpy" and accuracy.error == 0 and not modes.interface.yields:
+            guess, rounds = solved_on_contacts(modes, guess, accuracy.residual)
+        run = _Run(self, modes, guess, accuracy)
         run.iterations = rounds
         while True:
             run.reduce_residual()
             wrong = run.wrong_sites()
             if bool(run.xp.any(wrong)):
-                if not settled and run.unimportant(wrong):
+                if not accuracy.settled and run.unimportant(wrong):
                     return run.solution()
                 run.exchange(wrong)
             elif run.converged():
@@ -148,16 +134,10 @@ class ActiveSet:
 class _Run:
     """The state of one solve. Fields are arrays of the library; so are S, b and the heights."""
 
-    def __init__(
-        self,
-        method: ActiveSet,
-        problem: SpectralProblem,
-        guess: Guess,
-        tolerance: float,
-        allowed_error: float,
-    ) -> None:
+    def __init__(self, method: ActiveSet, problem: SpectralProblem, guess: Guess, accuracy: Accuracy) -> None:
         self.method, self.problem, self.interface = method, problem, problem.interface
-        self.tolerance, self.allowed_error, self.allowed_imbalance = tolerance, allowed_error, math.inf
+        self.tolerance, self.allowed_error = accuracy.residual, accuracy.error
+        self.allowed_imbalance = math.inf
         self.xp = xp = library(method.arrays)
         self.stiffness, self.rhs, self.heights = map(
             xp.asarray, (problem.stiffness, problem.rhs, problem.heights)
@@ -172,16 +152,17 @@ class _Run:
         self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
         self.iterations = self.set_changes = 0
         self.record = problem.lattice.sites + 1
-        self.patience, self.reduction = method.patience, method.reduction
+        self.patience, self.reduction = TUNING.patience, TUNING.reduction
         self.single = True
         self.start(xp.asarray(guess.u))
 
     def start(self, u: Field) -> None:
         """Begin on the present set of contacts."""
         xp = self.xp
-        if self.problem.load_controlled and not xp.any(self.in_contact):
+        load = self.problem.load
+        if load is not None and not xp.any(self.in_contact):
             # The surface sinks as it is, until the sites that it then yields on carry the load, but for one.
-            load, gap = -float(self.problem.rhs.flat[0].real), u - self.heights
+            gap = u - self.heights
             level = xp.sort(xp.reshape(gap, (-1,)))[min(int(load / self.interface.high), u.size - 1)]
             u = u - level
             self.yielding, self.in_contact = gap < level, gap == level
@@ -193,7 +174,7 @@ class _Run:
         if self.contacts == 0:
             u = xp.asarray(self.free_surface())
         self.u = xp.where(self.in_contact, self.heights, u)
-        self.free_sites: FreeSites | LineSites | None = None
+        self.free_sites: FreeSites | None = None
         self.left_over = math.inf
         self.evaluate_force()
 
@@ -230,7 +211,7 @@ class _Run:
         imbalance = float(xp.sum(off_contact))
         self.imbalance = abs(imbalance)
         self.load = abs(float(xp.sum(self.force)) - imbalance) + self.borne
-        if not self.problem.load_controlled:  # the load is what comes out
+        if self.problem.load is None:  # it is what comes out
             self.allowed_imbalance = TUNING.load_error * self.load
         self.rounding = max(4 * float(np.finfo(float).eps) * self.stiffest * indentation, _SMALLEST_FORCE)
 
@@ -238,7 +219,7 @@ class _Run:
         """Correct the free sites, until the largest force on them has fallen enough."""
         if not self.fresh:
             self.evaluate_force()
-        target = self.worst * (1e-8 if self.is_careful() else self.reduction)
+        target = self.worst * (TUNING.careful if self.is_careful() else self.reduction)
         while self.worst > target and not self.within_tolerance():
             before = self.worst
             displacement = self.correct(target)
@@ -265,13 +246,11 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
-        goal = target / self.worst
-        if target < 0.5 * acceptable:
-            goal = min(0.3, 0.5 * acceptable / self.worst)
+        goal = max(target, 0.5 * acceptable) / self.worst
         if self.single:
             goal = max(goal, TUNING.digits)
-        accuracy = Accuracy(goal, left, self.allowed_error, self.allowed_imbalance)
-        correction = self.linear_problem().correct(self.force, self.worst, accuracy)
+        allowed = self.allowed_error, self.allowed_imbalance
+        correction = self.linear_problem().correct(self.force, self.worst, goal, left, allowed)
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.fresh = False
@@ -279,20 +258,16 @@ class _Run:
         self.iterations += max(1, correction.iterations)
         return correction.displacement
 
-    def linear_problem(self) -> FreeSites | LineSites:
+    def linear_problem(self) -> FreeSites:
         """The linear problem on the present set of contacts, in the present precision."""
-        xp, lattice = self.xp, self.problem.lattice
-        if self.free_sites is None and self.method.arrays == "numpy":
-            self.free_sites = line_sites(self.problem, self.in_contact)
-        if isinstance(self.free_sites, LineSites):
-            return self.free_sites
+        xp = self.xp
         self.single = self.single and not self.is_careful()
         real = xp.float32 if self.single else xp.float64
         if self.free_sites is None or self.free_sites.stiffness.dtype != real:
             if self.working_stiffness.dtype != real:
                 self.working_stiffness = xp.astype(self.stiffness / self.stiffest, real)
             spectra = self.problem.stiffness, self.stiffest, self.working_stiffness
-            self.free_sites = FreeSites(lattice, *spectra, self.in_contact, xp)
+            self.free_sites = FreeSites(self.problem.lattice, *spectra, self.in_contact, xp)
         return self.free_sites
 
     def within_tolerance(self) -> bool:
@@ -318,7 +293,7 @@ class _Run:
 
     def is_careful(self) -> bool:
         """Whether so many revisions have been made that something may be going round in circles."""
-        return self.set_changes > self.method.careful_after
+        return self.set_changes > TUNING.careful_after
 
     def unimportant(self, wrong: Mask) -> bool:
         """Whether u is as accurate as it is to be, although some sites are on the wrong side."""
@@ -334,19 +309,17 @@ class _Run:
         """Move wrong sites to the other side, all at once or, to break a cycle, only the last."""
         xp = self.xp
         self.set_changes += 1
-        if self.set_changes > self.method.max_revisions:
+        if self.set_changes > TUNING.most_revisions:
             advice = "a greater hardness" if self.interface.yields else "a slightly different load"
             raise ConvergenceError(
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 f"try {advice}"
             )
-        count = int(xp.count_nonzero(wrong))
-        moved = count / max(self.contacts, 1)
-        self.reduction = min(self.method.reduction, TUNING.reduction_per_change * moved)
+        count, self.reduction = int(xp.count_nonzero(wrong)), TUNING.reduction
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:
-                self.record, self.patience = count, self.method.patience
+                self.record, self.patience = count, TUNING.patience
             elif self.patience > 0:
                 self.patience -= 1
             else:

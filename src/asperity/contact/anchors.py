@@ -55,9 +55,9 @@ class AnchorFields(Anchors):
 
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """See `Anchors`."""
-        position, stretch = system.position(u, self.fields, position), u - self.fields
+        position, stretch = system.body.position(u, self.fields, position), u - self.fields
         force, energy = system.force(u, stretch, position), system.energy
-        carried = system.carried(u, stretch, position)
+        carried = system.body.carried(u, stretch, position)
         return Balance(position, force, lambda: energy(u, stretch, position), carried)
 
 
@@ -74,9 +74,9 @@ class AnchorModes(Anchors):
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """See `Anchors`; what hangs at wave vector 0 are sums over the sites."""
         mechanics, mean = system.mechanics, system.mechanics.lattice.mean
-        position = system.position(u, self.modes[mean].real / system.sites, position)
+        position = system.body.position(u, self.modes[mean].real / system.sites, position)
         surface, held = mechanics.lattice.forward(u), system.held(position)
         stretch = surface - self.modes
         force = mechanics.force_of_modes(surface, stretch, held)
-        carried = system.carried(u, stretch[mean].real, position)
+        carried = system.body.carried(u, stretch[mean].real, position)
         return Balance(position, force, lambda: mechanics.energy_of_modes(surface, stretch, held), carried)

@@ -14,7 +14,7 @@ import numpy as np
 
 from asperity.contact.arrays import inverse
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.problem import ContactSolver, Guess, SpectralProblem
+from asperity.contact.problem import Accuracy, ContactSolver, Guess, SpectralProblem
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
 
@@ -25,6 +25,9 @@ class Tuning:
 
     coarsest: int = 64
     """Lattices of so many sites along each axis are not made coarser."""
+
+    residual: float = 0.1
+    """Residual on coarser lattices."""
 
 
 TUNING = Tuning()
@@ -37,8 +40,7 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
         return independent_asperities(problem)
     coarser = _coarsen(problem)
     try:
-        # Any tolerance from 1e-4 to 1 costs as much.
-        start = solver.solve(coarser, cold_start(coarser, solver), 0.1)
+        start = solver.solve(coarser, cold_start(coarser, solver), Accuracy(TUNING.residual))
     except ConvergenceError:  # a bad start costs time, not accuracy
         return independent_asperities(problem)
     u = interpolated(start.u)
@@ -50,11 +52,11 @@ def cold_start(problem: SpectralProblem, solver: ContactSolver) -> Guess:
 
 def independent_asperities(problem: SpectralProblem) -> Guess:
     """Guess the contacts as if the asperities were independent."""
-    lattice, stiffness, rhs = problem.lattice, problem.stiffness, float(problem.rhs.flat[0].real)
-    if problem.load_controlled:
-        level = level_of_overlap(problem.heights, -rhs * lattice.mean_over_modes(inverse(stiffness)))
+    lattice, stiffness = problem.lattice, problem.stiffness
+    if problem.load is None:
+        level = float(problem.rhs.flat[0].real / stiffness.flat[0]) / lattice.sites
     else:
-        level = rhs / float(stiffness.flat[0]) / lattice.sites
+        level = level_of_overlap(problem.heights, problem.load * lattice.mean_over_modes(inverse(stiffness)))
     return Guess(np.maximum(problem.heights, level), problem.heights >= level)
 
 
@@ -65,7 +67,7 @@ def _coarsen(problem: SpectralProblem) -> SpectralProblem:
     coarse = Lattice(heights.shape, tuple(2 * length for length in fine.spacing), fine.edges)
     rhs = fine.long_waves(problem.rhs, coarse) * (coarse.sites / fine.sites)
     stiffness = fine.long_waves(problem.stiffness, coarse)
-    return replace(problem, lattice=coarse, heights=heights, stiffness=stiffness, rhs=rhs, springs=None)
+    return replace(problem, lattice=coarse, heights=heights, stiffness=stiffness, rhs=rhs)
 
 
 def interpolated(field: Field) -> Field:

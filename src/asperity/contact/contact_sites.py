@@ -43,6 +43,15 @@ class Tuning:
     near: float = 16.0
     """Distance below which sites are close, and four times the spacing of the coarser lattice, sites."""
 
+    ring: float = 0.7
+    """Distance from which a polynomial follows the compliance, over that below which sites are close."""
+
+    terms: int = 5
+    """Number of terms of the polynomial."""
+
+    sampled: int = 8
+    """Width of the lattice whose modes stand for all, over the distance below which sites are close."""
+
     solved: float = 1e-3
     """How far conjugate gradients on the contacts reduce an error, in the norm of the preconditioner."""
 
@@ -60,10 +69,7 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
     plain = lattice.dimension == 2 and not lattice.reflecting
     if not (plain and min(_reach(lattice)) > 0 and 0 < _crowding(in_contact, lattice) <= TUNING.most):
         return guess, 0
-    stiffest, load = float(stiffness.max()), None
-    compliance = inverse(stiffness)
-    if problem.load_controlled:
-        load = -float(problem.rhs.flat[0].real)
+    stiffest, load, compliance = float(stiffness.max()), problem.load, inverse(stiffness)
     free = lattice.backward(compliance * problem.rhs) if problem.rhs.flat[1:].any() or load is None else 0.0
     kernel, close = _Kernel(lattice, stiffness, stiffest), None
     force, off, level = np.zeros(lattice.shape), heights - free, 0.0
@@ -107,7 +113,7 @@ class _Kernel:
     def __init__(self, lattice: Lattice, stiffness: Spectrum, unit: float) -> None:
         self.lattice, self.unit, self.reach = lattice, unit, _reach(lattice)
         self.scale = np.array(lattice.spacing) / math.sqrt(lattice.cell)
-        # Every eighth mode, say, of so smooth functions tells what they are like between close sites.
+        # Some of the modes of so smooth functions tell what they are like between close sites.
         strides = [_stride(n, reach) for n, reach in zip(lattice.shape, self.reach, strict=True)]
         sampled = stiffness[:: strides[0], :: strides[1]] / unit
         small = Lattice(tuple(n // stride for n, stride in zip(lattice.shape, strides, strict=True)))
@@ -117,8 +123,8 @@ class _Kernel:
             for spectrum in (inverse(sampled), sampled)
         )
         distance = np.hypot(*np.meshgrid(*map(np.multiply, near, self.scale), indexing="ij")) / TUNING.near
-        ring = (distance > 0.7) & (distance <= 1)
-        powers = distance[..., np.newaxis] ** np.arange(0, 10, 2)
+        ring = (distance > TUNING.ring) & (distance <= 1)
+        powers = distance[..., np.newaxis] ** np.arange(0, 2 * TUNING.terms, 2)
         fitted = np.linalg.lstsq(powers[ring], kernel[ring], rcond=None)[0]
         self.short = np.where(distance <= 1, kernel - powers @ fitted, 0.0)
         self.coarse = Lattice(
@@ -260,5 +266,6 @@ def _reach(lattice: Lattice) -> list[int]:
 
 
 def _stride(count: int, reach: int) -> int:
-    """The largest divisor of a length that leaves eight times as much as close sites may be apart."""
-    return max((d for d in range(1, count + 1) if count % d == 0 and count >= 8 * d * reach), default=1)
+    """The largest divisor of a length that leaves some times as much as close sites may be apart."""
+    least = TUNING.sampled * reach
+    return max((d for d in range(1, count + 1) if count % d == 0 and count >= least * d), default=1)

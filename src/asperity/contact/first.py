@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from asperity.contact.problem import ContactProblem, ContactSolver, Guess, Solution
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
 from asperity.errors import ConvergenceError
 
 
@@ -22,16 +22,16 @@ class First:
 
     solvers: tuple[ContactSolver, ...]
 
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve by the first solver that can; each goes on from where the one before got."""
         *others, last = self.solvers
         spent = 0
         for solver in others:
             try:
-                found = solver.solve(problem, guess, tolerance)
+                found = solver.solve(problem, guess, accuracy)
             except UnsolvedError as left:
                 guess, spent = left.guess, spent + left.iterations
             else:
                 return replace(found, iterations=spent + found.iterations, solver=type(solver).__name__)
-        found = last.solve(problem, guess, tolerance)
+        found = last.solve(problem, guess, accuracy)
         return replace(found, iterations=spent + found.iterations, solver=type(last).__name__)

@@ -4,7 +4,7 @@ Conjugate gradients on the free sites, with the preconditioner M = M_0 of nested
 
     M_k = W_k [ 1 / (S + s_k) - 1 / (S + s_(k-1)) + R M_(k+1) R^T ] W_k,      1 / (S + s_(-1)) = 0.
 
-W_0 is 0 at contacts, and 1 / (1 + 0.05 n) at free sites with n neighbors in contact. Far from contacts the
+W_0 is 0 at contacts, and 1 / (1 + 0.1 n) at free sites with n neighbors in contact. Far from contacts the
 surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it is pinned more
 strongly, and yields over shorter distances. So long waves are split off onto lattices that are coarser by
 four and by four again (R, which keeps the long modes), and weighted there by
@@ -34,10 +34,10 @@ from asperity.lattice import Edges, Field, Lattice, Mask, Spectrum
 class Tuning:
     """Numbers of the method."""
 
-    shore: float = 0.05
+    shore: float = 0.1
     """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
 
-    pinning: float = 0.4
+    pinning: float = 0.25
     """Factor on the mean pinning sigma; near contacts the weights add to it."""
 
     coarser: int = 4
@@ -54,21 +54,6 @@ class Tuning:
 
 
 TUNING = Tuning()
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """When a correction of the free sites may end.
-
-    No force on them exceeds ``goal`` times the worst. It ends earlier after ``most`` iterations, or when the
-    displacement is off by no more than ``allowed_error``, rms over the sites, and the sum of the forces off
-    contact is at most ``allowed_imbalance``.
-    """
-
-    goal: float
-    most: int
-    allowed_error: float = 0.0
-    allowed_imbalance: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +123,9 @@ class FreeSites:
         self.free = 1.0 - contacts
         mask = self.free / (1.0 + TUNING.shore * neighbors)
 
-        pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        # One contact pins the mean of the surface and nothing else.
+        fraction = max(float(xp.sum(contacts, dtype=xp.float64)), 2.0) / lattice.sites
+        pinning = TUNING.pinning * effective_pinning(lattice, spectrum, fraction)
         longest = Lattice((2,) * lattice.dimension)
         lattices, cuts = [lattice], [math.inf]
         for coarse in _coarse_lattices(lattice.shape, lattice.edges):
@@ -159,9 +146,14 @@ class FreeSites:
         assert waves is not None
         self.waves = waves
 
-    def correct(self, force: Field, worst: float, accuracy: Accuracy) -> Correction:
-        """Displace the free sites until forces, of which ``worst`` is the largest there, are small enough."""
-        allowed_error, allowed_imbalance = accuracy.allowed_error, accuracy.allowed_imbalance
+    def correct(
+        self, force: Field, worst: float, goal: float, most: int, allowed: tuple[float, float]
+    ) -> Correction:
+        """Displace the free sites until no force on them exceeds ``goal`` times the ``worst`` there.
+
+        Or until ``allowed`` are the error, rms over the sites, and the sum of the forces off contact.
+        """
+        allowed_error, allowed_imbalance = allowed
         xp, lattice = self.xp, self.lattice
         residual = xp.astype(force * (-1.0 / worst), self.stiffness.dtype)
         residual *= self.free
@@ -169,7 +161,7 @@ class FreeSites:
         total = xp.zeros_like(residual)
         direction, slope, iterations = None, 1.0, 0
         unit, left_over = worst / self.unit, math.inf
-        while iterations < accuracy.most:
+        while iterations < most:
             estimate = self.waves.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
             found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
@@ -199,9 +191,7 @@ class FreeSites:
                 if left_over <= allowed_error and allowed_imbalance < math.inf:
                     share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
                     left_over = max(left_over, allowed_error * share)
-                if left_over <= allowed_error:
-                    break
-            if largest(defect, xp) <= accuracy.goal:
+            if left_over <= allowed_error or largest(defect, xp) <= goal:
                 break
         del direction, defect
         return self._correction(force, worst, total, residual, iterations, left_over)
@@ -225,15 +215,6 @@ class FreeSites:
             iterations=iterations,
             left_over=left_over,
         )
-
-
-def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: Field, xp: Any) -> float:
-    """Pinning by contacts as they lie: those beside each other pin less than those that stand alone."""
-    count = float(xp.sum(contacts, dtype=xp.float64))
-    fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
-    together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
-    single = min(1.0, max(1 - together, 0.01) / max(1 - fraction, 0.01))  # 1 if they lie at random
-    return single * effective_pinning(lattice, spectrum, fraction)
 
 
 @lru_cache(maxsize=8)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -13,15 +14,23 @@ from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
-from asperity.contact.problem import TOLERANCE, ContactSolver, Guess, Solution
+from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, ContactSolver, Guess, Solution
 from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.solids import Solid
 
-_STRICT = 0.01
-"""Part of the tolerance to which a contact is solved whose u0 is given."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of contacts in an instant."""
+
+    strict: float = 0.01
+    """Part of the tolerance to which a contact is solved whose u0 is given."""
+
+
+TUNING = Tuning()
 
 
 def first_contact(
@@ -43,10 +52,10 @@ def first_contact(
         anchors = AnchorFields.flat(level, system)
         return contact_from(system, touching, anchors, level, bodies=bodies)
     problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
-    solution = chosen_solver(solver, system).solve(problem, guess, TOLERANCE)
+    solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
-        level += system.displacement(solution.u, flat, level)
+        level += system.body.displacement(solution.u, flat, system.held(level))
     how = system, solution, AnchorFields.flat(level, system), level
     return contact_from(*how, bodies=bodies, load_may_vanish=False)
 
@@ -126,9 +135,9 @@ def above_anchors(
     """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system."""
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
-    solution = chosen_solver(solver, system).solve(problem, guess, _STRICT * TOLERANCE)
+    solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(TUNING.strict * TOLERANCE))
     if system.load is not None:
-        moved = system.displacement(solution.u, anchors, position)
+        moved = system.body.displacement(solution.u, anchors, system.held(position))
         anchors += moved
         position += moved
     how = system, solution, AnchorFields(anchors), position

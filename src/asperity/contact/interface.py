@@ -8,7 +8,7 @@ contact and every solver ask here.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,24 +17,56 @@ from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Interface:
     """Bounds of the contact force of a site.
 
-    Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite.
+    Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite. A
+    ``known`` force of each site, such as adhesion from afar, acts beside that of contact: the forces that are
+    judged and admitted are the sum of both.
     """
 
     low: float = 0.0
     high: float = math.inf
+    known: Field | None = None
 
     @property
     def yields(self) -> bool:
         """Whether the rough surface yields under forces that are large enough."""
         return self.high < math.inf
 
-    def allowed(self, force: Field, in_contact: Mask) -> Field:
-        """Forces as the interface has them: within the bounds in contact, and 0 elsewhere."""
-        return np.asarray(np.clip(force, self.low, self.high) * in_contact)
+    def beside(self, known: Field | None) -> Interface:
+        """The interface where a known force acts beside that of contact."""
+        return self if known is None else replace(self, known=known)
+
+    def of_contact(self, force: Field) -> Field:
+        """The contact force, without the known one."""
+        return force if self.known is None else force - self.known
+
+    def admit(self, force: Field, contacts: Mask, total: float | None = None) -> Field:
+        """Forces that the interface allows, near some: within the bounds in contact, none elsewhere.
+
+        Where a ``total`` is given, those below the upper bound are scaled so that all add up to it.
+        """
+        found = np.where(contacts, np.clip(self.of_contact(force), self.low, self.high), 0.0)
+        if total is not None:
+            self._scale(found, total if self.known is None else total - float(self.known.sum()))
+        return found if self.known is None else found + self.known
+
+    def _scale(self, found: Field, total: float) -> None:
+        if not self.yields:
+            found *= max(total, 0.0) / (float(found.sum()) or 1.0)
+            return
+        below = found < self.high
+        while (carried := float(found.sum(where=below))) > 0:
+            borne = found.size - np.count_nonzero(below)
+            rest = total - self.high * borne if borne else total
+            np.multiply(found, max(rest, 0.0) / carried, out=found, where=below)
+            above = found > self.high
+            if not above.any():
+                return
+            found[above] = self.high
+            below &= ~above
 
     def lowered(self, heights: Field, u: Field) -> Field:
         """The rough surface as a surface that may be below it leaves it."""
@@ -42,7 +74,7 @@ class Interface:
 
     def yielding(self, force: Field) -> int:
         """Number of sites whose force is the upper bound, to the digits of published contacts."""
-        return int(np.count_nonzero(force >= (1 - 1e-6) * self.high))
+        return int(np.count_nonzero(self.of_contact(force) >= (1 - 1e-6) * self.high))
 
     def wrong(
         self,
@@ -73,6 +105,7 @@ class Interface:
         """
         if not math.isfinite(float(force.sum())):
             return math.inf
+        force = self.of_contact(force)
         worst, tension, load, contacts = extremes(force, in_contact)
         worst = max(worst, tension + self.low)
         if self.yields:

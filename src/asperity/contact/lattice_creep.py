@@ -16,13 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.contact import local_creep
 from asperity.contact.arrays import inner, largest
 from asperity.contact.interface import RIGID, Interface
-from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
+from asperity.contact.mechanics import balanced
 from asperity.contact.multigrid.loops import Measured, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields, working_stiffness
-from asperity.contact.stencils import balanced, lattice_force, tangents
+from asperity.contact.stencils import lattice_force, tangents
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice
@@ -77,9 +79,8 @@ class LatticeCreep(ByLaw):
     def balanced(self, state: LocalState, load: float | None) -> Field:
         """See `ByLaw`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
-        k0, k1 = self.springs.k0, self.springs.k1
-        total, high = None if load is None else load / k1, self.interface.high / k1
-        found = balanced(u, w, self.heights, k0, k1, total, mirrored=self.mirrored, high=high)
+        total = None if load is None else load / self.springs.k1
+        found = balanced(self.springs, u, w, self.heights, total, self.interface, mirrored=self.mirrored)
         return found.reshape(state.u.shape)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
@@ -103,7 +104,7 @@ class _Run(LocalRun):
         self.position = float(stage.position if stage.load is None else guess.position)
         self.springs = springs.step(stage.tau)
         size = max(largest(field, np) for field in (self.u, self.w, self.before))
-        self.unit, self.rounding = size or 1.0, ROUNDING * size
+        self.unit, self.rounding = size or 1.0, local_creep.TUNING.rounding * size
         self.stiffness = working_stiffness(springs.k0, springs.k1)
         self.lagging, self.beside = 1.0 + self.springs.drag, 4.0 * self.springs.spread
         if not stage.again:
@@ -130,8 +131,8 @@ class _Run(LocalRun):
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, *work.source)
         scales = Scales(self.stiffness * unit, unit, 0.0)
         found = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
-        work.yielding = int(np.count_nonzero(self.yielding))
-        if work.yielding:
+        yielding = int(np.count_nonzero(self.yielding))
+        if yielding:
             work.source.e[...] += work.backend.packed(
                 self.yielding * (self.solver.interface.high / scales.force)
             )
@@ -143,14 +144,13 @@ class _Run(LocalRun):
         tangents(surface, self.before, tangent, numbers, self.solver.mirrored, lacking, lag, sums)
         self.lacking, change, squares, bent, given = sums.sum(axis=0).tolist()
         work.source.f[...] = work.backend.packed(lacking / unit)
-        work.lag, work.even = work.backend.packed(lag), False
-        for field in work.correction:
-            field.fill(0.0)
-        work.shift, work.known_stretch, work.wanted = 0.0, found.stretch / unit, None
+        self.lag, shift, wanted = work.backend.packed(lag), 0.0, None
+        work.clear()
         if load is not None:  # the shift is at first what sites alone would need
-            work.wanted = (load / springs.k1 - found.stretch) / unit
-            work.shift = (work.wanted - change / unit) / (given or math.nan)
+            wanted = (load / springs.k1 - found.stretch) / unit
+            shift = (wanted - change / unit) / (given or math.nan)
             squares -= change * change / lag.size
+        work.begin(wanted, found.stretch / unit, shift, yielding)
         return math.sqrt(max(squares, 0.0) / lag.size), math.sqrt(bent / lag.size)
 
     def follow_law(self, noticed: float) -> None:
@@ -191,7 +191,7 @@ class _Run(LocalRun):
         if self.curved > noticed:
             self.follow_law(noticed)
         work = self.work
-        work.relag()
+        work.relag(self.lag)
         done, cycles = work.improve(allowed / self.unit, TUNING.most_cycles)
         if not done:
             raise ConvergenceError(f"creep: {cycles} cycles did not solve a linear step; try a larger rtol")

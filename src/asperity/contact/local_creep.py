@@ -38,11 +38,17 @@ class Tuning:
     unnoticed: float = 0.3
     """Error of the law's tangent, in units of the error allowed, which need not be made up for."""
 
+    free_steps: int = 7
+    """Newton steps for the force of a site after which the interval that holds it is to shrink fast."""
+
+    shrinking: float = 0.1
+    """Step over the length of the interval from which on it is halved instead."""
+
+    rounding: float = 16 * float(np.finfo(float).eps)
+    """Change of the creeping shape that rounding makes, in units of the largest length."""
+
 
 TUNING = Tuning()
-
-ROUNDING = 16 * float(np.finfo(float).eps)
-"""Change of the creeping shape that rounding makes, in units of the largest length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +124,8 @@ def forces_of(law: LocalCreep, own: Field, tau: float, area: float, wanted: Fiel
         low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
         closer = at + left / (own + tau / area * slope)
         outside = ~((closer > low) & (closer < high))
-        if step > 6:
-            outside |= np.abs(closer - at) > 0.1 * (high - low)
+        if step >= TUNING.free_steps:
+            outside |= np.abs(closer - at) > TUNING.shrinking * (high - low)
         closer = np.where(outside & (high > low), 0.5 * (low + high), closer)
         moved, at = np.abs(closer - at) / area, closer
         if (moved <= 1e-5 * law.bend(at / area) + 4 * np.spacing(np.abs(at) / area)).all():

@@ -8,14 +8,7 @@ An implicit step of duration tau from anchors v_b is u_b = v_b + tau M_b C_b (u 
 one contact problem however many branches there are. tau = 0 is the instantaneous contact; tau = infinity is
 the relaxed state, where D_b = 0 wherever M_b C_b > 0 and D_b = 1 elsewhere.
 
-At wave vector 0 the surface hangs on the rigid body, whose position is X: H acts on u - X there. Under
-separation control X is known, and wave vector 0 is a mode like any other. Under load control it drops out
-of S, its right-hand side is minus the load F, and the body moves, with all anchors, by what the load demands:
-
-    H (u - X) + sum_b C_b D_b (u - v_b) = F / N        in the means over the N sites.
-
-A solid with H = C_b = 0 there, such as a half-space, carries the load as a rigid body: the means of u and of
-u_b are X.
+What happens at wave vector 0 `asperity.contact.rigid_body` states.
 
 `Mechanics` states these things in Fourier modes, for any solid. `SpringMechanics` states some of them in
 terms of neighbors, for the lattice of springs in two dimensions, where a stencil costs a small part of a
@@ -30,29 +23,26 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
-from asperity.contact.stencils import balanced, bond_energy, bounded, lattice_force
+from asperity.contact.rigid_body import Prescribed, RigidBody
+from asperity.contact.stencils import bond_energy, lattice_force
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids import LocalCreep, Solid, Spectra, Springs
 
-_LEAST_CREEPING_SHARE = 1e-2
-"""Least share of creeping branches in the stiffness with which anchors take up forces."""
-
 
 @dataclass(frozen=True)
-class Prescribed:
-    """What is prescribed at a moment: the load, if that is held, and the position X of the rigid body.
+class Tuning:
+    """Numbers of mechanics."""
 
-    Where the load is prescribed, X is where the body was before.
-    """
+    least_share: float = 1e-2
+    """Least share of creeping branches in the stiffness with which anchors take up forces."""
 
-    load: float | None
-    position: float
+
+TUNING = Tuning()
 
 
 class Mechanics:
@@ -78,28 +68,11 @@ class Mechanics:
         return self.solid.on(self.lattice)
 
     @cached_property
-    def hanging(self) -> NDArray[np.float64]:
-        """H and then each C_b at wave vector 0: what hangs on the rigid body."""
+    def body(self) -> RigidBody:
+        """What hangs on the rigid body."""
         spectra, mean = self.spectra, self.lattice.mean
-        return np.concatenate(([spectra.permanent[mean]], spectra.creeping[mean]))
-
-    @property
-    def mean_stiffness(self) -> float:
-        """H + sum of C_b at wave vector 0."""
-        return float(self.hanging.sum())
-
-    @property
-    def hangs_on_one_branch(self) -> bool:
-        """Whether the rigid body is where the anchors of the only branch are, on average.
-
-        Never where edges are free: the body is then known from afar, by all that displaces its surface.
-        """
-        return self.branches == 1 and self.hanging[0] == 0 and self.hanging[1] > 0 and not self.lattice.body
-
-    @cached_property
-    def mean_mobility(self) -> float:
-        """Of a solid of one branch that hangs on it alone: M at wave vector 0."""
-        return float(self.spectra.rate[0].flat[0] / self.hanging[1]) if self.hangs_on_one_branch else 0.0
+        hanging = float(spectra.permanent[mean]), spectra.creeping[mean], spectra.rate[mean]
+        return RigidBody(*hanging, self.lattice.sites, bool(self.lattice.body))
 
     @cached_property
     def greatest_stiffness(self) -> float:
@@ -129,10 +102,10 @@ class Mechanics:
     def force_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> Field:
         """The same from Fourier modes."""
         force = self.spectra.permanent * u
-        force.flat[0] -= self.hanging[0] * self.lattice.sites * held.position
+        force.flat[0] -= self.body.pull(held.position)
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
             force += stiffness * w
-        if held.load is not None and not 0 < self.mean_stiffness <= self.greatest_stiffness:
+        if held.load is not None and not 0 < self.body.stiffness <= self.greatest_stiffness:
             force.flat[0] = held.load  # stretches of a mean held stiffly are lost in rounding
         return self.lattice.backward(force, overwrite=True)
 
@@ -143,7 +116,7 @@ class Mechanics:
     def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
         """The same from Fourier modes."""
         density = weighted_power(self.spectra.permanent[np.newaxis], u[np.newaxis])
-        density.flat[0] = self.hanging[0] * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
+        density.flat[0] = self.body.permanent * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
             density += weighted_power(stiffness[np.newaxis], w[np.newaxis])
         return self.lattice.mean_over_modes(density) / 2
@@ -152,7 +125,7 @@ class Mechanics:
         """Force of the springs of the only branch; where nothing hangs, its share of a load from afar."""
         creeping = self.spectra.creeping[0]
         modes = creeping * self.lattice.forward(stretch[0])
-        if self.hanging[0] == 0 and load is not None:
+        if self.body.permanent == 0 and load is not None:
             modes.flat[0] = load
         if self.solid.loaded_from_afar:  # long waves are soft, and pass nothing from the one to the other
             modes.flat[0] *= self.creeping_share
@@ -167,13 +140,15 @@ class Mechanics:
             raise InputError("creep", expected=expected, got=got)
         return self.solid.shares[0][0]
 
-    def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
+    def balanced_stretch(
+        self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
+    ) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is.
 
         ``total`` is the sum of w, where it is known and the solid has one branch. Where forces are not local,
         those are the same.
         """
-        del u, heights, total
+        del u, heights, total, interface
         return stretch
 
     @cached_property
@@ -182,7 +157,7 @@ class Mechanics:
         if self.law is not None or self.solid.springs is not None:
             return False
         creeping = self.spectra.creeping.sum(axis=0)
-        own = creeping >= _LEAST_CREEPING_SHARE * (creeping + self.spectra.permanent)
+        own = creeping >= TUNING.least_share * (creeping + self.spectra.permanent)
         return bool(own.flat[1:].all())
 
     def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
@@ -192,11 +167,9 @@ class Mechanics:
         bounds; all other forces are scaled, which keeps their sum.
         """
         force = self.force_of_modes(u, stretch, held)
-        balanced = np.where(in_contact, np.maximum(force, self.interface.low), 0.0)
-        load, kept = float(force.sum()), float(balanced.sum())
-        if not (load > 0 and kept > 0):
+        balanced = self.interface.beside(held.known).admit(force, in_contact, float(force.sum()))
+        if not balanced.any():
             return np.zeros_like(u)
-        balanced = bounded(balanced, load, self.interface.high)
         balanced -= force
         change = self.lattice.forward(balanced)
         creeping = self.spectra.creeping.sum(axis=0)
@@ -272,13 +245,11 @@ class ImplicitStep:
         rhs = weighted_sum(self.damped_stiffness, anchors)
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
-            rhs.flat[0] += mechanics.hanging[0] * lattice.sites * held.position
+            rhs.flat[0] += mechanics.body.pull(held.position)
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        springs = mechanics.solid.springs and mechanics.solid.springs.step(self.tau)
-        of_sites = springs, mechanics.interface
-        return SpectralProblem(lattice, heights, stiffness, rhs, held.load is not None, *of_sites)
+        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface).beside(held.known)
 
     def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
@@ -288,24 +259,14 @@ class ImplicitStep:
 
     def stretch_modes(self, u: Modes, anchors: Modes, held: Prescribed) -> tuple[Modes, float]:
         """The same in Fourier modes, in the place of the anchors."""
-        before, modes = anchors[self.mechanics.lattice.mean].real.copy(), anchors
+        mean, modes = self.mechanics.lattice.mean, anchors
+        before, surface = anchors[mean].real.copy(), float(u.flat[0].real)
         damp_difference(self.damping, u, modes)
         if held.load is None:
             return modes, held.position
-        mechanics, mean = self.mechanics, self.mechanics.lattice.mean
-        sites, springs = mechanics.lattice.sites, self.damped_stiffness[mean]
-        hanging = float(mechanics.hanging[0] + springs.sum())
-        surface = float(u.flat[0].real)
-        if hanging == 0:  # nothing hangs, or all that hangs has yielded: the load is shared as it flows
-            modes[mean] = 0.0
-            if mechanics.mean_stiffness > 0:
-                rate = mechanics.spectra.rate[mean]
-                slow = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate > 0)
-                modes[mean] = held.load * slow / np.dot(mechanics.hanging[1:], slow)
-            return modes, surface / sites
-        pull = held.load + mechanics.hanging[0] * sites * held.position + float(np.dot(springs, before))
-        modes[mean] = self.damping[mean] * (pull / hanging - before)
-        return modes, held.position + (surface - pull / hanging) / sites
+        how = self.damping[mean], held.load, held.position
+        modes[mean], position = self.mechanics.body.after_step(surface, before, *how)
+        return modes, position
 
     def flat_modes(self, level: float) -> Modes:
         """Fourier modes of anchors that are all flat."""
@@ -321,7 +282,7 @@ class SpringMechanics(Mechanics):
     def __init__(self, solid: Solid, lattice: Lattice, springs: Springs) -> None:
         super().__init__(solid, lattice)
         self.springs, self.interface = springs, RIGID
-        self.hanging, self.mean_mobility = np.array([0.0, springs.k1]), springs.drag / springs.k1
+        self.body = RigidBody(0.0, np.array([springs.k1]), np.array([springs.drag]), lattice.sites)
         self.greatest_stiffness = 8 * springs.k0 + springs.k1
         self.fastest_creep = 8 * springs.spread + springs.drag
 
@@ -358,11 +319,12 @@ class SpringMechanics(Mechanics):
         bonds = bond_energy(u, mirrored=self.lattice.reflecting)
         return (self.springs.k0 * bonds + self.springs.k1 * bulk) / 2
 
-    def balanced_stretch(self, u: Field, stretch: Field, heights: Field, total: float | None) -> Field:
-        """Off contact w = -k0 L u / k1; in contact w is kept where the force is no tension, and scaled."""
-        k0, k1, mirrored = self.springs.k0, self.springs.k1, self.lattice.reflecting
-        w = balanced(u, stretch[0], heights, k0, k1, total, mirrored=mirrored)
-        return np.asarray(w)[np.newaxis]
+    def balanced_stretch(
+        self, u: Field, stretch: Field, heights: Field, total: float | None, interface: Interface
+    ) -> Field:
+        """See `Mechanics`."""
+        mirrored = self.lattice.reflecting
+        return balanced(self.springs, u, stretch[0], heights, total, interface, mirrored=mirrored)[np.newaxis]
 
 
 @dataclass(frozen=True, eq=False)
@@ -386,11 +348,31 @@ class SpringImplicitStep(ImplicitStep):
         return SpringProblem(
             *(heights, springs, anchors, held.load, mirrored),
             lambda: self.spectral_problem(heights, modes(), held),
+            held.known,
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         return self.problem(heights, self.mechanics.lattice.backward(anchors), held)
+
+
+def balanced(
+    springs: Springs,
+    u: Field,
+    w: Field,
+    heights: Field,
+    total: float | None,
+    interface: Interface,
+    *,
+    mirrored: bool,
+) -> Field:
+    """Stretch of springs with which u is in equilibrium, near w, with a total where that is known."""
+    k1, beside = springs.k1, lattice_force(u, w, springs.k0, 0.0, mirrored=mirrored)
+    load = None if total is None else k1 * total
+    found = interface.admit(beside + k1 * w, u <= heights, load)
+    found -= beside
+    found /= k1
+    return found
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:

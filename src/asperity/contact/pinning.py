@@ -13,6 +13,8 @@ Phys. Rev. 175, 747 (1968), DOI 10.1103/PhysRev.175.747.)
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -21,11 +23,27 @@ from scipy.optimize import brentq
 
 from asperity.lattice import Lattice, Spectrum
 
-_SAMPLES = 2048
-"""Modes looked at: sigma need only be good to some ten percent, and costs less than a transform so."""
 
-_STEPS = (0.7548776662466927, 0.5698402909980532)
-"""Powers -1 and -2 of the plastic number, the real root of x^3 = x + 1."""
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
+
+    samples: int = 2048
+    """Modes looked at: sigma need only be good to some ten percent, and costs less than a transform so."""
+
+    closeness: float = 0.05
+    """Error of ln sigma."""
+
+    lowest: float = 40.0
+    highest: float = 20.0
+    """How far ln sigma is looked for below and above that of the largest stiffness."""
+
+
+TUNING = Tuning()
+
+_PLASTIC = sum(((9 + sign * math.sqrt(69)) / 18) ** (1 / 3) for sign in (1, -1))
+_STEPS = (1 / _PLASTIC, 1 / _PLASTIC**2)
+"""Powers of the plastic number, the real root of x^3 = x + 1."""
 
 
 def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: float) -> float:
@@ -40,16 +58,22 @@ def effective_pinning(lattice: Lattice, stiffness: Spectrum, contact_fraction: f
     if stiffest == 0:
         return 1.0
 
-    def excess(log_sigma: float) -> float:
-        sigma = np.exp(log_sigma)
-        return float(np.dot(weight, sigma / (sample + sigma))) - contact_fraction
+    return coherent_potential(lambda x: float(np.dot(weight, 1 / (sample + x))), contact_fraction, stiffest)
 
-    low, high = np.log(stiffest) - 40.0, np.log(stiffest) + 20.0
+
+def coherent_potential(compliance: Callable[[float], float], fraction: float, stiffest: float) -> float:
+    """Sigma for the compliance of a site, a function of sigma, and a fraction 0 < a <= 1 of contacts."""
+
+    def excess(log_sigma: float) -> float:
+        sigma = math.exp(log_sigma)
+        return sigma * compliance(sigma) - fraction
+
+    low, high = math.log(stiffest) - TUNING.lowest, math.log(stiffest) + TUNING.highest
     if excess(low) >= 0:
-        return float(np.exp(low))
+        return math.exp(low)
     if excess(high) <= 0:
-        return float(np.exp(high))
-    return float(np.exp(brentq(excess, low, high, xtol=0.05)))
+        return math.exp(high)
+    return math.exp(brentq(excess, low, high, xtol=TUNING.closeness))
 
 
 @lru_cache
@@ -59,8 +83,8 @@ def _spread_modes(shape: tuple[int, ...]) -> tuple[NDArray[np.intp], ...]:
     A stride through the flat array comes into step with rows of some lengths; multiples of irrational numbers
     do not.
     """
-    if math.prod(shape) <= _SAMPLES:
+    if math.prod(shape) <= TUNING.samples:
         return np.unravel_index(np.arange(math.prod(shape)), shape)
-    count = np.arange(_SAMPLES)
+    count = np.arange(TUNING.samples)
     places = tuple((count * step % 1.0 * n).astype(int) for step, n in zip(_STEPS, shape, strict=False))
     return np.unravel_index(np.unique(np.ravel_multi_index(places, shape)), shape)

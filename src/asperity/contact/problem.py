@@ -18,7 +18,7 @@ in terms of neighbors, for the lattice of springs. The second can be turned into
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -34,21 +34,30 @@ class SpectralProblem:
 
     The maximum of the heights, the obstacle xi, is 0, which keeps rounding errors relative to the indentation
     rather than to the datum of the heights. The stiffness S is positive but, where the sum of the forces is
-    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load. On a lattice of
-    ``springs`` S is k0 L + k1 / (1 + drag + spread L) elsewhere: on a line linear problems are solved so.
+    prescribed, 0 at wave vector 0; the right-hand side b, modes, is there minus the load.
     """
 
     lattice: Lattice
     heights: Field
     stiffness: Spectrum
     rhs: Modes
-    load_controlled: bool
-    springs: Springs | None = None
     interface: Interface = RIGID
+
+    @property
+    def load(self) -> float | None:
+        """The sum of the contact forces, where it is prescribed; else None."""
+        return None if self.stiffness.flat[0] > 0 else -float(self.rhs.flat[0].real)
 
     def spectral(self) -> SpectralProblem:
         """Return the problem itself."""
         return self
+
+    def in_neighbors(self) -> None:
+        """Return the problem in terms of neighbors: there is none."""
+
+    def beside(self, known: Field | None) -> SpectralProblem:
+        """Return the problem with a known force of each site beside that of contact; the load is of both."""
+        return self if known is None else replace(self, rhs=self.rhs + self.lattice.forward(known))
 
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
@@ -62,7 +71,8 @@ class SpringProblem:
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
     unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
-    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic.
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic. A ``known`` force of
+    each site acts beside that of contact; the load is the sum of both.
     """
 
     heights: Field
@@ -71,6 +81,25 @@ class SpringProblem:
     load: float | None
     mirrored: bool
     spectral: Callable[[], SpectralProblem]
+    known: Field | None = None
+
+    def in_neighbors(self) -> SpringProblem:
+        """Return the problem itself."""
+        return self
+
+    def beside(self, known: Field | None) -> SpringProblem:
+        """See `SpectralProblem`."""
+        if known is None:
+            return self
+        spectral, total = self.spectral, known if self.known is None else self.known + known
+        return replace(self, known=total, spectral=lambda: spectral().beside(known))
+
+    def pulled(self) -> SpringProblem:
+        """The same, where nothing creeps: anchors pull as the known force does."""
+        if self.known is None:
+            return self
+        load = None if self.load is None else self.load - float(self.known.sum())
+        return replace(self, anchors=self.anchors + self.known / self.springs.k1, load=load, known=None)
 
 
 ContactProblem = SpectralProblem | SpringProblem
@@ -107,20 +136,34 @@ class Solution:
     solver: str = ""
 
 
+TOLERANCE = 1e-9
+"""The tolerance to which published states are solved; the residual they carry shows it."""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How accurate a solution is to be.
+
+    No force off contact exceeds ``residual`` times the mean contact force, unless rounding forbids more. A
+    solver may stop earlier where u is off by no more than ``error``, rms over the sites; while contacts still
+    change only if they need not be ``settled``.
+    """
+
+    residual: float = TOLERANCE
+    error: float = 0.0
+    settled: bool = True
+
+
+PUBLISHED = Accuracy()
+"""That of published states."""
+
+
 class ContactSolver(Protocol):
     """What a solver offers."""
 
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
-        """Solve from a guess or from nothing; return converged or raise `ConvergenceError`.
-
-        Converged means that no force off contact exceeds ``tolerance`` times the mean contact force, or
-        that rounding errors forbid more.
-        """
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
+        """Solve from a guess or from nothing; return a solution as accurate, or raise `ConvergenceError`."""
         ...
-
-
-TOLERANCE = 1e-9
-"""The tolerance to which published states are solved; the residual they carry shows it."""
 
 
 def mean_by_rounding(force: Field, in_contact: Mask, size: float, xp: Any = np) -> float:

@@ -52,7 +52,7 @@ def contact_from(
         least_force = _smallest_force(system, surface)
     state = anchors.balance(system, surface, position)
     left = _judged(system, surface, state, touching, yielding, least_force)
-    force = system.mechanics.interface.allowed(state.force, touching)
+    force = system.interface.admit(state.force, touching)
     scale = max(float(force.sum()) / max(int(np.count_nonzero(touching)), 1), least_force)
     return Contact._judged(
         **vars(bodies)
@@ -79,12 +79,12 @@ def _judged(
     """The residual of a state, whose forces lose what is the rounding of a mean."""
     mechanics = system.mechanics
     if not system.control.load_controlled:
-        size = float(np.abs(u).max()) * mechanics.mean_stiffness
+        size = float(np.abs(u).max()) * mechanics.body.stiffness
         state.force[...] -= mean_by_rounding(state.force, in_contact, size)
-    left = mechanics.interface.violation(state.force, in_contact, yielding, floor)
+    left = system.interface.violation(state.force, in_contact, yielding, floor)
     if system.load and state.carried is not None:
         # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
-        most = system.sites * max(1.0, mechanics.mean_stiffness / mechanics.greatest_stiffness)
+        most = system.sites * max(1.0, mechanics.body.stiffness / mechanics.greatest_stiffness)
         touching = np.count_nonzero(in_contact)
         scale = max(system.load, floor * touching)
         left = max(left, abs(state.carried - system.load) / scale * touching / most)

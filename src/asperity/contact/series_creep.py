@@ -32,10 +32,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.contact import local_creep
 from asperity.contact.arrays import inner, inverse, largest
 from asperity.contact.interface import RIGID, Interface
-from asperity.contact.local_creep import ROUNDING, ByLaw, LinearLaw, LocalRun, LocalState, Stage
-from asperity.contact.stencils import bounded
+from asperity.contact.local_creep import ByLaw, LinearLaw, LocalRun, LocalState, Stage
 from asperity.creep import LocalCreep
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Lattice, Mask, Spectrum
@@ -56,6 +56,9 @@ class Tuning:
 
     all_at_once: int = 20
     """Revisions after which only the worst of the wrong sites change sides: all at once they may cycle."""
+
+    worst: float = 0.1
+    """Part of the wrong sites that are the worst."""
 
 
 TUNING = Tuning()
@@ -117,10 +120,9 @@ class SeriesCreep(ByLaw):
         """Contact forces of a state, none of them tension, which carry the load."""
         p = state.force + self.lattice.apply(self.permanent, state.u)
         p += state.force.mean() / self.share - p.mean()
-        p = np.where(touching, np.maximum(p, 0.0), 0.0)
-        if load is not None and not p.any():
+        if load is not None and not (p > 0).any(where=touching):
             p = touching * (load / np.count_nonzero(touching))
-        return bounded(p, load, self.interface.high)
+        return self.interface.admit(p, touching, load)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
         """See `ByLaw`."""
@@ -170,7 +172,7 @@ class _Run(LocalRun):
         self.heights = heights = np.where(self.body, solver.heights, 0.0)
         load, before = stage.load, stage.before
         lengths = largest(heights, np), largest(before, np), solver.indented(guess.force)
-        self.rounding = ROUNDING * max(lengths)
+        self.rounding = local_creep.TUNING.rounding * max(lengths)
         self.touching = guess.u <= solver.heights + self.rounding
         if load is not None and not self.touching.any():
             self.touching.flat[int(np.argmax(solver.heights - guess.u))] = True
@@ -242,7 +244,7 @@ class _Run(LocalRun):
         """Sites on the wrong side that are to change it: all; after many revisions a tenth, of one kind."""
         if self.revisions <= TUNING.all_at_once or not wrong.any():
             return wrong
-        some = wrong & (by >= np.quantile(by[wrong], 0.9)) & (not self.changed)
+        some = wrong & (by >= np.quantile(by[wrong], 1 - TUNING.worst)) & (not self.changed)
         self.changed = True
         return np.asarray(some)
 

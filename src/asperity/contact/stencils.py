@@ -5,8 +5,6 @@ A lattice is periodic, or its edges are mirrors: the site beyond an edge is the 
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from asperity.contact.compiled import compiled, inlined
@@ -88,48 +86,6 @@ def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
 
 
-def balanced(
-    u: Field,
-    w: Field,
-    heights: Field,
-    k0: float,
-    k1: float,
-    total: float | None,
-    *,
-    mirrored: bool = False,
-    high: float = math.inf,
-) -> Field:
-    """Stretch with which u is in equilibrium: w in contact, where it is no tension, or scaled to a total.
-
-    Forces over k1 above ``high`` are it, and the others bear what is left of the total.
-    """
-    heights = np.ascontiguousarray(heights)
-    out, rows = np.empty_like(u), np.empty(len(u))
-    balance(u, w, heights, k0, k1, mirrored, out, rows)
-    carried, scale = float(rows.sum()), 1.0
-    if math.isfinite(high):
-        w = out + bounded(np.where(u <= heights, np.maximum(w - out, 0.0), 0.0), total, high)
-    elif total is not None and carried > 0 and total > 0:
-        scale = total / carried
-    carry(u, w, heights, scale, out)
-    return out
-
-
-def bounded(forces: Field, total: float | None, largest: float) -> Field:
-    """Forces that are at most the largest; the smaller ones are scaled so that all add up to a total."""
-    forces = np.minimum(forces, largest)
-    below = forces < largest
-    while total is not None and (carried := float(forces[below].sum())) > 0:
-        rest = total - largest * (forces.size - below.sum()) if math.isfinite(largest) else total
-        forces[below] *= max(rest, 0.0) / carried
-        above = below & (forces > largest)
-        if not above.any():
-            break
-        forces[above] = largest
-        below &= ~above
-    return forces
-
-
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:
     """A field plus others times their weights."""
     out = first.copy()
@@ -141,32 +97,6 @@ def combined(first: Field, *terms: tuple[float, Field]) -> Field:
 def extrapolated(latest: Field, *terms: tuple[float, Field]) -> Field:
     """A field plus its differences from others times weights; exact where all are the same."""
     return combined(latest, *((weight, field - latest) for weight, field in terms))
-
-
-@compiled
-def balance(
-    u: Field, w: Field, heights: Field, k0: float, k1: float, mirrored: bool, out: Field, carried: Field
-) -> None:
-    """Stretch -k0 L u / k1 off contact; ``carried``: row sums of force / k1 in contact, without tension."""
-    ny, nx = u.shape
-    for i in range(ny):
-        row = out[i]
-        force_row(-k0 / k1, u, 0.0, u, i, mirrored, row)
-        total = 0.0
-        for j in range(nx):
-            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
-            total += force
-        carried[i] = total
-
-
-@compiled
-def carry(u: Field, w: Field, heights: Field, scale: float, out: Field) -> None:
-    """Add ``scale`` times the forces that `balance` summed to the stretch."""
-    for i in range(u.shape[0]):
-        row = out[i]
-        for j in range(u.shape[1]):
-            force = max(w[i, j] - row[j], 0.0) if u[i, j] <= heights[i, j] else 0.0
-            row[j] += scale * force
 
 
 @compiled

@@ -8,14 +8,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.contact.controls import Control
-from asperity.contact.mechanics import ImplicitStep, Mechanics, Prescribed, mechanics_of
+from asperity.contact.interface import Interface
+from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
+from asperity.contact.rigid_body import Prescribed, RigidBody
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
-_MOST_OF_ALL = 0.999
-"""Largest load, over that under which all sites yield."""
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of systems."""
+
+    most_of_all: float = 0.999
+    """Largest load, over that under which all sites yield."""
+
+
+TUNING = Tuning()
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,20 +33,23 @@ class System:
     """A solid, a rough surface and what is prescribed.
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
-    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf.
+    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
+    ``known`` force of each site acts beside that of contact; the load is the sum of both. Steps of multigrid
+    in time, and those of a local law of creep, leave it out.
     """
 
     mechanics: Mechanics
     heights: Field
     datum: float
     control: Control
+    known: Field | None = None
 
     @classmethod
     def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
         """Set up from checked heights; `InputError` if the solid cannot be used, or not with this control."""
         datum = float(heights.max())
         mechanics = mechanics_of(solid, lattice.embedding)
-        if mechanics.mean_stiffness == 0 and not control.load_controlled:
+        if mechanics.body.stiffness == 0 and not control.load_controlled:
             raise InputError(
                 "separation",
                 expected="a solid that hangs on springs or on an apparatus",
@@ -66,6 +79,16 @@ class System:
         return self.control.value if self.control.load_controlled else None
 
     @property
+    def body(self) -> RigidBody:
+        """What hangs on the rigid body."""
+        return self.mechanics.body
+
+    @property
+    def interface(self) -> Interface:
+        """Which forces a state may have."""
+        return self.mechanics.interface.beside(self.known)
+
+    @property
     def yields(self) -> bool:
         """Whether the rough surface yields under forces that are large enough."""
         return self.mechanics.interface.yields
@@ -78,48 +101,28 @@ class System:
     def held(self, position: float = 0.0) -> Prescribed:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
         if self.load is None:
-            return Prescribed(None, self.control.value - self.datum)
-        most = _MOST_OF_ALL * self.mechanics.interface.high * self.mechanics.lattice.body_sites
+            return Prescribed(None, self.control.value - self.datum, self.known)
+        most = TUNING.most_of_all * self.mechanics.interface.high * self.mechanics.lattice.body_sites
         if self.load > most:
             hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
-            expected = f"at most {most:.8g}, {_MOST_OF_ALL:g} of {hardness}"
+            expected = f"at most {most:.8g}, {TUNING.most_of_all:g} of {hardness}"
             advice = "less load, or a greater hardness"
             raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
-        return Prescribed(self.load, position)
+        return Prescribed(self.load, position, self.known)
 
     @property
     def drift(self) -> float:
         """Velocity at which a rigid body that moves carries the anchors along at time 0; 0 under a load."""
-        return 0.0 if self.control.load_controlled else self.control.rate
+        return self.control.rate if self.load is None else 0.0
 
     def moved(self, since: float, time: float) -> float:
         """How far a moving rigid body carries the anchors along from a time to another; 0 under a load."""
-        return 0.0 if self.control.load_controlled else self.control.change(since, time)
+        return self.control.change(since, time) if self.load is None else 0.0
 
     @property
     def free_mean(self) -> bool:
         """Whether the mean of u0 creeps: viscous or local creep at a held separation."""
-        mechanics = self.mechanics
-        return (mechanics.mean_mobility > 0 or mechanics.law is not None) and not self.control.load_controlled
-
-    @property
-    def mean_stretch(self) -> float | None:
-        """Mean of u - u0 of the only branch as the load prescribes it; else None."""
-        if self.load is None or not self.mechanics.hangs_on_one_branch:
-            return None
-        return self.load / (self.sites * self.mechanics.mean_stiffness)
-
-    def displacement(self, u: Field, anchors: Field, position: float) -> float:
-        """How far the load moves the rigid body and the anchors at once, to balance a surface u."""
-        mechanics = self.mechanics
-        own = [float((u - v).mean()) for v in anchors]
-        if mechanics.mean_stiffness == 0:
-            return own[0] if own else float(u.mean()) - position
-        parts = [float(u.mean()) - position, *own]
-        shares = mechanics.hanging / mechanics.mean_stiffness
-        moved = math.fsum(share * part for share, part in zip(shares.tolist(), parts, strict=True) if share)
-        assert self.load is not None
-        return moved - self.load / (self.sites * mechanics.mean_stiffness)
+        return self.load is None and (self.body.mobility > 0 or self.mechanics.law is not None)
 
     def problem(self, step: ImplicitStep, anchors: Field) -> ContactProblem:
         """The contact problem of an implicit step from anchors v_b."""
@@ -137,28 +140,14 @@ class System:
         """Contact force at every site."""
         return self.mechanics.force(u, stretch, self.held(position))
 
-    def carried(self, u: Field, stretch: Field, position: float) -> float | None:
-        """Load that the solid carries at wave vector 0, in terms of what hangs; None where nothing does."""
-        if self.mechanics.mean_stiffness == 0:
-            return None
-        hanging, *creeping = map(float, self.mechanics.hanging)
-        own = hanging * (float(u.sum()) - self.sites * position) if hanging > 0 else 0.0
-        return own + sum(stiffness * float(np.sum(w)) for stiffness, w in zip(creeping, stretch, strict=True))
-
-    def position(self, u: Field, anchors: Field, position: float) -> float:
-        """Where the rigid body is: at the mean of the only branch's anchors, if the surface hangs on it."""
-        if self.mechanics.hangs_on_one_branch:
-            return float(np.mean(anchors[0]))
-        return position if self.mechanics.mean_stiffness > 0 else float(u.mean())
-
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""
-        total = None
-        if self.load is not None and self.mechanics.hangs_on_one_branch:
-            total = self.load / self.mechanics.mean_stiffness
+        mean, total = self.body.stretch(self.load), None
+        if mean is not None:
+            total = self.sites * mean
         elif not self.free_mean:  # then the mean of u0 stays, and of u - u0 with it
             total = float(stretch.sum())
-        return self.mechanics.balanced_stretch(u, stretch, self.heights, total)
+        return self.mechanics.balanced_stretch(u, stretch, self.heights, total, self.interface)
 
     def energy(self, u: Field, stretch: Field, position: float) -> float:
         """Elastic energy."""

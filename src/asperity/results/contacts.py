@@ -85,7 +85,7 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     if system.load:
-        moved = system.displacement(surface, anchors, position)
+        moved = system.body.displacement(surface, anchors, system.held(position))
         anchors, position = anchors + moved, position + moved
     solution = Solution(surface, touching, int(data["iterations"]), 0)
     return contact_from(system, solution, AnchorFields(anchors), position, bodies=bodies)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asperity.base.calls import remark
-from asperity.contact import asperities, branches, line_sites, stencils
+from asperity.contact import asperities, branches, stencils
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, watch
 from asperity.contact.multigrid.loops import one_field, rows, states, two_fields
@@ -24,7 +24,7 @@ def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], 
     What takes so long is told before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    others = stencils.forces, asperities.overlap_by_rows, line_sites.substitute, branches.add_power
+    others = stencils.forces, asperities.overlap_by_rows, branches.add_power
     of_multigrid = one_field.sweeps_1, rows.total, states.settle, two_fields.cycle_2
     stamp = stamp_of(*of_multigrid, *others)
     tell_of_place(remark)

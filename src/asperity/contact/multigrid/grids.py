@@ -3,18 +3,35 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
 
-from asperity.contact.multigrid.loops import Fields, Pair, Single, Sites
-from asperity.contact.multigrid.pins import coherent_potential, softening
+from asperity.contact.multigrid.loops import CoarseOne, CoarseTwo, Fields, Pair, Single, Sites
+from asperity.contact.multigrid.pins import compliance, softening
 from asperity.contact.multigrid.processor import Processor
+from asperity.contact.pinning import coherent_potential
 from asperity.lattice import Field
 from asperity.solids import Springs
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers that decide how well coarse grids correct."""
+
+    coarsest: int = 16
+    """Most sites of a grid that is solved directly."""
+    hard: float = 1e3
+    """Stiffness of a pin among others as stiff, over that of a site."""
+
+
+TUNING = Tuning()
+
+_ROUNDING = 16 * float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +144,7 @@ class Hierarchy:
         y, x = (Axis.fine(n, mirrored=sites.mirrored) for n in sites[:2])
         self.grids: list[Grid] = []
         finer = sites
-        while not self.grids or math.prod(finer[:2]) > 16:
+        while not self.grids or math.prod(finer[:2]) > TUNING.coarsest:
             y, x = y.coarser, x.coarser
             self.grids.append(Grid(y, x, finer, fields, backend))
             finer = self.grids[-1].sites
@@ -148,15 +165,15 @@ class Hierarchy:
             for grid in self.grids:
                 grid.pins.fill(0.0)
             return
-        sigma = coherent_potential(springs, fraction)
+        sigma = coherent_potential(partial(compliance, springs, 0), fraction, 1.0)
         first, strength = self.grids[0], 1.0 / softening(springs, 0, sigma)
         self.backend.restrict((e <= bound).astype(np.float32), self.sites, first.pins)
         first.pins *= np.float32(strength)
         # A held site adds ``held`` to the pin on the next coarser grid, and no site adds more.
-        held, hard, crowds = strength, 1e3 * (4.0 + springs.k1), True  # much stiffer than a site
+        held, hard, crowds = strength, TUNING.hard * (4.0 + springs.k1), True
         for level, (fine, coarse) in enumerate(pairwise(self.grids), start=1):
             if crowds:
-                full = fine.pins >= np.float32((1.0 - 1e-4) * held) * fine.sharing  # but for rounding
+                full = fine.pins >= np.float32(held * (1.0 - _ROUNDING)) * fine.sharing  # but for rounding
                 crowds = bool(full.any())
                 fine.pins[full] = np.float32(hard)
             mean = sigma * 4.0**level
@@ -180,3 +197,66 @@ class Hierarchy:
             lags.append(np.divide(out, weight, out=out, where=weight > 0))
             sites = grid.sites
         return lags[1:]
+
+
+class Corrections(Hierarchy, ABC):
+    """Corrections of fields on a lattice, and how the grids above it improve them; in units in which k0 = 1.
+
+    ``bound`` is the least correction of the first field that does not penetrate, and ``source`` what the
+    equations are to balance. ``found`` are the corrections that the coarse grids found last, on the first of
+    them. A shift of the last equation goes with them: at once what ``coupling`` times their sum demands. Pins
+    are set anew where more than a part ``moved`` of the contacts opens or closes.
+    """
+
+    springs: Springs
+    coupling = moved = 0.0
+
+    def __init__(self, sites: Sites, fields: int, backend: Processor) -> None:
+        super().__init__(sites, fields, backend)
+        self.size, self.count = sites.rows * sites.columns, fields
+        self.bound, self.found = empty(sites, backend), self.grids[0].joined
+        self.correction, self.source = self.fields(), self.fields()
+        self.forget()
+
+    def fields(self) -> Fields:
+        """Fields of zeros."""
+        return together(empty(self.sites, self.backend) for _ in range(self.count))
+
+    def clear(self) -> None:
+        """Set the corrections to 0."""
+        for field in self.correction:
+            field.fill(0.0)
+
+    def forget(self) -> None:
+        """Forget pins, as the springs have changed."""
+        self.pinned, self.factorized = math.nan, False
+
+    @abstractmethod
+    def equations(self, level: int) -> CoarseOne | CoarseTwo:
+        """The equations on a coarse grid."""
+
+    @abstractmethod
+    def inverse_on(self, grid: Grid) -> Field:
+        """Corrections and shift on the coarsest grid by the sources and by what the last sum is missing."""
+
+    def improve_on_grids(self, contacts: float, missing: float = 0.0) -> float:
+        """Find corrections for the sources on the first coarse grid; the shift that goes with them."""
+        if not abs(contacts - self.pinned) <= self.moved * self.pinned:
+            self.set_pins(self.correction[0], self.bound, contacts / self.size, self.springs)
+            self.pinned, self.factorized = contacts, False
+        if not self.factorized:
+            self.coarsest, self.factorized = self.inverse_on(self.grids[-1]), True
+        return self.cycle_from(0, missing)
+
+    def cycle_from(self, level: int, missing: float) -> float:
+        """One V-cycle from a grid up; the shift that goes with its correction."""
+        grid = self.grids[level]
+        if grid is self.grids[-1]:
+            found = self.coarsest @ np.concatenate([*map(grid.in_order, grid.source), [missing]])
+            grid.hand_over(found[:-1])
+            return float(found[-1])
+        coarser, equations = self.grids[level + 1], self.equations(level)
+        total = self.backend.descend(equations, coarser.source)
+        shift = self.cycle_from(level + 1, missing - total) - self.coupling * total
+        total = self.backend.ascend(equations, coarser.joined, shift, grid.joined)
+        return -self.coupling * total if self.coupling else shift

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.arrays import largest
-from asperity.contact.multigrid.grids import Hierarchy, empty
+from asperity.contact.multigrid.grids import Corrections, Grid, empty
 from asperity.contact.multigrid.loops import CoarseOne, Measured, One, Pair, Scales, Sites, Surface
 from asperity.contact.multigrid.processor import Extremes, Processor
 from asperity.contact.problem import SpringProblem
@@ -47,29 +47,32 @@ class Tuning:
     off. The former, because forces that all have one sign would shift the separation; tension, because it is
     set to 0."""
 
+    half_sweeps: int = 4
+    """Half sweeps before each correction."""
+    single_precision: float = 100 * float(np.finfo(np.float32).eps)
+    """Defect that cycles in single precision reach, over the stiffness times the largest correction."""
+
 
 TUNING = Tuning()
 
-SINGLE_PRECISION = 100 * float(np.finfo(np.float32).eps)
-"""Defect that cycles in single precision reach, in units of the stiffness times the largest correction."""
 
-
-class OneField:
+class OneField(Corrections):
     """Work space for one lattice."""
 
     def __init__(self, sites: Sites, backend: Processor) -> None:
-        self.sites, self.backend = sites, backend
-        self.hierarchy = Hierarchy(sites, 1, backend)
-        self.bound, self.source, self.correction, self.previous = (empty(sites, backend) for _ in range(4))
+        super().__init__(sites, 1, backend)
+        self.previous = empty(sites, backend)
 
     def solve(
         self, problem: SpringProblem, u: Field, tolerance: float, max_cycles: int
     ) -> tuple[bool, float, int]:
         """Improve u in place; whether the tolerance was reached, the uniform force, and the cycles taken."""
-        self.springs, self.heights, self.u = problem.springs, np.ascontiguousarray(problem.heights), u
         springs, anchors, load = problem.springs, problem.anchors, problem.load
+        self.heights, self.u, self.k0 = np.ascontiguousarray(problem.heights), u, springs.k0
         self.stiffness = 0.0 if springs.relaxed else springs.k1
         self.bed, self.coupling = self.stiffness / springs.k0, 0.0
+        self.springs = Springs(1.0, self.bed)
+        self.forget()
         if load is None:
             self.base = -springs.k1 * float(np.mean(anchors))
         else:
@@ -80,15 +83,15 @@ class OneField:
             self.shape = anchors - float(np.mean(anchors))
             self.unit = max(self.unit, largest(self.shape, np))
         self.previous.fill(0.0)
-        first, backend, pinned = self.hierarchy.grids[0], self.backend, -1.0
+        first, backend, (e,) = self.grids[0], self.backend, self.correction
         uniform, _ = self.measure(tolerance)
         for cycle in range(1, max_cycles + 1):
-            backend.sweep_1(self.equation(), 4)
+            backend.sweep_1(self.equation(), TUNING.half_sweeps)
             eq = self.equation()
             found = backend.restrict_1(eq, first.source[0])
             if found.contacts == 0 and load is not None:
-                deepest = int(np.argmax(self.bound - self.correction))  # something must carry the load
-                self.correction.flat[deepest] = self.bound.flat[deepest]
+                deepest = int(np.argmax(self.bound - e))  # something must carry the load
+                e.flat[deepest] = self.bound.flat[deepest]
                 continue
             if self.is_done(found):
                 self.settle()
@@ -97,20 +100,16 @@ class OneField:
                     return True, uniform, cycle
                 eq = self.equation()
                 backend.restrict_1(eq, first.source[0])
-            if found.contacts != pinned:
-                self.set_pins(found.contacts)
-                pinned = found.contacts
-            self.correct_on_grid(0)
+            self.improve_on_grids(found.contacts)
             # Move by the combination of correction and previous move that has the lowest energy.
-            sums = backend.products(eq, first.joined, (self.previous,))
-            weights = lowest(sums, self.coupling)
+            weights = lowest(backend.products_1(eq, first.joined[0], self.previous), self.coupling)
             backend.correct_1(eq, first.joined[0], self.previous, *weights)
         self.settle()
         return False, uniform, max_cycles
 
     def settle(self) -> None:
         """Add the correction to the surface."""
-        surface, both = Surface(self.u, self.u[:0], self.heights), Pair(self.correction, self.correction)
+        surface, both = Surface(self.u, self.u[:0], self.heights), Pair(*2 * self.correction)
         self.backend.settle(surface, both, self.bound, self.unit, 0.0)
 
     def measure(self, tolerance: float) -> tuple[float, bool]:
@@ -118,13 +117,13 @@ class OneField:
 
         It is if forces off contact, tension in contact and the sum of the former are small.
         """
-        k0, bed = self.springs.k0, self.stiffness
+        k0, bed = self.k0, self.stiffness
         uniform = self.base - bed * float(self.u.mean()) if self.coupling else self.base
         surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
-        scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, self.source, self.source)
+        scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, *2 * self.source)
         law = Springs(k0, bed)
         found = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
-        self.correction.fill(0.0)
+        self.clear()
         rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * k0 + bed) * self.unit
         self.allowed = max(TUNING.margin * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
         most = max(TUNING.sum_tolerance * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
@@ -135,38 +134,29 @@ class OneField:
         """The equation with what the correction adds to the uniform force."""
         uniform = 0.0
         if self.coupling:
-            uniform = self.coupling * self.backend.total(self.correction, self.sites)
+            uniform = self.coupling * self.backend.total(self.correction[0], self.sites)
         bed, diagonal, force = map(np.float32, (self.bed, 4.0 + self.bed, uniform))
-        return One(self.correction, self.bound, self.source, bed, diagonal, force, self.sites)
+        return One(self.correction[0], self.bound, self.source[0], bed, diagonal, force, self.sites)
 
     def is_done(self, found: Extremes) -> bool:
         """Whether the correction is good enough, or as good as single precision allows."""
-        reachable = SINGLE_PRECISION * (8.0 + self.bed) * found.far
-        return found.worst <= max(self.allowed / (self.springs.k0 * self.unit), reachable)
+        reachable = TUNING.single_precision * (8.0 + self.bed) * found.far
+        return found.worst <= max(self.allowed / (self.k0 * self.unit), reachable)
 
-    def set_pins(self, contacts: float) -> None:
-        """Set pins on the coarse grids, and factorize the coarsest."""
-        fraction = contacts / self.u.size
-        self.hierarchy.set_pins(self.correction, self.bound, fraction, Springs(1.0, self.bed))
-        grid = self.hierarchy.grids[-1]
+    def equations(self, level: int) -> CoarseOne:
+        """See `Corrections`."""
+        grid = self.grids[level]
+        return CoarseOne(
+            *(grid.correction[0], grid.source[0], np.float32(self.bed), self.coupling, *grid.mesh)
+        )
+
+    def inverse_on(self, grid: Grid) -> Field:
+        """See `Corrections`; nothing is missing that the coupling does not make up for at once."""
         cells = grid.areas.ravel()
         matrix = grid.laplacian + np.diag(grid.in_order(grid.pins) + self.bed * cells)
         matrix += self.coupling * np.outer(cells, cells)
-        self.coarsest = np.linalg.pinv(matrix, hermitian=True)
-
-    def correct_on_grid(self, level: int) -> float:
-        """One V-cycle from a grid up; the uniform force that its correction adds."""
-        grid, backend = self.hierarchy.grids[level], self.backend
-        if grid is self.hierarchy.grids[-1]:
-            found = self.coarsest @ grid.in_order(grid.source[0])
-            grid.hand_over(found)
-            return self.coupling * float(grid.areas.ravel() @ found)
-        coarser = self.hierarchy.grids[level + 1]
-        (e,), (b,) = grid.correction, grid.source
-        equation = CoarseOne(e, b, np.float32(self.bed), self.coupling, *grid.mesh)
-        uniform = self.coupling * backend.descend(equation, coarser.source)
-        uniform += self.correct_on_grid(level + 1)
-        return self.coupling * backend.ascend(equation, coarser.joined, -uniform, grid.joined)
+        inverse = np.linalg.pinv(matrix, hermitian=True)
+        return np.pad(np.vstack((inverse, -self.coupling * cells @ inverse)), ((0, 0), (0, 1)))
 
 
 def lowest(sums: Field, coupling: float) -> tuple[float, float]:

@@ -24,7 +24,6 @@ creep step is a ratio of polynomials in lam, so that 1/(S + sigma) is a sum of t
 from __future__ import annotations
 
 import cmath
-import math
 from dataclasses import dataclass
 
 from asperity.solids import Springs
@@ -61,19 +60,6 @@ def compliance(springs: Springs, level: int, sigma: float) -> float:
         x, y = x * (1.0 + 1e-5), y * (1.0 - 1e-5)
     ratio = lag / spread
     return (((ratio - x) * _mean_inverse(x) - (ratio - y) * _mean_inverse(y)) / (y - x)).real
-
-
-def coherent_potential(springs: Springs, fraction: float) -> float:
-    """Sigma for a fraction of sites in contact, to a few percent."""
-    low, high = math.log(1e-12), math.log(1e9)
-    while high - low > 0.03:
-        middle = (low + high) / 2.0
-        sigma = math.exp(middle)
-        if sigma * compliance(springs, 0, sigma) < fraction:
-            low = middle
-        else:
-            high = middle
-    return math.exp((low + high) / 2.0)
 
 
 def softening(springs: Springs, level: int, sigma: float) -> float:

@@ -10,7 +10,7 @@ matter, solvers use fields as arrays of any layout. Numbers come back summed ove
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ from asperity.contact.multigrid.loops import (
     CoarseTwo,
     Fields,
     Measured,
-    Moves,
     One,
     Pair,
     Past,
@@ -188,39 +187,35 @@ class Processor:
         """Move free sites by alpha times the correction plus beta times the previous move, and project."""
         one_field.correct_1(eq, coarse, previous, np.float32(alpha), np.float32(beta))
 
-    def cycle_2(self, eq: Two, moves: Moves, out: Pair, *, correcting: bool, restricting: bool) -> Defects:
-        """Of two fields the coarse grids' correction, a sweep, and the defects on the first of them.
+    def products_1(self, eq: One, coarse: Single, previous: Single) -> Field:
+        """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q."""
+        sums = self._sums(eq.sites)
+        one_field.products_1(eq, coarse, previous, sums)
+        return np.asarray(sums[:, :7].sum(axis=0))
+
+    def cycle_2(
+        self, eq: Two, coarse: Pair, part: float, out: Pair, *, correcting: bool, restricting: bool
+    ) -> Defects:
+        """Of two fields a part of a coarse grid's correction, a sweep, and the defects on that grid.
 
         The correction and the defects are on demand.
         """
         sums = self._sums(eq.sites)
-        two_fields.cycle_2(eq, moves, correcting, restricting, out, sums)
+        two_fields.cycle_2(eq, coarse, np.float32(part), correcting, restricting, out, sums)
         return Defects(*sums[:, :3].sum(axis=0).tolist())
-
-    def products(self, eq: One | Two, coarse: Fields, previous: Fields) -> Field:
-        """Products of gradient r, correction d, previous move q: rd, rq, dSd, dSq, qSq, sums of d and q.
-
-        S is the symmetric form of the equations; of two fields, the sums are those of the second.
-        """
-        sums = self._sums(eq.sites)
-        if isinstance(eq, One):
-            one_field.products_1(eq, coarse[0], previous[0], sums)
-        else:
-            two_fields.products_2(eq, coarse, previous, sums)
-        return np.asarray(sums[:, :7].sum(axis=0))
 
     def descend(self, grid: CoarseOne | CoarseTwo, out: Fields) -> float:
         """A sweep from nothing and the defects on the next coarser grid; the sum of the last correction."""
-        if isinstance(grid, CoarseOne):
-            return float(one_field.descend_1(grid, out[0]))
-        return float(two_fields.descend_2(grid, out))
+        return float(_DESCEND[len(out)](grid, out))
 
     def ascend(self, grid: CoarseOne | CoarseTwo, coarse: Fields, shift: float, joined: Fields) -> float:
         """Add the next coarser grid's corrections, and a constant to the last source; a sweep.
 
-        Returns the sum of the correction of one field.
+        Returns the sum of the last correction.
         """
-        if isinstance(grid, CoarseOne):
-            return float(one_field.ascend_1(grid, coarse[0], np.float32(shift), joined[0]))
-        two_fields.ascend_2(grid, coarse, np.float32(shift), joined)
-        return 0.0
+        return float(_ASCEND[len(coarse)](grid, coarse, np.float32(shift), joined))
+
+
+_DESCEND: dict[int, Any] = {1: one_field.descend_1, 2: two_fields.descend_2}
+_ASCEND: dict[int, Any] = {1: one_field.ascend_1, 2: two_fields.ascend_2}
+"""Loops by the number of fields."""

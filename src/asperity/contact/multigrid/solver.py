@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TypeVar
 
@@ -10,37 +10,33 @@ import numpy as np
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
-from asperity.contact.arrays import inner
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.cascade import interpolated
 from asperity.contact.first import First, UnsolvedError
-from asperity.contact.mechanics import Mechanics, SpringMechanics
+from asperity.contact.mechanics import Mechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
 from asperity.contact.multigrid.pins import compliance
 from asperity.contact.multigrid.processor import Processor
 from asperity.contact.multigrid.two_fields import TwoFields
-from asperity.contact.problem import ContactProblem, Guess, Solution, SpringProblem
-from asperity.contact.stencils import bond_energy
+from asperity.contact.problem import Accuracy, ContactProblem, Guess, Solution, SpringProblem
 from asperity.errors import InputError
-from asperity.lattice import Field
 from asperity.solids import Springs
 
 
 @dataclass(frozen=True)
 class Tuning:
-    """Numbers that decide how fast contacts are found, not which."""
+    """Numbers that decide which solids are solved so."""
 
-    coarse_start: int = 256
-    """Least number of sites along an axis for which a start from a coarser lattice pays."""
+    most_ratio: float = 1e6
+    """Largest k1/k0 and k0/k1, beyond which one kind of spring hardly matters."""
+
+    max_cycles: int = 40
+    """Cycles after which another solver takes over."""
 
 
 TUNING = Tuning()
 
 W = TypeVar("W", OneField, TwoFields)
-
-_RATIOS = 1e-6, 1e6
-"""Least and largest k1/k0; outside this one kind of spring hardly matters."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +54,7 @@ class Multigrid:
         Cycles after which `ActiveSet` takes over.
     """
 
-    max_cycles: int = 40
+    max_cycles: int = field(default_factory=lambda: TUNING.max_cycles)
     _work: dict[str, object] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -70,13 +66,13 @@ class Multigrid:
     @staticmethod
     def suits(mechanics: Mechanics) -> bool:
         """Whether this solid on this lattice can be solved so."""
-        if not isinstance(mechanics, SpringMechanics) or min(mechanics.lattice.shape) < 4:
+        springs = mechanics.springs
+        if springs is None or min(mechanics.lattice.shape) < 4:
             return False
-        springs, (least, most) = mechanics.springs, _RATIOS
-        return springs.k0 == 0 or least * springs.k0 <= springs.k1 <= most * springs.k0
+        return springs.k0 == 0 or 1 / TUNING.most_ratio <= springs.k1 / springs.k0 <= TUNING.most_ratio
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite does not converge
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve the problem from a guess, or from a flat surface; the solution says who solved it.
 
         Raises
@@ -86,15 +82,16 @@ class Multigrid:
         ConvergenceError
             Neither cycles nor `ActiveSet` reached the tolerance.
         """
-        return First((Cycles(self), ActiveSet())).solve(problem, guess, tolerance)
+        return First((Cycles(self), ActiveSet())).solve(problem, guess, accuracy)
 
-    def work_on(self, mechanics: SpringMechanics) -> TwoFields:
+    def work_on(self, mechanics: Mechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
-        rows, columns = mechanics.lattice.shape
-        return self._workspace(TwoFields, Sites(rows, columns, mechanics.lattice.reflecting))
+        return self._workspace(TwoFields, mechanics.lattice.shape, mirrored=mechanics.lattice.reflecting)
 
-    def _workspace(self, kind: type[W], sites: Sites) -> W:
+    def _workspace(self, kind: type[W], shape: tuple[int, ...], *, mirrored: bool) -> W:
         """Work arrays, kept from call to call while the lattice stays the same."""
+        rows, columns = shape
+        sites = Sites(rows, columns, mirrored)
         space = self._work.get("space")
         if not isinstance(space, kind) or space.sites != sites:
             self._work["space"] = space = kind(sites, Processor())
@@ -107,45 +104,34 @@ class Cycles:
 
     multigrid: Multigrid
 
-    def solve(self, problem: ContactProblem, guess: Guess | None, tolerance: float) -> Solution:
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
         """Solve, or raise `UnsolvedError`."""
-        if not isinstance(problem, SpringProblem):
+        stated = problem.in_neighbors()
+        if stated is None:
             raise InputError(
                 "solver",
                 expected="springs in two dimensions, k1 > 0 and no hardness, for Multigrid",
                 got="another solid or lattice",
                 advice="solver=ActiveSet()",
             )
-        springs, heights = problem.springs, problem.heights
-        if springs.creep and not springs.relaxed:
+        springs, heights = stated.springs, stated.heights
+        if springs.creep and not (springs.relaxed and stated.known is None):
             raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
+        stated = stated.pulled()
         if springs.k0 == 0:
-            return _independent(problem)
+            return _independent(stated)
         if guess is None or not guess.u.any():  # a surface that nothing has pressed yet tells no length
-            guess = Guess(self._cold_start(problem), disposable=True)
-        if problem.load is None and (springs.relaxed or (guess.u > heights).all()):
+            guess = Guess(np.full(heights.shape, _level(stated)), disposable=True)
+        if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
             raise UnsolvedError(guess)
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self.multigrid._workspace(OneField, _sites(problem))
-        done, uniform, cycles = work.solve(problem, u, tolerance, self.multigrid.max_cycles)
+        work = self.multigrid._workspace(OneField, heights.shape, mirrored=stated.mirrored)
+        done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.multigrid.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
         raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
-
-    def _cold_start(self, problem: SpringProblem) -> Field:
-        """A flat surface, or where heights are smooth that over every second site, solved."""
-        if not _is_smooth(problem.heights):
-            return np.full(problem.heights.shape, _level(problem))
-        heights = np.ascontiguousarray(problem.heights[::2, ::2])
-        springs = replace(problem.springs, k1=4.0 * problem.springs.k1)
-        coarser = replace(problem, heights=heights, springs=springs, anchors=float(np.mean(problem.anchors)))
-        u = self._cold_start(coarser)
-        np.maximum(u, heights, out=u)
-        # To a few hundredths of the mean force of contacts: it is only a guess.
-        OneField(_sites(coarser), Processor()).solve(coarser, u, 0.03, self.multigrid.max_cycles)
-        return interpolated(u)
 
 
 def _independent(problem: SpringProblem) -> Solution:
@@ -161,19 +147,6 @@ def _independent(problem: SpringProblem) -> Solution:
             level = (float(overlap[touching].sum()) - wanted) / max(int(np.count_nonzero(touching)), 1)
     u = np.where(overlap > level, heights, anchors + level)
     return Solution(u, u <= heights, 1, 0)
-
-
-def _sites(problem: SpringProblem) -> Sites:
-    rows, columns = problem.heights.shape
-    return Sites(rows, columns, problem.mirrored)
-
-
-def _is_smooth(heights: Field) -> bool:
-    """Whether a start from every second site pays: neighbors differ by half as much as sites far apart."""
-    if min(heights.shape) < TUNING.coarse_start or any(n % 2 for n in heights.shape):
-        return False
-    squares = inner(heights, heights, np) - heights.size * float(heights.mean()) ** 2
-    return bond_energy(heights) < squares
 
 
 def _level(problem: SpringProblem) -> float:

@@ -3,14 +3,13 @@
 from asperity.contact.multigrid.loops.one_field import CoarseOne, One
 from asperity.contact.multigrid.loops.rows import Fields, Pair, Single, Sites
 from asperity.contact.multigrid.loops.states import Measured, Past, Scales, Surface
-from asperity.contact.multigrid.loops.two_fields import CoarseTwo, Moves, Two
+from asperity.contact.multigrid.loops.two_fields import CoarseTwo, Two
 
 __all__ = [
     "CoarseOne",
     "CoarseTwo",
     "Fields",
     "Measured",
-    "Moves",
     "One",
     "Pair",
     "Past",

@@ -8,6 +8,7 @@ import numpy as np
 
 from asperity.contact.compiled import compiled, inlined
 from asperity.contact.multigrid.loops.rows import (
+    Fields,
     Scalar,
     Single,
     Sites,
@@ -215,7 +216,7 @@ def coarse_defect_1(grid: CoarseOne, uniform: Scalar, i: int, defect: Single) ->
 
 
 @compiled
-def descend_1(grid: CoarseOne, out: Single) -> float:
+def descend_1(grid: CoarseOne, out: Fields) -> float:
     """From no correction: a sweep, the defect on the next coarser grid; the total of the correction.
 
     The total times the coupling is the uniform force on the grid.
@@ -237,12 +238,12 @@ def descend_1(grid: CoarseOne, out: Single) -> float:
             elif offset > -1 or k == 0:  # else it is still in the buffer
                 coarse_defect_1(grid, uniform, i, into)
         upper, here, lower = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
-        restrict_rows(defect[upper], defect[here], defect[lower], k, sites, line, out[k])
+        restrict_rows(defect[upper], defect[here], defect[lower], k, sites, line, out[0][k])
     return value
 
 
 @compiled
-def ascend_1(grid: CoarseOne, coarse: Single, shift: Scalar, joined: Single) -> float:
+def ascend_1(grid: CoarseOne, coarse: Fields, shift: Scalar, joined: Fields) -> float:
     """Add the next coarser grid's correction, and ``shift`` to the source; sweep, the other color first.
 
     Returns the total.
@@ -250,11 +251,11 @@ def ascend_1(grid: CoarseOne, coarse: Single, shift: Scalar, joined: Single) -> 
     e, sites = grid.e, grid.sites
     line = np.zeros((2, e.shape[2]), np.float32)
     for i in range(sites.rows):
-        coarse_correct_row(coarse, e, sites, i, line)
+        coarse_correct_row(coarse[0], e, sites, i, line)
         add_constant(grid.b, shift, grid.mx, grid.my, sites.columns, i)
     for color in (1, 0):
         for i in range(sites.rows):
             coarse_relax_1(grid, i, color)
     for i in range(sites.rows):
-        join(e[i], joined[i])
+        join(e[i], joined[0][i])
     return weighted_total(e, grid.mx, grid.my, sites.columns)

@@ -30,9 +30,7 @@ from asperity.contact.multigrid.loops.rows import (
     fine_row,
     interpolate_row,
     join,
-    move_row,
     neighbors,
-    off_contact,
     restrict_rows,
     row_in,
     weighted_total,
@@ -87,16 +85,6 @@ class CoarseTwo(NamedTuple):
     mx: Single
     my: Single
     sites: Sites
-
-
-class Moves(NamedTuple):
-    """A step of multigrid: alpha times the coarse correction plus beta times the previous move, if kept."""
-
-    coarse: Pair
-    previous: Pair
-    alpha: Scalar
-    beta: Scalar
-    keeping: bool
 
 
 @inlined
@@ -154,38 +142,27 @@ def restrict_pair(balance: Single, creep: Single, k: int, sites: Sites, line: Si
 
 
 @inlined
-def correct_row_2(eq: Two, moves: Moves, i: int, line: Single) -> None:
-    """Move free sites, and f everywhere, by alpha times the correction plus beta times the previous move.
-
-    Unless moves are kept there is no previous one, and alpha is 1.
-    """
-    coarse, previous, alpha, beta, keeping = moves
+def correct_row_2(eq: Two, coarse: Pair, part: Scalar, i: int, line: Single) -> None:
+    """Move free sites, and f everywhere, by a part of the correction."""
     e, f, bound, sites = eq.e, eq.f, eq.bound, eq.sites
     interpolate_row(coarse.e, i, sites, line)
-    if keeping:
-        move_row(line, previous.e[i], e[i], bound[i], sites, alpha, beta)
-    else:
-        for side in range(2):
-            for k in range(side, end_of(side, sites.columns)):
-                here, least = e[i, side, k], bound[i, side, k]
-                e[i, side, k] = max(least, here + line[side, k]) if here > least else least
-        wrap(e[i], sites)
-    interpolate_row(coarse.f, i, sites, line)
-    if keeping:
-        for side in range(2):
-            for k in range(side, end_of(side, sites.columns)):
-                line[side, k] = alpha * line[side, k] + beta * previous.f[i, side, k]
-                previous.f[i, side, k] = line[side, k]
-        wrap(previous.f[i], sites)
     for side in range(2):
         for k in range(side, end_of(side, sites.columns)):
-            f[i, side, k] += line[side, k]
+            here, least = e[i, side, k], bound[i, side, k]
+            e[i, side, k] = max(least, here + part * line[side, k]) if here > least else least
+    wrap(e[i], sites)
+    interpolate_row(coarse.f, i, sites, line)
+    for side in range(2):
+        for k in range(side, end_of(side, sites.columns)):
+            f[i, side, k] += part * line[side, k]
     wrap(f[i], sites)
 
 
 @compiled
-def cycle_2(eq: Two, moves: Moves, correcting: bool, restricting: bool, out: Pair, sums: Field) -> None:
-    """A cycle on the lattice: the correction, if wanted; a sweep; restriction of the defects, if wanted.
+def cycle_2(
+    eq: Two, moves: Pair, part: Scalar, correcting: bool, restricting: bool, out: Pair, sums: Field
+) -> None:
+    """A cycle on the lattice: a part of moves, if wanted; a sweep; restriction of the defects, if wanted.
 
     A wave of all three, drawn at the head of the module. Its last front takes what it leaves at both ends:
     the sweep there, the last of an odd number of rows waiting as in `sweeps_1`; then the restriction of the
@@ -204,7 +181,7 @@ def cycle_2(eq: Two, moves: Moves, correcting: bool, restricting: bool, out: Pai
     latest = -2
     for front in range(ny + 1):
         if correcting and front < ny:
-            correct_row_2(eq, moves, front, line)
+            correct_row_2(eq, moves, part, front, line)
         for half in range(2):
             i, apart = front - lead - half, lead + half
             start, stop = i, i + 1 if apart <= i < last - apart else i
@@ -227,60 +204,6 @@ def cycle_2(eq: Two, moves: Moves, correcting: bool, restricting: bool, out: Pai
                     defect_row_2(eq, i, balance[n], creep[n], sums[i])
             restrict_pair(balance, creep, k, sites, order, out)
             latest = k
-
-
-@compiled
-def products_2(eq: Two, coarse: Pair, previous: Pair, sums: Field) -> None:
-    """Products of the symmetric form by rows, for the correction (d, p) and the previous move (q, g).
-
-    Gradient with either, then dd, dq, qq, the sum of p and that of g. The form of (e, f) and (d, p) is
-    e.lap d + bed (e.p + f.d - f.(spread lap + lag) p), its Laplacians summed over bonds.
-    """
-    ny, _, width = eq.e.shape
-    sites, bed, spread, shift = eq.sites, eq.bed, eq.spread, eq.shift
-    d, p = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
-    q, line = np.zeros((2, 2, width), np.float32), np.zeros((2, width), np.float32)
-    creeping, beside = bed * spread, np.float32(4.0) * spread
-    for i in range(ny + 1):
-        y = i if i < ny else neighbors(ny - 1, sites)[1]
-        now = i % 2
-        interpolate_row(coarse.e, y, sites, line)
-        off_contact(line, eq.e[y], eq.bound[y], sites, d[now])
-        off_contact(previous.e[y], eq.e[y], eq.bound[y], sites, q[now])
-        interpolate_row(coarse.f, y, sites, p[now])
-        if i == 0:
-            continue
-        x, was = i - 1, 1 - now
-        rd = rq = dd = dq = qq = sum_p = sum_g = np.float32(0.0)
-        for side in range(2):
-            e, e_right, e_below = eq.e[x, side], eq.e[x, 1 - side], eq.e[y, side]
-            f, f_right, f_below = eq.f[x, side], eq.f[x, 1 - side], eq.f[y, side]
-            d_row, d_right, d_below = d[was, side], d[was, 1 - side], d[now, side]
-            p_row, p_right, p_below = p[was, side], p[was, 1 - side], p[now, side]
-            q_row, q_right, q_below = q[was, side], q[was, 1 - side], q[now, side]
-            g_row, g_right = previous.f[x, side], previous.f[x, 1 - side]
-            g_below, b, c = previous.f[y, side], eq.b[x, side], eq.c[x, side]
-            diagonal = eq.diagonal[row_in(eq.diagonal, x), side]
-            for k in range(side, end_of(side, sites.columns)):
-                r = k - side + 1
-                e1, d1, q1 = e[k] - e_below[k], d_row[k] - d_below[k], q_row[k] - q_below[k]
-                e2, d2, q2 = e[k] - e_right[r], d_row[k] - d_right[r], q_row[k] - q_right[r]
-                f1, p1, g1 = f[k] - f_below[k], p_row[k] - p_below[k], g_row[k] - g_below[k]
-                f2, p2, g2 = f[k] - f_right[r], p_row[k] - p_right[r], g_row[k] - g_right[r]
-                lag = bed * (diagonal[k] - beside)
-                u, v, z = d_row[k], p_row[k], bed * p_row[k]
-                s, t, h = q_row[k], g_row[k], bed * g_row[k]
-                pull, flow = bed * f[k] - b[k], bed * (e[k] + c[k] + shift) - lag * f[k]
-                rd += e1 * d1 + e2 * d2 - creeping * (f1 * p1 + f2 * p2) + pull * u + flow * v
-                rq += e1 * q1 + e2 * q2 - creeping * (f1 * g1 + f2 * g2) + pull * s + flow * t
-                dd += d1 * d1 + d2 * d2 - creeping * (p1 * p1 + p2 * p2) + (z + z) * u - lag * v * v
-                dq += d1 * q1 + d2 * q2 - creeping * (p1 * g1 + p2 * g2) + h * u + z * s - lag * v * t
-                qq += q1 * q1 + q2 * q2 - creeping * (g1 * g1 + g2 * g2) + (h + h) * s - lag * t * t
-                sum_p += v
-                sum_g += t
-        found = sums[x]
-        found[0], found[1], found[2], found[3], found[4] = rd, rq, dd, dq, qq
-        found[5], found[6] = sum_p, sum_g
 
 
 @inlined
@@ -365,8 +288,8 @@ def descend_2(grid: CoarseTwo, out: Pair) -> float:
 
 
 @compiled
-def ascend_2(grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair) -> None:
-    """As `ascend_1`, for both fields; the shift is that of the second equation, and there is no total."""
+def ascend_2(grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair) -> float:
+    """As `ascend_1`, for both fields; the shift is that of the second equation, the total that of f."""
     sites = grid.sites
     line = np.zeros((2, grid.e.shape[2]), np.float32)
     for i in range(sites.rows):
@@ -379,3 +302,4 @@ def ascend_2(grid: CoarseTwo, coarse: Pair, shift: Scalar, joined: Pair) -> None
     for i in range(sites.rows):
         join(grid.e[i], joined.e[i])
         join(grid.f[i], joined.f[i])
+    return weighted_total(grid.f, grid.mx, grid.my, sites.columns)
