@@ -30,9 +30,9 @@ def main(seeds):
             f"{1e3 * x:7.2f} {1e3 * o[0]:7.2f} {1e3 * o[2]:8.2f} {1e3 * b[0]:7.2f} {1e3 * b[2]:8.2f}"
             for x, o, b in cells
         )
-        print(f"{seed:4}  " + "  ".join(said), "|", "; ".join(one for one in found.sentences[1:4]), flush=True)
+        print(f"{seed:4}  " + "  ".join(said), "|", "; ".join(found.sentences[1:4]), flush=True)
     for t, (own, band) in zip(LATER, inside, strict=True):
-        print(f"{t:.0e} s: chosen model alone {own} of {seeds}, band over acceptable models {band} of {seeds}")
+        print(f"{t:.0e} s: chosen model {own} of {seeds}, band over acceptable models {band} of {seeds}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """A known force, not of contact: bodies touch as under the load and above the heights that it makes."""
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -34,7 +35,9 @@ CASES = {
 
 def pressed(name):
     solid, edges, load = CASES[name]
-    return asp.press(Surface(HEIGHTS[0] if name == "line" else HEIGHTS, edges=edges), solid, load=load)
+    return asp.press(
+        Surface(HEIGHTS[0] if name == "line" else HEIGHTS, edges=cast(Any, edges)), solid, load=load
+    )
 
 
 def pressed_beside(known, contact, *, control=None, solver=None):
@@ -75,7 +78,7 @@ def test_a_known_force_is_a_load_and_an_indentation(name, even):
     lower = contact.heights - indentation(known, contact)
     if even and name != "free":  # a body that ends is indented by an even traction, too
         np.testing.assert_allclose(lower, contact.heights, atol=1e-12)
-    same = asp.press(Surface(lower, edges=edges), solid, load=load - known.sum())
+    same = asp.press(Surface(lower, edges=cast(Any, edges)), solid, load=load - known.sum())
     np.testing.assert_array_equal(found.in_contact, same.in_contact)
     np.testing.assert_allclose(found.force, same.force + known, atol=1e-6 * load / contact.area)
     assert found.load == pytest.approx(load, rel=1e-9)
