@@ -372,7 +372,9 @@ def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path: Path) -> Non
     assert config.solid.maxwell == list(fitted.branches)
     assert config.solid.contact_modulus == pytest.approx(fitted.modulus / 0.75, rel=1e-12)
     resolved = config.solid.resolved()
-    assert (resolved.relaxation, resolved.poisson) == (None, [0.5])
+    assert (resolved.relaxation, resolved.poisson, resolved.known) == (None, [0.5], (0.01, 1e4))
+    usual: Any = configured(tmp_path, text.replace("poisson = 0.5", "")).solid
+    assert usual.contact_modulus == pytest.approx(fitted.modulus / (1 - 0.35**2), rel=1e-12)
     for here, there in zip(spectra(resolved.build()), spectra(config.solid.build()), strict=True):
         np.testing.assert_array_equal(here, there)
     assert config.span == (0.01, 1e4)

@@ -189,8 +189,9 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
     from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
-    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.solids import PREDICTED, HalfSpace
     from asperity.app.config.surfaces import MeasuredSurface
+    from asperity.solids.arguments import POISSON
 
     words = {
         "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",

@@ -13,11 +13,12 @@ from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
-from asperity.app.config.solids import OF_TABLES, POISSON, BesideTable
+from asperity.app.config.solids import OF_TABLES, BesideTable
 from asperity.base import units
 from asperity.errors import InputError
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
+from asperity.solids.arguments import POISSON
 
 if TYPE_CHECKING:
     from asperity.analysis import Prediction
