@@ -169,7 +169,6 @@ def material(
 
 
 def _about(source: object) -> tuple[str, tuple[str, ...]]:
-    """What a source is, and the arguments that are about it."""
     if source is None:
         return "an elastic solid", _AT_ONCE
     if isinstance(source, Solid):
@@ -228,7 +227,6 @@ def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -
 
 
 def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
-    """Series of a solid with other branches that it may have."""
     if draws is None:
         return ()
     if not solid.relaxing:
@@ -270,7 +268,6 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:
-    """What identifies a table."""
     path = expanded(table) if isinstance(table, str | Path) else None
     facts: dict[str, object] = {"table": "", "table_sha256": ""}
     if path is not None:

@@ -404,7 +404,6 @@ def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None)
 def _with_seeds(
     config: RunConfig, point: tuple[int, ...], seeds: Sequence[int], content: str
 ) -> Iterator[Run]:
-    """The runs of one point."""
     facts = _facts(config, content)
     some: Sequence[int | None] = seeds or [None]
     for seed in some:
@@ -433,7 +432,6 @@ def _content(config: RunConfig, known: dict[str, str]) -> str:
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
-    """All that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")
     if config.friction.shear_strength is None:
@@ -471,7 +469,6 @@ def value_at(config: RunConfig, section: str, name: str) -> Any:
 
 
 def _label(value: object) -> Value:
-    """A value as a coordinate."""
     if isinstance(value, list) and value and all(isinstance(pair, list | tuple) for pair in value):
         words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
         return " ".join(words)

@@ -125,7 +125,6 @@ def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = ""
 
 
 def _check_pair(flag: str, pair: str, key: Key) -> None:
-    """Refuse two numbers of which one needs a unit."""
     words = re.split(r"[\s,]+", pair.strip())
     if all(isinstance(number(word), float | int) for word in words):
         expected = " and ".join(f"a {name.lower()}" for name in _METAVARS[key.name].split())
@@ -227,7 +226,6 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
-    """Annotation of one flag: a word, or a list of words, with its help; `quantity` stands for its value."""
     from asperity.app.config.mistakes import ORDER, flag_of
 
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))

@@ -121,7 +121,6 @@ def friction(
 
 
 def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
-    """The record of a table, or of a run or those of a campaign, each of one surface."""
     from asperity.friction import read_record, record_of
 
     if not path.is_dir():

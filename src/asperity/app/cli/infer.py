@@ -196,7 +196,6 @@ def _of_ball(quantity: str | None, name: str) -> str:
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:
-    """The column whose name says that it has standard errors of the values."""
     error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
     found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
     if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):

@@ -81,7 +81,6 @@ def _of_table(table: Material, scan: MeasuredSurface, how: dict[str, Any], **mor
 
 
 def _scan(flags: Sections) -> MeasuredSurface:
-    """The surface file that the flags name."""
     given = dict(flags.get("surface", {}))
     if "path" not in given:
         raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
@@ -110,7 +109,6 @@ def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sec
 
 
 def _one_load(flags: Sections) -> None:
-    """Refuse none and two."""
     if len(given := flags.get("contact", {})) != 1:
         got = "both" if given else "neither"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")

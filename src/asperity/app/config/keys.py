@@ -103,7 +103,6 @@ def keys_of(model: type[BaseModel]) -> Keys:
 
 
 def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
-    """A key as its JSON schema has it."""
     kinds = [kind for kind in facts.get("anyOf", [facts]) if kind.get("type") != "null"]
     several = "items" in kinds[0]
     one = kinds[0]["items"] if several else kinds[0]

@@ -148,7 +148,6 @@ async def _killed(process: Process) -> None:
 
 
 def _name_of(config: RunConfig) -> str:
-    """One name for one configuration: of its keys, and of the state of its files."""
     tables, states = to_tables(config), []
     for name in filter(None, (tables["surface"].get("path"), tables["solid"].get("relaxation"))):
         with contextlib.suppress(OSError):

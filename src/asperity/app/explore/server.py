@@ -216,7 +216,6 @@ class Session:
         return job.recording.job
 
     def _put(self, header: Header, arrays: Arrays | None = None) -> None:
-        """Have a message sent; a later one of the same kind takes its place."""
         self._pending[str(header["kind"])] = header, arrays or {}
         self._news.set()
 

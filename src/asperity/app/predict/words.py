@@ -85,7 +85,6 @@ def _branches(prediction: Prediction) -> list[Row]:
 
 
 def _growth(prediction: Prediction) -> list[Row]:
-    """How the area grows in all and in each decade, and beside what compliance."""
     growth, effective = prediction.growth, prediction.effective_load
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
     low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
