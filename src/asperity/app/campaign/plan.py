@@ -409,7 +409,8 @@ def _with_seeds(
     for seed in some:
         if seed is not None:
             facts["surface"]["seed"], config = seed, seeded(config, seed)
-        yield Run(_identity(facts), point, seed, config, content)
+        identity = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+        yield Run(identity, point, seed, config, content)
 
 
 def seeded(config: RunConfig, seed: int) -> RunConfig:
@@ -443,10 +444,6 @@ def _facts(config: RunConfig, content: str) -> dict[str, Any]:
         facts["surface"]["path"] = [file.suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
-
-
-def _identity(facts: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 
 def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[int, RunConfig]) -> Axis:

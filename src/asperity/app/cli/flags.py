@@ -40,7 +40,7 @@ Whole = Annotated[int, Parameter(converter=_whole)]
 Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
 Units = Annotated[list[str] | None, _UNITS]
-OF_TABLES = {name: f"--{name}" for name in ("kind", "columns", "noise", "modulus")} | {"units": "--unit"}
+OF_TABLES = {"columns": "--columns", "units": "--unit"}
 """Flags on how to read a table, by the names of arguments."""
 _METAVARS = {
     "number": "FLOAT",
@@ -94,6 +94,11 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     return sections
+
+
+def flag(name: str) -> str:
+    """The flag of an argument that is called as it."""
+    return f"--{name.replace('_', '-')}"
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asperity.app.cli.flags import check_unit, in_flags, keys_for
+from asperity.app.cli.flags import check_unit, flag, in_flags, keys_for
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
@@ -22,11 +22,6 @@ from asperity.solids.arguments import POISSON
 
 if TYPE_CHECKING:
     from asperity.analysis import Prediction
-
-
-def flag(name: str) -> str:
-    """The flag of an argument that is called as it."""
-    return f"--{name.replace('_', '-')}"
 
 
 _ARGUMENTS = {key: name for name, key in OF_TABLES.items()}

@@ -310,8 +310,7 @@ class RunConfig(Section):
     def span(self) -> tuple[float, float]:
         """First and last time to record, where they are not listed one by one; of a leg the first."""
         first, last = self.solid.span
-        first, last = self.aging.first or first, self.aging.last or last
-        return first, last
+        return self.aging.first or first, self.aging.last or last
 
     @property
     def carries(self) -> dict[str, Any] | None:

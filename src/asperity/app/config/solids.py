@@ -293,16 +293,11 @@ class Continuum(SolidSection):
         return cast(float, self.build().modulus)
 
     @property
-    def times(self) -> list[float]:
-        """Relaxation times."""
-        return [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
-
-    @property
     def span(self) -> tuple[float, float]:
         """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
         if self.fit is not None:
             return self.fit.data.span
-        times = self.times
+        times = [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
     @property
