@@ -157,7 +157,8 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
     if (section, key) == ("solid", "creep"):
         return OF_LAWS.difference(*KEYS_OF_LAWS.get(str(value), []))
     ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
-    return {rival for way in ways if key not in way for rival in way}
+    of_data = {"data_first", "data_last"} if {"branches"} in ways else set()  # other branches, other data
+    return {rival for way in ways if key not in way for rival in way} | of_data
 
 
 def _drop_foreign(
