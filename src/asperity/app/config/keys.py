@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 
-from asperity.app.config.models import KINDS, LEGS, SECTIONS, RunConfig
+from asperity.app.config.models import FILES, KINDS, LEGS, SECTIONS, RunConfig
 
 What = Literal[
     "number",
@@ -32,9 +32,6 @@ What = Literal[
     "legs",
 ]
 """What a key may be; ``whole`` is a whole number, a pair has two numbers."""
-
-_PATHS = ("path", "relaxation")
-"""Keys that name files."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +112,7 @@ def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
         what = "lists of pairs"
     elif len(kinds) > 1:
         what = "text or whole"
-    elif what == "text" and name in _PATHS:
+    elif what == "text" and name in FILES.values():
         what = "path"
     return Key(
         name=name,

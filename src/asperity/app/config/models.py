@@ -43,6 +43,9 @@ from asperity.protocols import Leg, leg_of
 
 Figure = Literal["png", "pdf", "svg"]
 
+FILES = {"surface": "path", "solid": "relaxation"}
+"""Keys that name files, by their sections."""
+
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
 """Sections of several kinds, and the models of each kind; the first is the usual one."""
 
