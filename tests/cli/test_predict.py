@@ -249,6 +249,7 @@ def test_the_fitted_solid_is_a_file_for_run_and_predict(finished, files, undrawn
     np.testing.assert_array_equal(again.series("area"), prediction.series("area"))
     run = ("--shape", "16", "16", "-q", "--out", str(tmp_path / "run"))
     assert main(["run", str(finished / "solid.toml"), *run]) == 0
+    assert main(["predict", str(finished / "solid.toml"), *more, "--last", "100 years"]) == 2
     # The same from flags alone, as a paper states it.
     branches = [word for share, time in prediction.branches for word in ("--branch", f"{share!r} {time!r}s")]
     young = ("--young", f"{prediction.modulus * (1 - 0.35**2)!r}Pa")

@@ -16,8 +16,10 @@ import pytest
 import asperity as asp
 from asperity.app.config import config_from
 from asperity.app.config.keys import sections
-from asperity.app.explore.mistakes import without_flags
-from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started, unpack
+from asperity.app.explore.mistakes import mistakes_of, without_flags
+from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started
+from asperity.errors import InputError
+from tests.explore.conftest import unpack
 
 ARRAYS: dict[str, Any] = {
     "rows": np.arange(6.0).reshape(3, 2),
@@ -201,3 +203,16 @@ def test_the_page_says_nothing_of_flags() -> None:
     form = json.dumps({kind: str(keys) for kind, keys in sections(short=True).items()})
     assert "--" not in form
     assert "flag" not in form
+
+
+def test_a_mistake_stands_at_its_key_in_any_section_of_the_form():
+    for name, place in (
+        ("resistivity", "carried.resistivity"),
+        ("load", "contact.load"),
+        ("young", "solid.young"),
+        ("pixel_size", "surface.pixel_size"),
+        ("--maps-at", "output.maps_at"),
+        ("scan", ""),
+    ):
+        (found,) = mistakes_of(InputError(name, expected="more", got=0))
+        assert found["where"] == place

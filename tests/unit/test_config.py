@@ -235,6 +235,21 @@ def test_a_flag_switches_the_creep_of_a_file_off_or_to_another() -> None:
         assert {key: value for key, value in found.items() if "creep" in key or key == "temperature"} == left
 
 
+def test_other_branches_are_not_those_of_the_data_of_a_file() -> None:
+    solid = {
+        "kind": "half_space",
+        "modulus": 1.0,
+        "branches": [[0.3, 1.0]],
+        "data_first": 0.1,
+        "data_last": 9.0,
+    }
+    others: list[dict[str, object]] = [{"branches": [[0.2, 30.0]]}, {"flow": [1.0, 1.0]}]
+    for flags in others:
+        assert config_from({"solid": solid}, {"solid": flags}, None).solid.known is None
+    later = config_from({"solid": solid}, {"solid": {"data_last": 90.0}}, None)
+    assert later.solid.known == (0.1, 90.0)
+
+
 def test_a_surface_file_is_looked_for_beside_the_configuration_and_how_it_is_prepared_is_checked(tmp_path):
     surface = configured(tmp_path, "[surface]\npath = 'a.npy'").surface
     assert isinstance(surface, MeasuredSurface)
@@ -372,7 +387,9 @@ def test_a_table_of_relaxation_gives_branches_and_modulus(tmp_path: Path) -> Non
     assert config.solid.maxwell == list(fitted.branches)
     assert config.solid.contact_modulus == pytest.approx(fitted.modulus / 0.75, rel=1e-12)
     resolved = config.solid.resolved()
-    assert (resolved.relaxation, resolved.poisson) == (None, [0.5])
+    assert (resolved.relaxation, resolved.poisson, resolved.known) == (None, [0.5], (0.01, 1e4))
+    usual: Any = configured(tmp_path, text.replace("poisson = 0.5", "")).solid
+    assert usual.contact_modulus == pytest.approx(fitted.modulus / (1 - 0.35**2), rel=1e-12)
     for here, there in zip(spectra(resolved.build()), spectra(config.solid.build()), strict=True):
         np.testing.assert_array_equal(here, there)
     assert config.span == (0.01, 1e4)

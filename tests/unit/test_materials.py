@@ -73,6 +73,12 @@ def test_a_solid_a_file_and_draws(tmp_path):
     law = 'creep = "eyring"\ncreep_rate = "1 nm/s"\ncreep_stress = "20 MPa"'
     file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\n{law}')
     assert material(file).solid.creep == asp.solids.Eyring(rate=1e-9, stress=2e7)
+    law = 'creep_energy = "1 eV"\ncreep_volume = "1 nm^3"\ncreep_prefactor = "1 m/s"\ntemperature = "20 degC"'
+    file.write_text(f'[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "eyring"\n{law}')
+    facts: Any = {"energy": "1 eV", "volume": "1 nm^3", "prefactor": "1 m/s", "temperature": "20 degC"}
+    assert material(file).solid.creep == asp.solids.Eyring.activated(**facts)
+    file.write_text('[solid]\nkind = "half_space"\nmodulus = 3e9\ncreep = "none"')
+    assert material(file).solid.creep is None
 
 
 @pytest.mark.parametrize(
@@ -110,6 +116,8 @@ def test_what_is_no_material(name, got, source, how):
     [
         ("[solid", "a.toml", "TOMLDecodeError"),
         ('[solid]\nkind = "layer"', "a.toml: [solid] kind", "'layer'"),
+        ("[solid]\nmodulus = 1.0", "a.toml: [solid] kind", "'none'"),
+        ('[solid]\nkind = "half_space"\ncreep = "glide"', "a.toml: [solid] creep", "'glide'"),
     ],
 )
 def test_a_file_of_something_else(text, name, got, tmp_path, monkeypatch):

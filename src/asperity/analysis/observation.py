@@ -201,7 +201,6 @@ def _scene(
 
 
 def _length(name: str, given: float | str, si: bool) -> float:
-    """A length, from a text with a unit too where lengths are in metres."""
     if not isinstance(given, str):
         return given
     if not si:

@@ -424,7 +424,6 @@ def _factors(measure: _Measure, time: Field, areas: Sequence[Field] | Floats) ->
 
 
 def _in_tiles(maps: Field) -> Field:
-    """Sums over the tiles; shape (maps, tiles)."""
     for axis in (1, 2):
         ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
         maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)

@@ -239,7 +239,6 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
 
 
 def _areas(dataset: xr.Dataset, *sites: float) -> str:
-    """Areas of contact, of one moment or from one to another: in SI in one readable unit, and in sites."""
     said = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
     if not dataset.attrs["si"]:
         return said

@@ -76,7 +76,6 @@ def _answering(member: Any) -> Any:
 
 
 def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str, Any]) -> None:
-    """Refuse arguments that a function does not have, and too few of them."""
     signature = inspect.signature(function)
     known = [name for name in signature.parameters if name not in ("self", "cls")]
     by_name = [one.name for one in signature.parameters.values() if one.kind is one.KEYWORD_ONLY]

@@ -326,12 +326,10 @@ def _as_floats(name: str, value: object, expected: str, advice: str = "", *, cop
 
 
 def _has_unit(value: object) -> bool:
-    """Whether it is a quantity of pint or astropy."""
     return hasattr(type(value), "magnitude") or hasattr(type(value), "to_value")
 
 
 def _hint(name: str, value: object) -> str:
-    """How to make a number of what almost is one."""
     if hasattr(type(value), "magnitude"):
         return f"{name}.magnitude, in the unit of the other arguments"
     if hasattr(type(value), "to_value"):

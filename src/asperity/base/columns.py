@@ -210,7 +210,6 @@ class _Parts:
 
 
 def _parts(name: str) -> list[_Parts]:
-    """Ways to take a name apart."""
     if found := _LOGARITHM.fullmatch(name):
         base = {"log": 0.0, "ln": math.e}.get(found[1].lower(), 10.0)
         inner = f"{found[2]}{found[3]}" if found[2] else found[4]

@@ -121,7 +121,6 @@ def _address_space() -> Iterator[int]:
 
 
 def _number(path: Path) -> int | None:
-    """Read a number; None if there is none, or the word ``max``."""
     text = next(iter(_lines(path)), "")
     return int(text) if text.isdecimal() else None
 

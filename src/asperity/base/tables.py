@@ -231,7 +231,6 @@ def _number(cell: str, decimal: str) -> float | None:
 
 
 def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
-    """Share of the cells that are numbers, averaged over lines."""
     head = [_cells(line, separator)[:_LOOKED_AT] for line in lines]
     # Quoted numbers between commas: "1,438" is one and a half, or a thousand and more. Other cells tell.
     commas = [cell for cells in head for cell in cells if "," in cell]
@@ -242,6 +241,5 @@ def _numeric_share(lines: list[str], separator: str, decimal: str) -> float:
 
 
 def _share(cells: list[str], decimal: str) -> float:
-    """Share of numbers among the cells that are not missing."""
     present = [cell for cell in cells if cell.lower() not in _MISSING]
     return sum(_number(cell, decimal) is not None for cell in present) / max(len(present), 1)

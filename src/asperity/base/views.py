@@ -40,7 +40,6 @@ class Brief:
 
 
 def _brief(value: object) -> str:
-    """A value in a few characters: an array by its shape."""
     shape = getattr(value, "shape", None)
     if shape:
         return f"[{' x '.join(map(str, shape))}]"

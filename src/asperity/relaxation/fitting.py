@@ -93,7 +93,6 @@ class Fit(views.InNotebooks):
 
     @functools.cached_property
     def _fitted(self) -> PronySeries:
-        """The branches that were fitted, without what is assumed before the first time."""
         return self.data.fitted.series(self.times)
 
     @functools.cached_property

@@ -16,7 +16,7 @@ from asperity.base.columns import Chosen, Units
 from asperity.base.files import content_of, expanded
 from asperity.base.parameters import parameters_of
 from asperity.base.words import has_unit
-from asperity.creep import LAWS
+from asperity.creep import LAWS, Eyring
 from asperity.errors import InputError
 from asperity.relaxation.data import Extrapolate, Measured, Modulus
 from asperity.relaxation.files import Kind, read
@@ -25,11 +25,9 @@ from asperity.relaxation.series import PronySeries
 from asperity.relaxation.temperature import arrhenius
 from asperity.relaxation.temperature import wlf as by_wlf
 from asperity.solids import Solid, half_space
+from asperity.solids.arguments import POISSON
 from asperity.solids.branches import check_branches
 from asperity.solids.continua import checked_poisson
-
-POISSON = 0.35
-"""Poisson's ratio where none is given."""
 
 _READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
@@ -171,7 +169,6 @@ def material(
 
 
 def _about(source: object) -> tuple[str, tuple[str, ...]]:
-    """What a source is, and the arguments that are about it."""
     if source is None:
         return "an elastic solid", _AT_ONCE
     if isinstance(source, Solid):
@@ -230,7 +227,6 @@ def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -
 
 
 def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
-    """Series of a solid with other branches that it may have."""
     if draws is None:
         return ()
     if not solid.relaxing:
@@ -250,7 +246,7 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
     """The half-space of a file, with a modulus that it may lack; draws; times of the data of its branches."""
     try:
         keys = tomllib.loads(content_of(path).decode())["solid"]
-        kind, draws = keys.pop("kind"), keys.pop("draws", None)
+        kind, draws = keys.pop("kind", "none"), keys.pop("draws", None)
         first, last = (keys.pop(f"data_{end}", None) for end in ("first", "last"))
     except (OSError, ValueError, KeyError, AttributeError) as error:
         expected = "a TOML file with the half_space of [solid]"
@@ -258,9 +254,11 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
         raise InputError(path.name, expected=expected, got=got) from None
     if kind != "half_space":
         raise InputError(f"{path.name}: [solid] kind", expected="a half_space", got=checks.shown(kind))
-    if (law := LAWS.get(keys.get("creep"))) is not None:
-        of_law = {name: keys.pop(f"creep_{name}", None) for name in parameters_of(law)}
-        keys["creep"] = law(**of_law)
+    if (word := keys.pop("creep", "none")) != "none":
+        checks.choice(f"{path.name}: [solid] creep", word, tuple(LAWS))
+        law: Any = Eyring.activated if "temperature" in keys else LAWS[word]
+        names = {one: one if one == "temperature" else f"creep_{one}" for one in parameters_of(law)}
+        keys["creep"] = law(**{one: keys.pop(name, None) for one, name in names.items()})
     if "modulus" not in keys and "young" not in keys:
         keys |= {name: given.pop(name) for name in _AT_ONCE if name in given}
     if "young" in keys:
@@ -270,7 +268,6 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
 
 
 def _origin(table: object, found: Fit) -> dict[str, object]:
-    """What identifies a table."""
     path = expanded(table) if isinstance(table, str | Path) else None
     facts: dict[str, object] = {"table": "", "table_sha256": ""}
     if path is not None:

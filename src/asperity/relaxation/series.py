@@ -163,7 +163,6 @@ class PronySeries:
 
     @property
     def _columns(self) -> Floats:
-        """Shares and times, shape (2, branches)."""
         return np.array(self.branches, dtype=np.float64).reshape(-1, 2).T
 
 

@@ -101,7 +101,6 @@ def dataset_of(
 def _with_fields(
     dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot], *, slides: bool, legs: bool
 ) -> xr.Dataset:
-    """Add the fields that were kept, and what these maps know."""
     sites = dataset["heights"].dims
     dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
     for name in had_by(start, "field"):
@@ -120,7 +119,6 @@ def _with_fields(
 
 
 def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot]) -> xr.Dataset:
-    """Add what the maps know."""
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
     series = map_series(maps, times, start.lattice)
     in_lengths = start.solid.in_lengths

@@ -10,6 +10,9 @@ from annotated_types import Ge, Gt, Le, Len
 from asperity.base.parameters import Also, Quantity
 from asperity.solids.branches import check_branches
 
+POISSON = 0.35
+"""Poisson's ratio of a half-space where none is given."""
+
 _LARGEST = Le(1e30)
 """Products of stiffnesses and mobilities are taken in single precision, which ends at 3e38."""
 

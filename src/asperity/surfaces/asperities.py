@@ -182,7 +182,6 @@ def _offsets(lattice: Lattice, place: Field, edges: Edges) -> tuple[Field, Field
 
 
 def _middle(lattice: Lattice) -> Field:
-    """The middle of a lattice, in sites."""
     return (np.array(lattice.shape) - 1) / 2
 
 
@@ -194,7 +193,6 @@ def _lattice(shape: int | tuple[int, ...], pixel_size: Lengths) -> Lattice:
 
 
 def _places(value: object, lattice: Lattice) -> Field:
-    """Places on the lattice, shape (balls, 2)."""
     if isinstance(value, list | tuple):
         value = [units.numbers("places", pair, "m") for pair in value]
     expected, advice = "a pair of lengths (y, x) for each ball", 'places=[("40 um", "60 um")]'

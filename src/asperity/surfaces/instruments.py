@@ -158,7 +158,6 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
 
 
 def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
-    """Pick the channel, which must hold heights."""
     listed = [c for c in reader.channels if _holds_heights(c)]
     if not listed:
         got = "none in a unit of length"

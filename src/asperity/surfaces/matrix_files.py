@@ -166,14 +166,12 @@ def _header(file: IO[bytes], size: int) -> tuple[tuple[int, ...], str]:
 
 
 def _chosen(path: Path, channel: str | int | None, shapes: Mapping[str, tuple[int, ...]]) -> str:
-    """Pick an array; refuse a file without any."""
     if not shapes:
         raise SurfaceFileError(str(path), expected=f"an array of {_EXPECTED}", got="none")
     return choose(str(path), channel, {name: " x ".join(map(str, shape)) for name, shape in shapes.items()})
 
 
 def _text(node: Any, attribute: str) -> str:
-    """An attribute of an HDF5 array as text."""
     value = node.attrs.get(attribute, "")
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 

@@ -120,7 +120,6 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
 
 
 def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
-    """Second derivatives from second differences, averaged over the axes, at the sites inside."""
     inside = tuple(slice(1, -1) for _ in xi.shape)
     total = np.zeros(xi[inside].shape)
     if total.size:

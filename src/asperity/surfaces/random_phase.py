@@ -259,7 +259,6 @@ def _of_table(table: tuple[ArrayLike, ArrayLike], q: Field) -> Field:
 def _band(
     roll_off: float | None, cutoff: float | None, sides: list[float], spacing: tuple[float, ...]
 ) -> tuple[float, float]:
-    """Longest and shortest wavelength of the self-affine range."""
     side, step = max(sides), max(spacing)
     least = min(2 * step, side) * (1 - _ROUNDING)
     longest = side

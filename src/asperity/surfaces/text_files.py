@@ -263,5 +263,4 @@ def _size(path: Path, shape: tuple[int, ...], block: _Block) -> tuple[tuple[floa
 
 
 def _number(fact: list[str]) -> float:
-    """The number of a fact, whose decimals may follow a comma."""
     return float(fact[0].replace(",", "."))

@@ -126,7 +126,6 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
 
 
 def _connected(scheduler: str) -> Client:
-    """Connect to a scheduler that answers."""
     from distributed import Client, rpc
 
     async def asked() -> None:  # a client would wait forever for what takes connections and is no scheduler

@@ -260,7 +260,6 @@ def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
 
 
 def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
-    """Long name and unit of each series that some run has."""
     described: dict[str, tuple[str, str]] = {}
     for run in runs:
         for name, (long_name, unit) in run.described.items():

@@ -404,13 +404,13 @@ def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None)
 def _with_seeds(
     config: RunConfig, point: tuple[int, ...], seeds: Sequence[int], content: str
 ) -> Iterator[Run]:
-    """The runs of one point."""
     facts = _facts(config, content)
     some: Sequence[int | None] = seeds or [None]
     for seed in some:
         if seed is not None:
             facts["surface"]["seed"], config = seed, seeded(config, seed)
-        yield Run(_identity(facts), point, seed, config, content)
+        identity = hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+        yield Run(identity, point, seed, config, content)
 
 
 def seeded(config: RunConfig, seed: int) -> RunConfig:
@@ -433,7 +433,6 @@ def _content(config: RunConfig, known: dict[str, str]) -> str:
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
-    """All that the numbers of a run depend on; a measured surface counts by its content."""
     facts = config.model_dump()
     facts["output"].pop("figures")
     if config.friction.shear_strength is None:
@@ -445,10 +444,6 @@ def _facts(config: RunConfig, content: str) -> dict[str, Any]:
         facts["surface"]["path"] = [file.suffix.lower(), content]
     facts["version"] = [__version__, _STORE_FORMAT]
     return facts
-
-
-def _identity(facts: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 
 def _axis(section: str, name: str, values: Sequence[object], configs: Mapping[int, RunConfig]) -> Axis:
@@ -471,7 +466,6 @@ def value_at(config: RunConfig, section: str, name: str) -> Any:
 
 
 def _label(value: object) -> Value:
-    """A value as a coordinate."""
     if isinstance(value, list) and value and all(isinstance(pair, list | tuple) for pair in value):
         words = (f"{one:g}" if isinstance(one, float | int) else str(one) for pair in value for one in pair)
         return " ".join(words)

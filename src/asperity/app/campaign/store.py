@@ -336,7 +336,6 @@ def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
 
 
 def _scalars(outcome: Outcome) -> dict[str, float]:
-    """One number each: where the run began and ended, its limit, its fit; absent where there is none."""
     dataset, summary = outcome.dataset, outcome.summary
     scalars = {
         "sites": float(dataset.attrs["sites"]),

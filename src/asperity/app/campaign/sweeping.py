@@ -218,7 +218,6 @@ def _lost(reason: str) -> OutputError:
 
 
 def _crashed(store: Store, run: Run, error: BaseException) -> Report:
-    """Record a run whose worker died time and again, or that met an error nobody foresaw."""
     if type(error).__name__ == "KilledWorker":
         reason = f"its worker died {ATTEMPTS + 1} times; was there too little memory?"
     else:

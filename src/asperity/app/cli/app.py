@@ -105,7 +105,6 @@ def _run(arguments: list[str]) -> int:
 def _show_warning(
     message: Warning | str, category: type[Warning], filename: str, lineno: int, *_: Any, **__: Any
 ) -> None:
-    """Print a remark as one line, and any other warning as Python does."""
     if issubclass(category, Remark):
         print("remark:", " ".join(str(message).split()), file=sys.stderr)
     else:
@@ -127,7 +126,6 @@ _OF_RESEARCH = ("challenge", "experiment", "reproduce", "study")
 
 
 def _usage(error: CycloptsError) -> str:
-    """Spell an error of the arguments, with a way out."""
     text = str(error).rstrip(".")
     if isinstance(error, UnknownOptionError):
         flag = (error.token.keyword or error.token.value).split("=")[0]

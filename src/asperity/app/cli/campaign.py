@@ -75,7 +75,6 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
 
 
 def _check_out(out: Path) -> None:
-    """Refuse a folder that holds something else."""
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
     found = any(path.name[0] != "." for path in out.iterdir()) if out.exists() else False

@@ -40,7 +40,7 @@ Whole = Annotated[int, Parameter(converter=_whole)]
 Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
 Units = Annotated[list[str] | None, _UNITS]
-OF_TABLES = {name: f"--{name}" for name in ("kind", "columns", "noise", "modulus")} | {"units": "--unit"}
+OF_TABLES = {"columns": "--columns", "units": "--unit"}
 """Flags on how to read a table, by the names of arguments."""
 _METAVARS = {
     "number": "FLOAT",
@@ -96,6 +96,11 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
     return sections
 
 
+def flag(name: str) -> str:
+    """The flag of an argument that is called as it."""
+    return f"--{name.replace('_', '-')}"
+
+
 @contextmanager
 def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
     """Name flags in errors within it, by the arguments that they stand for; in their advice too."""
@@ -125,7 +130,6 @@ def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = ""
 
 
 def _check_pair(flag: str, pair: str, key: Key) -> None:
-    """Refuse two numbers of which one needs a unit."""
     words = re.split(r"[\s,]+", pair.strip())
     if all(isinstance(number(word), float | int) for word in words):
         expected = " and ".join(f"a {name.lower()}" for name in _METAVARS[key.name].split())
@@ -189,8 +193,9 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
     from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
-    from asperity.app.config.solids import POISSON, PREDICTED, HalfSpace
+    from asperity.app.config.solids import PREDICTED, HalfSpace
     from asperity.app.config.surfaces import MeasuredSurface
+    from asperity.solids.arguments import POISSON
 
     words = {
         "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
@@ -226,7 +231,6 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
-    """Annotation of one flag: a word, or a list of words, with its help; `quantity` stands for its value."""
     from asperity.app.config.mistakes import ORDER, flag_of
 
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))

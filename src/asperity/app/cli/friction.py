@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
+from asperity.app.cli.flags import OF_TABLES, Out, Switch, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Reading, Results
 from asperity.base.files import kind_of
@@ -21,11 +21,9 @@ if TYPE_CHECKING:
     from asperity.friction import Record
 
 _RESULTS, _READING = Results(), Reading()
-_FLAGS = {"V_0": "--reference-velocity", "shear_strength": "--shear-strength"} | OF_TABLES
-_FLAGS |= {name: f"--{name}" for name in ("a", "events", "stiffness", "calibration")} | {
-    "strength_at_rest": "--strength-at-rest"
-}
-_FLAGS |= {"start": "--from", "stop": "--to"}
+_SAME = ("a", "events", "stiffness", "calibration", "shear_strength", "strength_at_rest")
+_FLAGS = {name: flag(name) for name in _SAME} | OF_TABLES
+_FLAGS |= {"V_0": "--reference-velocity", "start": "--from", "stop": "--to"}
 
 
 @command()
@@ -121,7 +119,6 @@ def friction(
 
 
 def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:
-    """The record of a table, or of a run or those of a campaign, each of one surface."""
     from asperity.friction import read_record, record_of
 
     if not path.is_dir():

@@ -11,18 +11,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, in_flags
+from asperity.app.cli.flags import OF_TABLES, Out, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING = Results(), Reading()
-_FLAGS = {
-    name: f"--{name}"
-    for name in ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
-}
-_FLAGS["absolute"] = "--unit-area"
+_SAME = ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
+_FLAGS = {name: flag(name) for name in _SAME} | {"absolute": "--unit-area"}
 
 
 @command()
@@ -121,9 +118,8 @@ def infer(
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
-        with in_flags(
-            _FLAGS | {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
-        ):
+        columns = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
+        with in_flags(_FLAGS | columns):
             found = inferred(*data, **how, progress=progress, checkpoint=place)
         found = replace(found, remarks=(*remarks, *found.remarks), unit=about["unit"])
         rows = [("read", read), *inference_report(found, str(file))]
@@ -196,7 +192,6 @@ def _of_ball(quantity: str | None, name: str) -> str:
 
 
 def _errors_beside(names: Sequence[str]) -> str | None:
-    """The column whose name says that it has standard errors of the values."""
     error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
     found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
     if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):

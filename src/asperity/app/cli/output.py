@@ -82,7 +82,6 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:
-    """One row a time, from 0 on; numbers to the last digit."""
     dataset = outcome.dataset
     if dataset["load"][0] > 0:  # else the first area is that of first touch, and no measure of growth
         dataset = dataset.assign(area_ratio=(dataset["area"] / dataset["area"][0]).drop_attrs(deep=False))
@@ -93,7 +92,6 @@ def _write_table(outcome: Outcome, path: Path) -> None:
 
 
 def _write_patches(dataset: xr.Dataset, path: Path) -> None:
-    """One row a map: what it knows of patches."""
     columns = [("time", dataset["field_time"])]
     for name in select("map", table=RUN):
         if name in dataset and "quantile" in dataset[name].dims:

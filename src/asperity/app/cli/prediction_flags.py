@@ -7,25 +7,21 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asperity.app.cli.flags import check_unit, in_flags, keys_for
+from asperity.app.cli.flags import check_unit, flag, in_flags, keys_for
 from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
 from asperity.app.config.reading import file_surface, read_config, section_from
-from asperity.app.config.solids import OF_TABLES, POISSON, BesideTable
+from asperity.app.config.solids import OF_TABLES, BesideTable
 from asperity.base import units
 from asperity.errors import InputError
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
+from asperity.solids.arguments import POISSON
 
 if TYPE_CHECKING:
     from asperity.analysis import Prediction
-
-
-def flag(name: str) -> str:
-    """The flag of an argument that is called as it."""
-    return f"--{name.replace('_', '-')}"
 
 
 _ARGUMENTS = {key: name for name, key in OF_TABLES.items()}
@@ -80,7 +76,6 @@ def _of_table(table: Material, scan: MeasuredSurface, how: dict[str, Any], **mor
 
 
 def _scan(flags: Sections) -> MeasuredSurface:
-    """The surface file that the flags name."""
     given = dict(flags.get("surface", {}))
     if "path" not in given:
         raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
@@ -109,7 +104,6 @@ def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sec
 
 
 def _one_load(flags: Sections) -> None:
-    """Refuse none and two."""
     if len(given := flags.get("contact", {})) != 1:
         got = "both" if given else "neither"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")

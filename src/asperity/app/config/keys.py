@@ -12,7 +12,7 @@ from typing import Any, Literal, cast
 
 from pydantic import BaseModel
 
-from asperity.app.config.models import KINDS, LEGS, SECTIONS, RunConfig
+from asperity.app.config.models import FILES, KINDS, LEGS, SECTIONS, RunConfig
 
 What = Literal[
     "number",
@@ -32,9 +32,6 @@ What = Literal[
     "legs",
 ]
 """What a key may be; ``whole`` is a whole number, a pair has two numbers."""
-
-_PATHS = ("path", "relaxation")
-"""Keys that name files."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +100,6 @@ def keys_of(model: type[BaseModel]) -> Keys:
 
 
 def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
-    """A key as its JSON schema has it."""
     kinds = [kind for kind in facts.get("anyOf", [facts]) if kind.get("type") != "null"]
     several = "items" in kinds[0]
     one = kinds[0]["items"] if several else kinds[0]
@@ -116,7 +112,7 @@ def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
         what = "lists of pairs"
     elif len(kinds) > 1:
         what = "text or whole"
-    elif what == "text" and name in _PATHS:
+    elif what == "text" and name in FILES.values():
         what = "path"
     return Key(
         name=name,

@@ -58,7 +58,6 @@ def spelled(
 
 
 def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | None) -> str:
-    """One line for one mistake, without names that may have been meant."""
     expected, home = _expectation(detail), str(place[0]) if place else ""
     kind = place.pop(1) if len(place) > 1 and place[1] in KINDS.get(home, {}) else ""
     if home == "protocol":
@@ -87,7 +86,6 @@ def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | 
 
 
 def _outside(name: str, content: object, path: Path | None) -> str:
-    """What is wrong with a name at the top of the file."""
     if name == "sweep":
         command = f"asperity sweep {shlex.quote(str(path or 'campaign.toml'))} --out FOLDER"
         return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
@@ -98,7 +96,6 @@ def _outside(name: str, content: object, path: Path | None) -> str:
 
 
 def _suggestion(detail: ErrorDetails, section: str) -> str:
-    """The name that may have been meant, or all that there are."""
     place, got = [section, *detail["loc"]] if section else [*detail["loc"]], detail["input"]
     home, word, known = str(place[0]) if place else "", str(place[-1]) if place else "", list[str]()
     if detail["type"] != "extra_forbidden" or word == "sweep":
@@ -152,7 +149,6 @@ def _of_leg(place: list[Any], expected: str, flags: Sections, path: Path | None)
 
 
 def _expectation(detail: ErrorDetails) -> str:
-    """What was expected and what came, in the words that the rest of the package uses."""
     context = detail.get("ctx", {})
     kind, got = detail["type"], detail["input"]
     if kind == "missing":
@@ -203,7 +199,6 @@ def _shown(value: object) -> str:
 
 
 def _named(section: str, key: str, flags: Sections, path: Path | None) -> str:
-    """Name a key as the user wrote it: a flag, or a key of a file's section."""
     if key in flags.get(section, {}):
         return flag_of(section, key)
     return _where(path, f"[{section}] {key}")

@@ -43,6 +43,9 @@ from asperity.protocols import Leg, leg_of
 
 Figure = Literal["png", "pdf", "svg"]
 
+FILES = {"surface": "path", "solid": "relaxation"}
+"""Keys that name files, by their sections."""
+
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
 """Sections of several kinds, and the models of each kind; the first is the usual one."""
 
@@ -310,8 +313,7 @@ class RunConfig(Section):
     def span(self) -> tuple[float, float]:
         """First and last time to record, where they are not listed one by one; of a leg the first."""
         first, last = self.solid.span
-        first, last = self.aging.first or first, self.aging.last or last
-        return first, last
+        return self.aging.first or first, self.aging.last or last
 
     @property
     def carries(self) -> dict[str, Any] | None:

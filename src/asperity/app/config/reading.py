@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from asperity.app.config.creep import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.app.config.mistakes import Sections, spelled
-from asperity.app.config.models import KINDS, RunConfig
+from asperity.app.config.models import FILES, KINDS, RunConfig
 from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
@@ -116,7 +116,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
             "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'
         )
         raise ConfigError([f"{path}: {error.strerror}{hint}"]) from None
-    for section, key in (("surface", "path"), ("solid", "relaxation")):
+    for section, key in FILES.items():
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):
             table[key] = str(path.parent / expanded(table[key]))
@@ -157,7 +157,8 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
     if (section, key) == ("solid", "creep"):
         return OF_LAWS.difference(*KEYS_OF_LAWS.get(str(value), []))
     ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
-    return {rival for way in ways if key not in way for rival in way}
+    of_data = {"data_first", "data_last"} if {"branches"} in ways else set()  # other branches, other data
+    return {rival for way in ways if key not in way for rival in way} | of_data
 
 
 def _drop_foreign(

@@ -32,7 +32,7 @@ from asperity.base.parameters import parameters_of
 from asperity.creep import LAWS, Eyring, LocalCreep
 from asperity.errors import InputError
 from asperity.solids import KINDS, Solid
-from asperity.solids.arguments import Branches
+from asperity.solids.arguments import POISSON, Branches
 
 if TYPE_CHECKING:
     from asperity.relaxation import Fit, Material
@@ -41,9 +41,6 @@ Beyond = Literal["plateau", "model"]
 TableModulus = Literal["young", "shear", "contact"]
 Words = Annotated[list[str], BeforeValidator(lambda value: _as_words(listed(value)))]
 PerDecade = Annotated[float, Field(ge=0.2, le=10)]
-POISSON = 0.35
-"""Poisson's ratio of a prediction to which none is given."""
-
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
 
@@ -200,9 +197,9 @@ class Continuum(SolidSection):
     def _modulus_of_table(cls, keys: Any) -> Any:
         """Take the words shear, young, contact as modulus for what the table measures; the usual ratio."""
         if not cls.model_fields["poisson"].is_required() and isinstance(keys, dict):
-            bodies = listed(keys.get("young"))
-            alone = keys.get("poisson") is None and keys.get("modulus") in (None, *get_args(TableModulus))
-            if alone and isinstance(bodies, list):
+            bodies = listed(keys.get("young") or keys.get("relaxation"))
+            lacks = keys.get("poisson") is None and keys.get("modulus") in (None, "young", "shear")
+            if lacks and isinstance(bodies, list) and keys.get("table_modulus") != "contact":
                 keys = {**keys, "poisson": [POISSON] * len(bodies)}
         if isinstance(keys, dict) and keys.get("modulus") in get_args(TableModulus):
             return {**keys, "table_modulus": keys["modulus"], "modulus": None}
@@ -229,12 +226,10 @@ class Continuum(SolidSection):
         if len(listed(self.young) or []) > 1:  # type: ignore[arg-type]
             raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
         try:
-            measured = "" if (found := self.of_table) is None else found.facts["measured"]
+            _ = self.of_table
         except InputError as error:
             asked = error.name if error.name in OF_TABLES.values() else "relaxation"
             raise ValueError(f"{asked}: {error}") from None
-        if self.modulus is None and self.poisson is None and measured != "contact":
-            raise ValueError(f"poisson: expected one for each of 1 in young, got 0; try poisson={POISSON}")
 
     @property
     def table(self) -> Path | None:
@@ -298,16 +293,11 @@ class Continuum(SolidSection):
         return cast(float, self.build().modulus)
 
     @property
-    def times(self) -> list[float]:
-        """Relaxation times."""
-        return [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
-
-    @property
     def span(self) -> tuple[float, float]:
         """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
         if self.fit is not None:
             return self.fit.data.span
-        times = self.times
+        times = [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
         return (min(times) / _BEYOND, max(times) * _BEYOND) if times else _SPAN
 
     @property
@@ -320,6 +310,8 @@ class Continuum(SolidSection):
         if self.table is None:
             return self
         facts = self.model_dump(exclude_none=True, exclude=set(OfTable.model_fields))
+        if "data_last" in type(self).model_fields and math.isfinite((known := cast(Any, self.known))[1]):
+            facts |= dict(zip(("data_first", "data_last"), known, strict=True))
         return type(self).model_validate(facts | self._of_table)
 
 

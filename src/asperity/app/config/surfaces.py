@@ -103,7 +103,6 @@ class SurfaceSection(Section):
 
 
 def _section_of(kind: str) -> type[SurfaceSection]:
-    """The section of a kind, with the arguments of the function as keys."""
     name = f"{kind.title().replace('_', '')}Surface"
     return made(name, __name__, SurfaceSection, kind, keys_of_maker(KINDS[kind]))
 

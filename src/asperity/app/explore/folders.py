@@ -169,7 +169,6 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
 
 
 def _units(plan: Plan, finished: Finished) -> dict[str, str]:
-    """Units of the swept parameters, where they have some in SI."""
     if not finished.lattice.get("si"):
         return {}
     units = units_named({name: unit for name, (_, unit) in finished.described.items()})

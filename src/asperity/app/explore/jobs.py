@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.config import RunConfig, to_tables
+from asperity.app.config.models import FILES
 from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
 
@@ -148,9 +149,8 @@ async def _killed(process: Process) -> None:
 
 
 def _name_of(config: RunConfig) -> str:
-    """One name for one configuration: of its keys, and of the state of its files."""
     tables, states = to_tables(config), []
-    for name in filter(None, (tables["surface"].get("path"), tables["solid"].get("relaxation"))):
+    for name in filter(None, (tables[section].get(key) for section, key in FILES.items())):
         with contextlib.suppress(OSError):
             facts = Path(name).stat()
             states.append((facts.st_mtime_ns, facts.st_size))

@@ -45,8 +45,8 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return [{"where": _place(one), "text": without_flags(one)} for one in error.shown]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
-            homes = ("contact", "surface", "solid", "aging", "friction", "output")
-            home = next((one for one in homes if any(name in keys for keys in sections()[one].values())), "")
+            homes = {one: kinds.values() for one, kinds in sections().items() if one != "protocol"}
+            home = next((one for one, keys in homes.items() if any(name in kind for kind in keys)), "")
             return mistake(brief(str(error)), home and f"{home}.{name}")
         case AsperityError():
             return mistake(brief(str(error)))

@@ -30,6 +30,7 @@ from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
+from asperity.app.config.models import FILES
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
 from asperity.app.explore.jobs import Job, Jobs
@@ -108,7 +109,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
     if isinstance(aging, dict) and "times" not in aging:
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}
-    for section, key in (("surface", "path"), ("solid", "relaxation")):
+    for section, key in FILES.items():
         table = known.get(section)
         if isinstance(table, dict) and isinstance(name := table.get(key), str):
             try:
@@ -216,7 +217,6 @@ class Session:
         return job.recording.job
 
     def _put(self, header: Header, arrays: Arrays | None = None) -> None:
-        """Have a message sent; a later one of the same kind takes its place."""
         self._pending[str(header["kind"])] = header, arrays or {}
         self._news.set()
 

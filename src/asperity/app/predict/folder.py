@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -50,6 +51,8 @@ def _solid(prediction: Prediction, fit: Fit) -> str:
     if prediction.solid.yields:
         solid["hardness"] = prediction.solid.hardness
     table, (first, last) = known["table"] or "A table", fit.data.span
+    if math.isfinite(fit.series.span[1]):  # a plateau has no end
+        solid |= {"data_first": first, "data_last": last}
     head = f"# {table} as a sum of exponentials, known from {first:.4g} s to {last:.4g} s."
     if fit.assumed:
         head += f"\n# {fit.assumed.capitalize()}."

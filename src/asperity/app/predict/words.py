@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from asperity.analysis.prediction import Prediction
+from asperity.analysis.rows import carried_rows, words_of
 from asperity.analysis.scan import understood, written
-from asperity.app.runs.words import carried_words
 from asperity.base.words import counted as how_many
 from asperity.base.words import thousands
 
@@ -50,7 +50,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         whole, half = prediction.bands[:2]
         changes = ", ".join(f"{name} by {100 * by:+.2g} %" for name, by in whole.change_to(half).items())
         rows.append(("resolution", f"without waves below {written(half.shortest, 'm')}: {changes}"))
-    rows += carried_words(dataset.isel(time=slice(1, None)))
+    rows += words_of(carried_rows(dataset.isel(time=slice(1, None))))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
         rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
@@ -85,7 +85,6 @@ def _branches(prediction: Prediction) -> list[Row]:
 
 
 def _growth(prediction: Prediction) -> list[Row]:
-    """How the area grows in all and in each decade, and beside what compliance."""
     growth, effective = prediction.growth, prediction.effective_load
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
     low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band

@@ -139,7 +139,6 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
 
 
 def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
-    """Remarks on numbers that were written without a unit and are out of proportion in SI."""
     if not (isinstance(config.solid, Continuum) and rough.has_lengths):
         return ()
     _, spacing = rough.in_meters()
@@ -260,7 +259,6 @@ def recorded_times(config: RunConfig) -> Field:
 
 
 def _map_times(config: RunConfig) -> list[float]:
-    """Times of the maps where none are given: under a protocol, the switches."""
     if not config.protocol:
         return list(map_times(recorded_times(config).tolist()))
     switches = list(dict.fromkeys(Schedule.of(config.written_out, np.empty(0)).switches))
@@ -274,7 +272,6 @@ def carried_by(config: RunConfig) -> Carried | None:
 
 
 def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:
-    """Add the area that the instrument sees on each map, if there is one."""
     if not instrument:
         return dataset
     maps = (dataset.isel(field_time=number) for number in range(dataset.sizes["field_time"]))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.analysis.rows import Row, carried_rows, history_rows, words_of
+from asperity.analysis.rows import Row, history_rows
 from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
 from asperity.app.config.surfaces import SurfaceSection
@@ -32,11 +32,6 @@ def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: s
         Row("effort", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
         *(Row("remark", remark) for remark in outcome.remarks),
     ]
-
-
-def carried_words(dataset: xr.Dataset) -> list[tuple[str, str]]:
-    """What the contact carries at first and at last: a name and words for each."""
-    return words_of(carried_rows(dataset))
 
 
 def _surface(outcome: Outcome) -> str:

@@ -49,7 +49,6 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
 
 
 def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
-    """Both laws, with the stiffness given and fitted, side by side; and what moves with the choice."""
     (second, length), (time_unit, unit) = found.record.scales, found.record.units
     heads = ("law", "stiffness", f"k (1/{unit})", "a", "b", f"D_c ({unit})", "mu_0", "misfit")
     table: list[tuple[str, ...]] = [heads]
