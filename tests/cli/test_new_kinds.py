@@ -24,14 +24,19 @@ Stiffness = Annotated[float, Gt(0), Quantity("stiffness of the bed", dimension="
 Wait = Annotated[float | str, Gt(0), Quantity("time of the bed", "s")]
 
 
-def stripes(shape: Shape, *, amplitude: Amplitude = 1.0, period: Period = 8):
+Slopes = Annotated[tuple[float, float], Quantity("slopes along y and x")]
+
+
+def stripes(shape: Shape, *, amplitude: Amplitude = 1.0, period: Period = 8, slopes: Slopes | None = None):
     n, m = shape
-    return np.tile(amplitude * np.cos(2 * math.pi * np.arange(m) / period), (n, 1))
+    slope, along = slopes or (0.0, 0.0)
+    heights = np.tile(amplitude * np.cos(2 * math.pi * np.arange(m) / period), (n, 1))
+    return heights + slope * np.arange(n)[:, np.newaxis] + along * np.arange(m)
 
 
-def bed(*, rigidity: Stiffness, wait: Wait = 10.0):
-    law, mobility = (LaplacianSpectrum(uniform=value) for value in (rigidity / 2, 2 / (rigidity * wait)))
-    told = {"rigidity": rigidity, "wait": wait}
+def bed(*, modulus: Stiffness, wait: Wait = 10.0):
+    law, mobility = (LaplacianSpectrum(uniform=value) for value in (modulus / 2, 2 / (modulus * wait)))
+    told = {"modulus": modulus, "wait": wait}
     return Solid(permanent=law, branches=(CreepBranch(law, mobility),), parameters=told, kind="bed")
 
 
@@ -59,9 +64,10 @@ kind = "stripes"
 shape = [16, 32]
 amplitude = 0.5
 period = 16
+slopes = [0.0, 0.0]
 [solid]
 kind = "bed"
-rigidity = 3.0
+modulus = 3.0
 [contact]
 load = 200.0
 [aging]
@@ -76,14 +82,15 @@ outcome = execute(config, Progress())
 attrs = outcome.dataset.attrs
 Path("copy.toml").write_text(to_toml(outcome.config))
 flags = flags_for("surface", "solid")(
-    surface_kind="stripes", surface_amplitude="0.5", surface_period="16", solid_kind="bed", solid_rigidity="3"
+    surface_kind="stripes", surface_amplitude="0.5", surface_period="16", surface_slopes=["0 0"],
+    solid_kind="bed", solid_modulus="3",
 )
 laid = read_config("run.toml", given(flags))
-sweep = "[sweep]\\nperiod = [8, 16]\\nrigidity = [2.0, 3.0]\\n"
+sweep = "[sweep]\\nperiod = [8, 16]\\nmodulus = [2.0, 3.0]\\n"
 Path("plan.toml").write_text(Path("run.toml").read_text() + sweep)
 plan = read_plan("plan.toml")
 mistakes = []
-for surface, solid in (({"amplitude": -1.0}, {}), ({"perod": 3}, {}), ({}, {"rigidity": "2 m"})):
+for surface, solid in (({"amplitude": -1.0}, {}), ({"perod": 3}, {}), ({}, {"modulus": "2 m"})):
     try:
         config_from({"surface": {"kind": "stripes", **surface}, "solid": {"kind": "bed", **solid}}, {}, None)
     except ConfigError as error:
@@ -94,9 +101,9 @@ keys = sections(short=True)
 print(json.dumps({
     "same": [config == laid, read_config("copy.toml", {}) == outcome.config],
     "areas": [outcome.dataset["area"].values.tolist(), home["history"].dataset["area"].values.tolist()],
-    "attrs": {name: attrs[name] for name in ("surface_amplitude", "surface_period", "rigidity", "wait")},
+    "attrs": {name: attrs[name] for name in ("surface_amplitude", "surface_period", "modulus", "wait")},
     "axes": [[axis.section, axis.name, axis.values] for axis in plan.axes],
-    "runs": [[run.config.surface.period, run.config.solid.rigidity] for run in plan.runs],
+    "runs": [[run.config.surface.period, run.config.solid.modulus] for run in plan.runs],
     "said": [keys["surface"]["stripes"]["period"].description, keys["solid"]["bed"]["wait"].unit],
     "recorded": [PARAMETERS["amplitude"], PARAMETERS["wait"]],
     "mistakes": mistakes,
@@ -125,9 +132,9 @@ def test_a_file_flags_and_python_say_the_same(found):
 
 
 def test_keys_are_swept_recorded_and_explained(found):
-    assert found["axes"] == [["surface", "period", [8, 16]], ["solid", "rigidity", [2.0, 3.0]]]
+    assert found["axes"] == [["surface", "period", [8, 16]], ["solid", "modulus", [2.0, 3.0]]]
     assert found["runs"] == [[8, 2.0], [8, 3.0], [16, 2.0], [16, 3.0]]
-    assert found["attrs"] == {"surface_amplitude": 0.5, "surface_period": 16, "rigidity": 3.0, "wait": 10.0}
+    assert found["attrs"] == {"surface_amplitude": 0.5, "surface_period": 16, "modulus": 3.0, "wait": 10.0}
     assert found["recorded"] == [["amplitude of the stripes", "height unit"], ["time of the bed", "time"]]
     assert found["said"] == ["Sites of a period, 2 or more.", "s"]
 
@@ -136,5 +143,5 @@ def test_mistakes_are_named_as_those_of_other_kinds(found):
     assert found["mistakes"] == [
         "[surface] amplitude: expected a number above 0.0, got -1.0",
         "[surface] perod: no such key; did you mean 'period'?",
-        "[solid] rigidity: expected a number, got '2 m'",
+        "[solid] modulus: expected a number, got '2 m'",
     ]

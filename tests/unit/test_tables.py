@@ -253,7 +253,7 @@ def test_a_run_takes_a_table_of_any_names_and_of_a_shear_modulus():
             {"surface": SURFACE, "solid": solid, "contact": {"pressure": "1 MPa"}}, {}, None
         ).solid
         assert isinstance(section, HalfSpace)
-        return float(section.contact_modulus)
+        return float(section.build().modulus)
 
     numbers = np.column_stack([FALLING[:, 0], 40 + 10 * np.exp(-FALLING[:, 0] / 5)])
     how: dict[str, Any] = {"table_kind": "relaxation", "columns": [0, "b"], "units": ["a=min", "1=MPa"]}

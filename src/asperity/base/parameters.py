@@ -134,11 +134,21 @@ def _read(kind: Any) -> dict[str, Parameter]:
         fields = {field.name: field for field in dataclasses.fields(kind)}
     found = {}
     for name, field in fields.items():
-        hint, *facts = get_args(hints[name]) if get_origin(hints.get(name)) is Annotated else (None,)
+        hint, *facts = _apart(hints.get(name))
         if any(isinstance(fact, Quantity) for fact in facts):
             default = dataclasses.MISSING if field.default is inspect.Parameter.empty else field.default
             found[name] = Parameter(hint, tuple(facts), default)
     return found
+
+
+def _apart(hint: Any) -> tuple[Any, ...]:
+    """The type of an annotation, and what it says besides; also where it may be None: ``Length | None``."""
+    if get_origin(hint) is Annotated:
+        return get_args(hint)
+    if get_origin(hint) in (Union, UnionType):
+        parts = [_apart(part) for part in get_args(hint)]
+        return (Union[tuple(part[0] for part in parts)], *(fact for part in parts for fact in part[1:]))  # noqa: UP007
+    return (hint,)
 
 
 def kinds_of(hint: Any) -> list[Any]:

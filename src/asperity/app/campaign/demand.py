@@ -11,7 +11,6 @@ from asperity.aging.memory import bytes_a_site
 from asperity.app.campaign.plan import Plan
 from asperity.app.campaign.store import QUANTITIES, Store
 from asperity.app.config import RunConfig
-from asperity.app.config.solids import Continuum
 from asperity.app.runs import recorded_times
 from asperity.base import checks
 from asperity.patches import QUANTILES
@@ -76,7 +75,7 @@ def _space(config: RunConfig, shape: Sequence[int]) -> int:
     times, maps, sites = 1 + len(recorded_times(config)), len(config.output.maps_at or ()), math.prod(shape)
     arrays = [8 * len(QUANTITIES) * times]
     if maps:
-        fields = 2 + (max(1, len(config.solid.maxwell)) if isinstance(config.solid, Continuum) else 1)
+        fields = 2 + max(1, len(config.solid.build().branches))
         of_maps = 8 * maps * (len(select("map")) + 2 * (len(QUANTILES) - 1))
         arrays += [of_maps, 8 * maps, 8 * sites, 8 * sites, sites // 8]
         arrays += [8 * sites * maps] * fields + [sites * maps // 8]

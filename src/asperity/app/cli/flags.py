@@ -44,6 +44,7 @@ OF_TABLES = {"columns": "--columns", "units": "--unit"}
 """Flags on how to read a table, by the names of arguments."""
 _METAVARS = {
     "number": "FLOAT",
+    "pair": "FIRST SECOND",
     "whole": "INT",
     "choice": "CHOICE",
     "path": "PATH",
@@ -132,7 +133,9 @@ def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = ""
 def _check_pair(flag: str, pair: str, key: Key) -> None:
     words = re.split(r"[\s,]+", pair.strip())
     if all(isinstance(number(word), float | int) for word in words):
-        expected = " and ".join(f"a {name.lower()}" for name in _METAVARS[key.name].split())
+        expected = " and ".join(
+            f"a {name.lower()}" for name in _METAVARS.get(key.name, _METAVARS["pair"]).split()
+        )
         advice = " ".join(f"{word}{unit}" for word, unit in zip(words, key.units, strict=False))
         raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
 

@@ -288,11 +288,6 @@ class Continuum(SolidSection):
         )
 
     @property
-    def contact_modulus(self) -> float:
-        """Contact modulus at once."""
-        return cast(float, self.build().modulus)
-
-    @property
     def span(self) -> tuple[float, float]:
         """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
         if self.fit is not None:
@@ -322,11 +317,12 @@ def _section_of(kind: str) -> type[SolidSection]:
     keys = keys_of_maker(make)
     if "creep" in signature(make).parameters:
         keys |= CREEP
-    if "modulus" in keys:
-        base = Continuum
+    if "modulus" in keys:  # activation gives a stress in Pa
         keys |= {name: field_of(one) for name, one in ACTIVATED.items() if "creep" in keys}
-    if "branches" in keys:
-        keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
+    if keys.keys() >= {"modulus", "young", "poisson"}:  # a table gives the modulus, or the branches too
+        base = Continuum
+        if "branches" in keys:
+            keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
     return made(f"{kind.title().replace('_', '')}Solid", __name__, base, kind, keys)
 
 

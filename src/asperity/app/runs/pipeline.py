@@ -18,7 +18,6 @@ from asperity.analysis.predicting import USUAL_MAPS, hold_times
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
-from asperity.app.config.solids import Continuum
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
 from asperity.base.machine import require
@@ -139,15 +138,16 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
 
 
 def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
-    if not (isinstance(config.solid, Continuum) and rough.has_lengths):
+    modulus = config.solid.build().modulus
+    if modulus is None or not rough.has_lengths:
         return ()
     _, spacing = rough.in_meters()
     sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
-    modulus, load = config.solid.contact_modulus, math.prod(sides) * config.solid.contact_modulus
+    load = math.prod(sides) * modulus
     stresses = ("Pa", _SOFT * modulus, modulus)
-    young = config.solid.young
+    young = getattr(config.solid, "young", None)
     told: list[tuple[str, float | None, str, float, float]] = [
-        ("modulus", config.solid.modulus, "Pa", *_MODULI),
+        ("modulus", getattr(config.solid, "modulus", None), "Pa", *_MODULI),
         ("young", young[0] if isinstance(young, list) else young, "Pa", *_MODULI),
         ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
         ("hardness", getattr(config.solid, "hardness", None), *stresses),
@@ -177,7 +177,7 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
         contact, remark = _usual_contact(config, rough)
         remarks += (remark,)
     remarks += remarks_on_edges(rough)
-    if rough.has_lengths and not isinstance(config.solid, Continuum):
+    if rough.has_lengths and not config.solid.build().in_lengths:
         remarks += (
             f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
             "load is not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]",
@@ -223,15 +223,16 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
 def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
     """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
     chosen, solid = config.surface, config.solid
-    if isinstance(solid, Continuum):
-        pressure = defaults.modest_pressure(modulus=solid.contact_modulus, slope=rough.describe().rms_slope)
+    made = solid.build()
+    if made.modulus is not None:
+        pressure = defaults.modest_pressure(modulus=made.modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
         said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
         return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
     nominal = getattr(chosen, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
-    if (springs := solid.build().springs) is None:
+    if (springs := made.springs) is None:
         raise InputError(
             "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
         )
