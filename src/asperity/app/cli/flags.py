@@ -129,7 +129,8 @@ def _check_pair(flag: str, pair: str, key: Key) -> None:
     words = re.split(r"[\s,]+", pair.strip())
     if all(isinstance(number(word), float | int) for word in words):
         expected = " and ".join(f"a {name.lower()}" for name in _METAVARS[key.name].split())
-        advice = " ".join(f"{word}{unit}" for word, unit in zip(words, key.units, strict=False))
+        examples = [*words, *("0.3", "10")[len(words) :]]
+        advice = " ".join(f"{word}{unit}" for word, unit in zip(examples, key.units, strict=False))
         raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
 
 
