@@ -431,6 +431,10 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
         got = repr(others[0])
         raise InputError("protocol", expected="legs, such as Hold or Ramp", got=got, advice=advice)
+    for leg in protocol:
+        if leg.target not in _TARGETS and (leg.target or type(leg).value is not Leg.value):
+            got = f"{leg.target!r} of {type(leg).__name__}"
+            raise InputError("target", expected=f"one of {', '.join(_TARGETS)}", got=got)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:

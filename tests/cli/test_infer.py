@@ -81,7 +81,12 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, 
     np.savetxt("scan.txt", rough)
     how = "scan.txt --file-unit um --pixel-size 1 --length-unit um --pressure 1kPa"
     scan = f"predict F/solid.toml --surface {how}"
-    for lacking, said in (("--last 1000s", "young"), ("--young 3GPa --last 1e6s", "--extrapolate model")):
+    model = "--extrapolate model"
+    for lacking, said in (
+        ("--last 1000s", "young"),
+        ("--young 3GPa --last 1e6s", model),
+        ("--young 3GPa --last 1e6s --extrapolate plateau", model),
+    ):
         status, _, error = asperity(*f"{scan} {lacking} --out Q".split())
         assert (status, error.count("\n"), said in error) == (2, 1, True)
     status, _, error = asperity(*f"{scan} --young 3GPa --last 1e6s --extrapolate model --out P".split())

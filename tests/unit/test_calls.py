@@ -12,6 +12,7 @@ import pytest
 
 import asperity as asp
 from asperity.app.config import config_from
+from asperity.base import calls
 from asperity.errors import CallError, InputError, Remark
 from tests.refusals import refuses
 
@@ -177,3 +178,32 @@ def test_a_remark_is_at_the_line_that_called():
         with pytest.warns(Remark) as seen:
             call()
         assert {one.filename for one in seen} == {__file__}
+
+
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("poisson", "asperity.relaxation.material(..., poisson=...)"),
+        ("young", "asperity.relaxation.material(..., young=...)"),
+        ("temperature", "asperity.relaxation.material(..., temperature=...)"),
+        ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
+        ("resistivity", "carried=asperity.Carried(resistivity=...)"),
+        ("pixel", "instrument={'pixel': ...}"),
+        ("times", "first=..., last=... and per_decade=..."),
+        ("legs", "asperity.press, and asperity.age with the protocol"),
+        ("shear_strenght", "shear_strength=..."),
+    ],
+)
+def test_an_argument_that_belongs_elsewhere_is_sent_there(name, advice):
+    with refuses("predict", repr(name), advice=advice, kind=CallError):
+        asp.predict("relaxation.csv", "scan.opd", pressure="1 MPa", **{name: 1.0})
+
+
+def test_a_key_of_an_instrument_is_checked_before_anything_is_read():
+    with refuses("instrument", "'pixle'"):
+        asp.predict("none.csv", "none.opd", pressure="1 MPa", instrument={"pixle": "1 um"})
+
+
+def test_every_argument_of_a_material_is_known_where_predictions_are_asked_for():
+    names = {*inspect.signature(asp.relaxation.material).parameters} - {"source", "per_decade"}
+    assert all("relaxation.material" in calls._MOVED[name] for name in names)

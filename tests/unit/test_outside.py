@@ -158,3 +158,56 @@ def test_a_leg_and_a_solver_from_outside_go_on_from_a_checkpoint(tmp_path):
     assert_equal(whole.drop_vars(spent), run(None, INSIDE).drop_vars(spent), rtol=1e-4)
     at = whole.sel(time=[3.0, 4.0, 5.0])["load"].values
     np.testing.assert_allclose(at, [1.2e-2, 1e-2, 0.8e-2], rtol=1e-7)
+
+
+@dataclass(frozen=True)
+class Law(asp.solids.LocalCreep):
+    """A linear law, with an error or none."""
+
+    offset: float = 0.0
+    factor: float = 1.0
+    slope: float = 1.0
+
+    def velocity(self, stress):
+        rate = 1e-15 * self.factor
+        return rate * (stress + self.offset), np.full_like(stress, rate * self.slope)
+
+
+@dataclass(frozen=True)
+class Aimless(Sine):
+    """It does not say what it prescribes, or says another word."""
+
+    target: str = ""
+
+
+@pytest.mark.parametrize(
+    ("name", "got", "wrong"),
+    [
+        ("stiffness", "6.45606e+15", lambda: pressed(of_law(lambda lattice: 1.5e9 * lattice.wave_number))),
+        ("stiffness", "12912.1", lambda: pressed(of_law(HalfSpace(2 * MODULUS)))),
+        ("rate", "another one", lambda: crept(Law(offset=1.0))),
+        ("rate", "another one", lambda: crept(Law(factor=-1.0))),
+        ("derivative", "2e-15", lambda: crept(Law(slope=2.0))),
+        ("target", "''", lambda: followed(Aimless(1.0, 0.1, 1.0))),
+        ("target", "'laod'", lambda: followed(Aimless(1.0, 0.1, 1.0, "laod"))),
+    ],
+)
+def test_one_error_in_what_is_written_outside_is_refused(name, got, wrong):
+    with refuses(name, got):
+        wrong()
+
+
+def of_law(law):
+    return Solid(stiffness=law, shares=(), modulus=MODULUS, half_space=True)
+
+
+def followed(leg):
+    return asp.age(pressed(OUTSIDE), [1.0], protocol=leg)
+
+
+def crept(law):
+    return asp.age(pressed(asp.solids.half_space(modulus=MODULUS, creep=law)), [1.0])
+
+
+def test_the_law_without_the_error_creeps():
+    assert crept(Law()).final.area > 0

@@ -113,6 +113,9 @@ def predict(
     amount = positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
+    instrument = checks.instance("instrument", instrument or {}, dict, "{'pixel': '0.2 um'}")
+    if others := instrument.keys() - {"pixel", "blur", "threshold"}:
+        raise InputError("instrument", expected="pixel, blur and threshold", got=repr(min(others, key=str)))
     strength = None if shear_strength is None else positive_quantity("shear_strength", shear_strength, "Pa")
     with listener(progress) as listening:
         if not isinstance(material, Material):
@@ -131,7 +134,7 @@ def predict(
             ramp=loading,
             strength=strength,
             carried=carried,
-            instrument=checks.instance("instrument", instrument or {}, dict, "{'pixel': '0.2 um'}"),
+            instrument=instrument,
             study=resolution_study,
             progress=listening,
             checkpoint=checkpoint,
@@ -187,7 +190,7 @@ def predicted(
     facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
     known = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(known))
-    progress.stage("weighing the spread of the table and of the scan")
+    progress.stage("bootstrapping the band")
     looked_at = (dataset.isel(field_time=n) for n in range(len(maps) if instrument else 0))
     prediction = Prediction(
         dataset,
@@ -242,9 +245,9 @@ def _times_within(
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
             what, advice = "the table spans", "a table of more decades"
             if material.fit is None:
-                what, advice = "the data span", "extrapolate=model"
+                what, advice = "the data span", "extrapolate='model'"
             elif time > end:
-                advice = "extrapolate=plateau"
+                advice = "extrapolate='plateau'"
             expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
             raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
     check_span("last", start, stop)

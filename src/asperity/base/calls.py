@@ -14,13 +14,20 @@ from asperity.base.words import MEANT, closest, shortened
 from asperity.errors import CallError, InputError, Remark
 
 _OF_MATERIALS = (
-    *("kind", "columns", "units", "noise", "modulus", "poisson"),
-    *("shift", "hardness", "branches", "extrapolate", "draws"),
+    *("kind", "columns", "units", "noise", "branches", "extrapolate", "modulus", "young", "poisson"),
+    *("temperature", "reference", "activation_energy", "wlf", "shift", "hardness", "draws"),
 )
 _MOVED = {
     "branches_per_decade": "asperity.relaxation.material(..., per_decade=...)",
-    "protocol": "asperity.press, and asperity.age with the protocol",
+    "creep": "asperity.solids.half_space(..., creep=...)",
+    "times": "first=..., last=... and per_decade=...",
+    "separation": "asperity.press(..., separation=...), and asperity.age",
+    **dict.fromkeys(("protocol", "legs"), "asperity.press, and asperity.age with the protocol"),
     **{name: f"asperity.relaxation.material(..., {name}=...)" for name in _OF_MATERIALS},
+    **{
+        name: f"carried=asperity.Carried({name}=...)"
+        for name in ("resistivity", "conductivity", "shear", "friction")
+    },
     **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
 }
 """What takes arguments that `asperity.predict` does not."""

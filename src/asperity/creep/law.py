@@ -23,6 +23,9 @@ from asperity.errors import InputError
 Rate = Annotated[float, Gt(0), Quantity("velocity", "m/s", "v0")]
 Stress = Annotated[float, Gt(0), Quantity("stress", "Pa", "s0")]
 
+_STEP, _ROUNDED = 1e-4, 1e-14
+"""Relative step of a difference quotient, and part of a velocity that rounding may change."""
+
 LARGEST_EXPONENT = 600.0
 """Largest exponent of a velocity: it overflows at 710, and velocities are multiplied by times."""
 
@@ -63,7 +66,8 @@ class LocalCreep(Checked):
         Raises
         ------
         InputError
-            ``greatest`` is more than the law takes, or its velocity there is not finite.
+            ``greatest`` is more than the law takes, its velocity there is not finite, or the velocity up to
+            there is no such law, or its derivative another one.
         """
         limit = self.greatest_stress
         with np.errstate(over="ignore", invalid="ignore"):
@@ -76,6 +80,26 @@ class LocalCreep(Checked):
                 got=f"{greatest:.3g}",
                 advice="a hardness, a larger stress in the law (a smaller volume), or less load",
             )
+        if greatest > 0:
+            self.check_at(greatest)
+
+    def check_at(self, scale: float) -> None:
+        """Refuse a velocity or a derivative that is wrong at stresses over six decades up to a scale."""
+        half = scale * np.logspace(-6, 0, 49)
+        probe = np.concatenate([-half[::-1], [0.0], half])
+        value, slope = self.velocity(probe)
+        advice = "CreepLaw(lambda s: s**3, lambda s: 3 * s**2)"
+        if not (value[49] == 0 and (np.diff(value) >= 0).all() and (slope >= 0).all()):
+            expected = "a function that is 0 at 0 and falls nowhere, with its derivative"
+            raise InputError("rate", expected=expected, got="another one", advice=advice)
+        step = _STEP * np.where(probe == 0, scale, probe)
+        quotient = (self.velocity(probe + step)[0] - self.velocity(probe - step)[0]) / (2 * step)
+        lost = _ROUNDED * np.abs(value / step)  # to rounding, in the difference
+        off = (np.abs(quotient - slope) > 0.1 * np.maximum(quotient, slope) + lost) & (probe != 0)
+        if np.count_nonzero(off) > 2:  # one may be a kink on either side
+            worst = np.flatnonzero(off)[-1]
+            expected = f"the derivative of the rate, {quotient[worst]:.3g} at the stress {probe[worst]:.3g}"
+            raise InputError("derivative", expected=expected, got=f"{slope[worst]:.3g}", advice=advice)
 
 
 def checked_law(creep: LocalCreep) -> LocalCreep:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -285,6 +285,13 @@ class Solid(views.InNotebooks):
                 mobility = _checked(f"mobility{which}", branch.mobility, lattice)
                 np.multiply(mobility, creeping[number], out=rate[number])
         whole = permanent + creeping.sum(axis=0)
+        if self.half_space and not lattice.body:
+            sides = zip(lattice.angles, lattice.spacing, strict=True)
+            last = math.hypot(*(float(angle.flat[-1]) / side for angle, side in sides))
+            wanted = cast(float, self.modulus) / 2 * last * lattice.cell
+            if not math.isclose(whole.flat[-1], wanted, rel_tol=1e-6):
+                expected = f"modulus/2 |q| lattice.cell of a half-space, {wanted:.6g} at q = {last:.6g}"
+                raise InputError("stiffness", expected=expected, got=f"{whole.flat[-1]:.6g}")
         if (mounted := self._mounted(lattice, float(whole.max()))) is not None:
             hanging = permanent if self.creep is None else creeping[0]
             whole.flat[0] = hanging.flat[0] = mounted

@@ -146,7 +146,7 @@ def _usage(error: CycloptsError) -> str:
         and has_decimal_comma(error.token.value)
     ):
         text += f"; try {error.token.value.replace(',', '.')}"
-    return f"{text} (see asperity --help)"
+    return f"{text} (see {' '.join(('asperity', *(error.command_chain or ())))} --help)"
 
 
 def _meant(word: str, known: Sequence[str]) -> str:

@@ -133,10 +133,10 @@ def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = ""
 def _check_pair(flag: str, pair: str, key: Key) -> None:
     words = re.split(r"[\s,]+", pair.strip())
     if all(isinstance(number(word), float | int) for word in words):
-        expected = " and ".join(
-            f"a {name.lower()}" for name in _METAVARS.get(key.name, _METAVARS["pair"]).split()
-        )
-        advice = " ".join(f"{word}{unit}" for word, unit in zip(words, key.units, strict=False))
+        names = _METAVARS.get(key.name, _METAVARS["pair"]).lower().split()
+        expected = " and ".join(f"a {name}" for name in names)
+        examples = [*words, *("0.3", "10")[len(words) :]]
+        advice = " ".join(f"{word}{unit}" for word, unit in zip(examples, key.units, strict=False))
         raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
 
 

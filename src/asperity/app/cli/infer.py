@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, Out, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Reading, Results
 from asperity.errors import InputError
@@ -101,6 +101,8 @@ def infer(
         *data, remarks, read, about = _data(
             file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
         )
+    if ramp is not None:
+        check_unit("--ramp", ramp, "s")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
     from asperity.app.cli.reports.infer import inference_report, write_inference

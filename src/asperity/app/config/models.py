@@ -287,12 +287,12 @@ class RunConfig(Section):
                 key, what, word = "relaxation", "a table", "plateau"
                 if getattr(self.solid, "data_last", None) is not None:
                     key, what, word = "data_last", "data", "model"
-                got = "{:g} to {:g}".format(*known)
-                expected = f"{what} of the times to record, {first:g} to {self.end:g}"
+                got = "{:g} to {:g} s".format(*known)
+                expected = f"{what} of the times to record, {first:g} to {self.end:g} s"
                 advice = f'; try extrapolate = "{word}" (--extrapolate {word})'
                 if word == "plateau":
                     advice = f"{advice}, or branches" if first >= known[0] * (1 - 1e-9) else ""
-                raise ValueError(f"[solid] {key}: expected {expected}, got one of {got}{advice}")
+                raise ValueError(f"[solid] {key}: expected {expected}, got {got}{advice}")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
             late = max(times or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):

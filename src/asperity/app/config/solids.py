@@ -219,7 +219,9 @@ class Continuum(SolidSection):
                 raise ValueError("extrapolate: expected data_last beside model, got none")
             others = [key for key in OF_TABLES.values() if getattr(self, key) is not None and not of_branches]
             if others:
-                raise ValueError(f"{others[0]}: expected relaxation beside it, got none")
+                of_data = others == ["extrapolate"] and getattr(self, "data_last", None) is not None
+                advice = '; try extrapolate = "model" (--extrapolate model)' if of_data else ""
+                raise ValueError(f"{others[0]}: expected relaxation beside it, got none{advice}")
             return
         if self.branches:
             raise ValueError("expected branches or relaxation, got both")
