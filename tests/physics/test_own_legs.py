@@ -194,7 +194,7 @@ def test_what_cannot_be():
     each_refuses(
         ("amplitude", "-1.0", lambda: Sine(1.0, -1.0, 1.0)),
         ("target", "'area'", lambda: Sine(1.0, 1.0, 1.0, "area")),  # type: ignore[arg-type]
-        ("load", "-0.28", lambda: asp.age(contact, [1.0], protocol=Sine(1.0, 20.0, 1.0))),
+        ("load", "-", lambda: asp.age(contact, [1.0], protocol=Sine(1.0, 20.0, 1.0))),
         ("protocol", "20", lambda: asp.age(contact, [1.0], protocol=Late(1.0))),
         ("protocol", "'cosine'", lambda: leg_of({"kind": "cosine"})),
     )

@@ -107,11 +107,15 @@ class Extent:
 
 
 class State(NamedTuple):
-    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position."""
+    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position.
+
+    Anchors have ``moved`` by so much, rms, from where they crept, to balance what a solver left.
+    """
 
     u: Field
     anchors: Anchors
     position: float
+    moved: float = 0.0
 
 
 @dataclass
