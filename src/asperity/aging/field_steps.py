@@ -161,13 +161,13 @@ class FieldSteps(TrBdf2):
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness
-        if system.control.load_controlled:  # the load decides the mean
+        if system.load is not None:  # the load decides the mean
             stiffness = step.load_controlled_stiffness
         free = 1.0 - self.contacts_tried() / system.sites
         u *= np.divide(free, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         damp_difference(step.damping, u, error)
         left = np.subtract(u, error, out=error)
-        if system.control.load_controlled:
+        if system.load is not None:
             left[system.mechanics.lattice.mean] = 0.0
         return system.mechanics.rms(left)
 

@@ -123,7 +123,7 @@ class SeparableSteps(Steps):
         """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
         suits = start.solid.separable and system.known is None and len(start.anchors)
-        if not (suits and control.load_controlled and control.rises):
+        if not (suits and system.load is not None and control.rises):
             return None
         u, anchors, in_contact, _ = start.relative
         free = ~in_contact

@@ -169,7 +169,7 @@ class Steps(ABC):
     def approach(self, origin: Origin, separation: float) -> float:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
         system = self.system
-        if not system.control.load_controlled:
+        if system.load is None:
             return -system.moved(0.0, self.time)
         viscous = system.body.mobility * origin.impulse / system.sites
         return origin.separation - separation + viscous

@@ -46,7 +46,7 @@ def first_contact(
             raise InputError("start", expected=expected, got=start.heights.shape)
         u, _, in_contact, _ = start.relative
         guess = Guess(u + (start.datum - system.datum), in_contact)
-    level = 0.0 if control.load_controlled else control.value - system.datum
+    level = control.value - system.datum if system.load is None else 0.0
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         anchors = AnchorFields.flat(level, system)
@@ -69,7 +69,7 @@ def pressed_anew(
     `contact_from` for the least force.
     """
     system = contact.system(control)
-    place = None if control.load_controlled else control.value - system.datum
+    place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
     guess = Guess(np.array(u), in_contact, disposable=True)
     return _anew(contact, contact, system, guess, place, solver, least_force)

@@ -78,7 +78,7 @@ def _judged(
 ) -> float:
     """The residual of a state, whose forces lose what is the rounding of a mean."""
     mechanics = system.mechanics
-    if not system.control.load_controlled:
+    if system.load is None:
         size = float(np.abs(u).max()) * mechanics.body.stiffness
         state.force[...] -= mean_by_rounding(state.force, in_contact, size)
     left = system.interface.violation(state.force, in_contact, yielding, floor)

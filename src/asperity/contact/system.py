@@ -34,8 +34,7 @@ class System:
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
     rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
-    ``known`` force of each site acts beside that of contact; the load is the sum of both. Steps of multigrid
-    in time, and those of a local law of creep, leave it out.
+    ``known`` force of each site acts beside that of contact; the load is the sum of both.
     """
 
     mechanics: Mechanics
