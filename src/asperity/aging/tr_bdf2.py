@@ -277,8 +277,8 @@ def extrapolation(known: Sequence[float], x: float) -> list[float]:
 
 
 def rms(field: NDArray[np.floating]) -> float:
-    """Root mean square over the sites."""
-    scale = largest(field, np)
+    """Root mean square over the sites; 0 of no field."""
+    scale = largest(field, np) if field.size else 0.0
     if not 0 < scale < math.inf:
         return scale
     field = field / scale

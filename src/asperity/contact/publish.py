@@ -93,7 +93,7 @@ def _judged(
         return left
     why, advice = "the solver left forces off contact, or other forces than the load", "another solver"
     if (system.load or float(state.force.sum())) < _smallest_force(system, u) * np.count_nonzero(in_contact):
-        why, advice = "the load is too small for these heights in double precision", "more load"
+        why, advice = "the load is too small beside the crept shape in double precision", "more load"
     raise ConvergenceError(
         f"residual {left:.1e}, expected at most {ACCEPTED_RESIDUAL:.0e}: {why}; try {advice}"
     )
