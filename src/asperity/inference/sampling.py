@@ -300,11 +300,11 @@ def _resumed(checkpoint: Path | None, mark: str) -> tuple[list[_Ensemble], int]:
             ]
     except Exception as error:  # of an archive, of headers: a damaged byte leads anywhere
         expected = "a checkpoint of an inference"
-        got = reason_of(error)
-        raise CheckpointError(str(checkpoint), expected=expected, got=got, advice="removing it") from None
+        got = f"{checkpoint}: {reason_of(error)}"
+        raise CheckpointError("checkpoint", expected=expected, got=got, advice="removing it") from None
     if not same:
         expected = "a checkpoint of the same data, model, priors and seed"
-        raise CheckpointError(str(checkpoint), expected=expected, got="another", advice="another file")
+        raise CheckpointError("checkpoint", expected=expected, got=f"{checkpoint}", advice="another file")
     return several, turn
 
 
