@@ -41,7 +41,7 @@ _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 _MOST_LEGS = 100_000
 """Legs of a history, repetitions written out: each is a march of its own."""
 
-_MOST_SHIFTS = 10**7
+_MOST_SHIFTS = _MOST_STEPS = 10**7
 
 _Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
 _Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
@@ -103,7 +103,16 @@ class Leg(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, parameter in parameters_of(type(self)).items():
+        known = parameters_of(type(self))
+        for name in vars(self).keys() - known:
+            expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
+            raise InputError(name, expected=expected, got="one without", advice=advice)
+        if self.target not in ("", *_TARGETS):
+            expected = f"one of {', '.join(map(repr, _TARGETS))}"
+            raise InputError("target", expected=expected, got=repr(self.target))
+        if self.target and self.duration > 0:
+            checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
+        for name, parameter in known.items():
             value = getattr(self, name)
             if parameter.bounds.get("above") == 0 and value is not None and value < 1 / LARGEST:
                 raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")

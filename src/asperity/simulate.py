@@ -224,7 +224,8 @@ def age(
         What else to record at each time: stiffness, resistances, what sticks under shear. Each costs about
         as much as one press a time.
     solver
-        How to solve the contact problems; by default as `asperity.press` does.
+        How to solve the contact problems; by default as `asperity.press` does. Steps of a local law of creep
+        have their own solver.
     exact
         Whether to use the exact contact of a separable solid (`Solid.separable`) while the load has never
         fallen. The dataset says where it was used.

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.aging.local_steps import LocalSteps
+from asperity.aging.separable import SeparableSteps
+from asperity.aging.spring_steps import SpringSteps
 from asperity.contact import ActiveSet, Multigrid, Separation
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.arrays import inverse
@@ -52,6 +55,20 @@ def pressed_beside(known, contact, *, control=None, solver=None):
         flat = np.full((mechanics.branches, *solution.u.shape), level)
         level = system.body.displacement(solution.u, flat, system.held(level))
     return contact_from(system, solution, AnchorFields.flat(level, system), level, bodies=contact)
+
+
+def test_time_steps_that_leave_it_out_do_not_begin_with_it():
+    body = half_space(modulus=1.0, branches=[(0.5, 1.0)])
+    for solid, kind in ((spring_lattice(k0=1.0, k1=3.0), SpringSteps), (body, SeparableSteps)):
+        contact = asp.press(HEIGHTS, solid, load=5.0)
+        system = contact.system()
+        solver = chosen_solver(None, system)
+        assert kind.begin(system, solver, contact) is not None
+        assert kind.begin(replace(system, known=uneven(contact)), solver, contact) is None
+    law = asp.solids.Norton(rate=1.0, stress=1.0, exponent=3.0)
+    contact = asp.press(HEIGHTS, half_space(modulus=1.0, creep=law), load=5.0)
+    with refuses("creep", "one"):
+        LocalSteps.begin(replace(contact.system(), known=uneven(contact)), ActiveSet(), contact)
 
 
 def indentation(known, contact):

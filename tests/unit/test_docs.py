@@ -271,4 +271,4 @@ def test_the_page_of_one_step_names_the_functions_in_the_order_of_their_calls():
     finally:
         sys.setprofile(None)
     assert called == named
-    assert len(named) == 12
+    assert len(named) == 13

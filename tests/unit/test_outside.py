@@ -1,8 +1,8 @@
 """A solid, a leg and a contact solver that are written outside the package go through all of it."""
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from annotated_types import Gt
 import asperity as asp
 from asperity.base.parameters import Quantity
 from asperity.contact import ActiveSet
+from asperity.errors import ConvergenceError, InputError
 from asperity.protocols import Leg
 from asperity.results import load_contact
 from asperity.solids import Solid
@@ -136,6 +137,84 @@ def test_it_is_saved_and_read_again(tmp_path):
     with refuses("solid", "delay 50.0"):
         load_contact(tmp_path / "contact", delayed(MODULUS, MODULUS, TIME))
     assert "delayed" in OUTSIDE._repr_html_()
+
+
+def leg_of(value=lambda _, start: start, longest=1.0, target="load"):
+    """A leg of a class of its own."""
+
+    @dataclass(frozen=True)
+    class Own(Leg):
+        duration: Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
+
+        def value(self, time, start):
+            return value(time, start)
+
+    return type("Own", (Own,), {"longest": longest, "target": target})(2.0)
+
+
+@pytest.mark.parametrize("longest", [0.0, -1.0, math.nan, 1e-12, None])
+def test_steps_that_follow_a_leg_last_for_a_while(longest):
+    with refuses("longest", longest):
+        leg_of(longest=longest)
+
+
+def test_a_leg_prescribes_something_in_fields_that_say_what_they_are():
+    with refuses("target", "'Load'"):
+        leg_of(target="Load")
+
+    @dataclass(frozen=True)
+    class Bare(Leg):
+        span: float
+
+    with refuses("span", "one without"):
+        Bare(1.0)
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, None, "1", 1j])
+def test_what_a_leg_prescribes_is_a_number(wrong):
+    with refuses("load"):
+        asp.age(pressed(OUTSIDE), [1.0], protocol=leg_of(lambda time, start: wrong if time else start))
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """A solver whose answers are changed."""
+
+    change: Any
+
+    def solve(self, problem, guess, accuracy):
+        return self.change(ActiveSet().solve(problem.spectral(), guess, accuracy))
+
+
+ANSWERS = {
+    "none": (lambda _: None, InputError),
+    "list": (lambda found: replace(found, u=found.u.tolist()), InputError),
+    "single": (lambda found: replace(found, u=found.u.astype("f4")), InputError),
+    "shape": (lambda found: replace(found, u=found.u[:2]), InputError),
+    "sites": (lambda found: replace(found, in_contact=found.in_contact.astype(int)), InputError),
+    "nan": (lambda found: replace(found, u=found.u * math.nan), InputError),
+    "below": (lambda found: replace(found, u=found.u - 0.1), InputError),
+    "above": (lambda found: replace(found, u=found.u + 0.1 * ~found.in_contact), ConvergenceError),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+@pytest.mark.parametrize(
+    "solid", [asp.solids.spring_lattice(k0=1.0, k1=3.0), OUTSIDE], ids=["springs", "body"]
+)
+def test_an_answer_that_is_none_is_told_of_whatever_asks_for_it(solid, name):
+    change, error = ANSWERS[name]
+    heights, solver = np.random.default_rng(0).normal(size=(16, 16)), Wrong(change)
+    load = 0.03 * heights.size * (1.0 if solid is not OUTSIDE else MODULUS)
+    contact = asp.press(heights, solid, load=load)
+    for compute in (
+        lambda: asp.press(heights, solid, load=load, solver=solver),
+        lambda: asp.age(contact, [TIME / 50], solver=solver, exact=False),
+        lambda: asp.relax(contact, solver=solver),
+    ):
+        with pytest.raises(error, match="solver") as told:
+            compute()
+        assert "more load" not in str(told.value)
 
 
 def test_a_leg_and_a_solver_from_outside_go_on_from_a_checkpoint(tmp_path):

@@ -155,6 +155,18 @@ def run(error_of, stop, length):
     return taken
 
 
+@pytest.mark.parametrize(("stops", "longest"), [(1000, math.inf), (1, 0.001)])
+def test_stops_and_legs_that_make_steps_short_are_no_sign_of_being_stuck(stops, longest):
+    controller, time, taken = Controller(step_tolerance(2e-3), 0.1), 1.0, 0
+    for stop in np.linspace(1.0, 2.0, stops + 1)[1:].tolist():
+        while time < stop:
+            step = controller.step(time, stop, longest)
+            assert not controller.is_stuck(time, step)
+            assert controller.accepts(step, 0.5)
+            time, taken = stop if step == stop - time else time + step, taken + 1
+    assert taken >= 1000
+
+
 def test_it_tells_when_it_is_stuck_and_starts_over_where_it_was():
     controller = Controller(1e-3, 0.5)
     for _ in range(TUNING.most_unsolved + 1):

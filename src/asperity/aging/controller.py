@@ -37,7 +37,7 @@ class Tuning:
     """Steps that are not solved, while time doubles, after which others are not going to succeed."""
 
     most_steps: float = 30.0
-    """Time steps, taken or repeated, in which time must at least double, in units of tolerance^(-1/3).
+    """Time steps as long as errors let them be in which time must at least double, over tolerance^(-1/3).
 
     Steps of a method whose error grows like their cube are as many as these units.
     """
@@ -55,8 +55,8 @@ def step_tolerance(rtol: float) -> float:
 class Controller:
     """Chooses the length of the next time step, which may err by the tolerance, in deformations.
 
-    Steps ``tried`` and ``unsolved`` are counted ``since`` a time that is set anew whenever time has doubled;
-    ``wished`` is the length of the first of those not solved.
+    Steps ``tried`` that errors shorten, and those ``unsolved``, are counted ``since`` a time that is set anew
+    whenever time has doubled; ``wished`` is the length of the first of those not solved.
     """
 
     tolerance: float
@@ -92,7 +92,7 @@ class Controller:
         That of a step that was not solved is infinite. The length of the next one follows, as errors grow
         like its cube.
         """
-        self.tried += 1
+        self.tried += error > 1 or length >= self.length  # else a stop or a leg made it short
         growth = TUNING.growth
         change = max(TUNING.shrinkage, TUNING.margin * error ** (-1 / 3)) if error > 0 else growth
         change = min(change, growth)

@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2
+from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2, rms
 from asperity.contact.anchors import AnchorFields, AnchorModes
 from asperity.contact.arrays import largest
 from asperity.contact.branches import add_creep, damp_difference, weighted_sum
+from asperity.contact.choice import solved
 from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
 from asperity.contact.problem import Accuracy, ContactSolver, Guess
@@ -96,11 +97,13 @@ class FieldSteps(TrBdf2):
         """See `Steps`."""
         point, mechanics, system = self.point, self.system.mechanics, self.system.at(self.time)
         if not self.eager:
-            stretch = system.balanced_stretch(point.u, mechanics.lattice.backward(point.stretch))
-            return State(point.u, AnchorFields(point.u - stretch), point.position)
+            before = mechanics.lattice.backward(point.stretch)
+            stretch = system.balanced_stretch(point.u, before)
+            return State(point.u, AnchorFields(point.u - stretch), point.position, rms(stretch - before))
         held, touching = system.held(point.position), point.u <= system.heights
         change = mechanics.balancing(point.modes, point.stretch, touching, held)
-        return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position)
+        moved = mechanics.rms(np.broadcast_to(change, point.stretch.shape))
+        return State(point.u, AnchorModes((point.modes - change) - point.stretch), point.position, moved)
 
     def extent(self) -> Extent:
         """See `Steps`."""
@@ -135,7 +138,7 @@ class FieldSteps(TrBdf2):
         accuracy = Accuracy(stage.tolerance)
         if self.eager:
             accuracy = Accuracy(stage.tolerance, stage.allowed_error, settled=stage.is_last)
-        solution = self.solver.solve(problem, guess, accuracy)
+        solution = solved(self.solver, problem, guess, accuracy)
         if accuracy.settled:  # steps begin with modes that are exact
             modes = lattice.forward(solution.u)
         else:
@@ -158,13 +161,13 @@ class FieldSteps(TrBdf2):
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness
-        if system.control.load_controlled:  # the load decides the mean
+        if system.load is not None:  # the load decides the mean
             stiffness = step.load_controlled_stiffness
         free = 1.0 - self.contacts_tried() / system.sites
         u *= np.divide(free, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         damp_difference(step.damping, u, error)
         left = np.subtract(u, error, out=error)
-        if system.control.load_controlled:
+        if system.load is not None:
             left[system.mechanics.lattice.mean] = 0.0
         return system.mechanics.rms(left)
 

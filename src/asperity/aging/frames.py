@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
-from asperity.aging.tr_bdf2 import Origin, Steps
+from asperity.aging.tr_bdf2 import Origin, State, Steps
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
@@ -96,10 +96,10 @@ class Counts:
     iterations: int = 0
 
 
-def published(start: Contact, now: Steps, origin: Origin, counts: Counts) -> Frame:
+def published(start: Contact, now: Steps, state: State, origin: Origin, counts: Counts) -> Frame:
     """The present state of what a contact has become, in exact equilibrium."""
-    system, (u, anchors, position) = now.system.at(now.time), now.state()
+    system, (u, anchors, position, _) = now.system.at(now.time), state
     solution = Solution(u, u <= system.heights, counts.iterations, 0)
-    state = contact_from(system, solution, anchors, position, bodies=start)
-    approach = now.approach(origin, state.separation)
-    return Frame(now.time, state, approach, **vars(counts), solved_by=now.kind)
+    contact = contact_from(system, solution, anchors, position, bodies=start)
+    approach = now.approach(origin, contact.separation)
+    return Frame(now.time, contact, approach, **vars(counts), solved_by=now.kind)

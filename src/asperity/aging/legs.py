@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 
 from asperity.aging.frames import Frame, Midway
 from asperity.aging.march import creep
+from asperity.base import checks
 from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
@@ -252,7 +253,7 @@ class _Way:
     def target(self, leg: Leg) -> Control:
         """What a leg prescribes at once."""
         kind, zero, unit = self.measured(leg, self.level)
-        return kind(zero + unit * leg.value(0.0, math.nan))
+        return kind(zero + unit * checks.number(leg.target, leg.value(0.0, math.nan)))
 
     def measured(self, leg: Leg, level: float) -> tuple[type[Control], float, float]:
         """What a leg prescribes, with the zero and the unit of its values."""
@@ -269,7 +270,7 @@ class _Way:
         first, pace = (start.value - zero) / unit, leg.duration / (lasting * leg.mobility)
 
         def at(time: float) -> float:
-            return zero + unit * leg.value(time * pace, first)
+            return zero + unit * checks.number(leg.target, leg.value(time * pace, first))
 
         if abs(at(0.0) - start.value) > 1e-9 * max(abs(zero), abs(start.value)):
             expected, got = f"legs that begin at what is prescribed, {start.value:g}", f"{at(0.0):g}"

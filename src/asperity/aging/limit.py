@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from asperity.contact.anchors import AnchorFields
-from asperity.contact.choice import chosen_solver
+from asperity.contact.choice import chosen_solver, solved
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
 from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
@@ -58,7 +58,7 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     else:
         guess = Guess(np.array(u), in_contact, disposable=True)
         problem = system.problem(step, before)
-        solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
+        solution = solved(chosen_solver(solver, system), problem, guess, PUBLISHED)
     stretch, position = system.stretch(step, solution, before, position)
     how = system, solution, AnchorFields(solution.u - stretch), position
     return contact_from(*how, bodies=contact)

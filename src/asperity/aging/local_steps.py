@@ -28,6 +28,7 @@ from asperity.contact.local_creep import LocalState, Stage
 from asperity.contact.problem import ContactSolver
 from asperity.contact.stencils import combined, extrapolated
 from asperity.contact.system import System
+from asperity.errors import InputError
 from asperity.lattice import Field
 
 
@@ -56,6 +57,8 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         if system.mechanics.law is None:
             return None
+        if system.known is not None:
+            raise InputError("creep", expected="no known force beside a local law", got="one")
         u, (shape,), _, position = start.relative
         u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
@@ -85,7 +88,7 @@ class LocalSteps(TrBdf2):
 
     def approach(self, origin: Origin, separation: float) -> float:
         """See `Steps`."""
-        return -self.position if self.system.control.load_controlled else super().approach(origin, separation)
+        return -self.position if self.system.load is not None else super().approach(origin, separation)
 
     def contacts_tried(self) -> int:
         """See `Steps`."""
@@ -118,7 +121,7 @@ class LocalSteps(TrBdf2):
         system, again = self.system.at(stage.time), stage.is_last
         position = self.system.moved(0.0, stage.time) + self.crept
         problem = Stage(stage.tau, before, system.load, position, again=again)
-        guess = self._in_frame(self._extrapolated(stage.weights))
+        guess = self._extrapolated(stage.weights)
         self.run = self.solver.solve(problem, guess, stage.allowed_error)
         end = self.run.state()
         rate = combined(end.u, (-1.0, self.solver.stretch(end.force)), (-1.0, before))
@@ -128,24 +131,19 @@ class LocalSteps(TrBdf2):
         self.rates.append(rate)
         return self.run.iterations
 
-    def _in_frame(self, state: LocalState) -> LocalState:
-        """A state whose position goes with the present shape."""
-        return LocalState(state.u, state.force, state.position + self.crept)
-
     def _extrapolated(self, weights: Sequence[float]) -> LocalState:
+        """A guess, whose position goes with the present shape."""
         latest, *earlier = (*reversed(self.tried), *self.known)
-        weights = weights[1:]
-        u = extrapolated(latest.u, *zip(weights, (state.u for state in earlier), strict=False))
-        force = extrapolated(latest.force, *zip(weights, (state.force for state in earlier), strict=False))
-        position = latest.position
-        for weight, state in zip(weights, earlier, strict=False):
-            position += weight * (state.position - latest.position)
-        return LocalState(u, force, position)
+        terms = list(zip(weights[1:], earlier, strict=False))
+        u = extrapolated(latest.u, *((weight, state.u) for weight, state in terms))
+        force = extrapolated(latest.force, *((weight, state.force) for weight, state in terms))
+        ahead = sum(weight * (state.position - latest.position) for weight, state in terms)
+        return LocalState(u, force, latest.position + ahead + self.crept)
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """See `Steps`; under a load nothing holds the mean back, so that what a step errs by in it stays."""
         attempt = super().attempt(duration, aim)
-        if attempt.failure or not self.system.control.load_controlled:
+        if attempt.failure or self.system.load is None:
             return attempt
         end = self.tried[-1]
         mean = float(np.mean(end.u - self.solver.stretch(end.force))) - end.position
@@ -161,7 +159,7 @@ class LocalSteps(TrBdf2):
 
     def _about_mean(self, field: Field) -> Field:
         """A field less its mean, where the load decides that."""
-        return field - field.mean() if self.system.control.load_controlled else field
+        return field - field.mean() if self.system.load is not None else field
 
     def advance(self) -> None:
         """See `TrBdf2`."""
@@ -169,7 +167,7 @@ class LocalSteps(TrBdf2):
         check_stress(self.system, end.force)
         self.shape = end.u - self.solver.stretch(end.force)
         self.shape -= end.position + self.crept
-        if self.system.control.load_controlled:
+        if self.system.load is not None:
             mean = float(self.shape.mean())
             self.shape -= mean
             self.crept += mean

@@ -139,7 +139,7 @@ class _March:
         after_step: Callable[[Callable[[], Midway]], None] | None,
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
-        self.controller = Controller(step_tolerance(rtol))
+        self.rtol, self.controller = rtol, Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
         self.origin, self.counts = Origin(start.separation), Counts()
@@ -151,7 +151,13 @@ class _March:
             yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
         for stop in stops.tolist():
             self.advance_to(stop)
-            yield published(start, self.now, self.origin, self.counts)
+            state = self.now.state()
+            if self.relative(state.moved, self.deformation) * self.controller.tolerance > self.rtol:
+                raise ConvergenceError(
+                    f"aging: the solver left forces that u0 balances only if it moves by {state.moved:.1e}, "
+                    "more than rtol allows; try another solver"
+                )
+            yield published(start, self.now, state, self.origin, self.counts)
             self.counts = Counts()
 
     def begin(self, system: System, exact: bool, keep_area: bool, deformation: float) -> None:

@@ -31,6 +31,7 @@ from asperity.aging.controller import step_tolerance
 from asperity.aging.tr_bdf2 import Aim, Attempt, Extent, State, Steps
 from asperity.contact.anchors import AnchorModes
 from asperity.contact.arrays import largest
+from asperity.contact.choice import solved
 from asperity.contact.contact import Contact
 from asperity.contact.problem import TOLERANCE, Accuracy, ContactSolver, Guess, SpectralProblem
 from asperity.contact.system import System
@@ -121,7 +122,8 @@ class SeparableSteps(Steps):
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
         """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
-        if not (start.solid.separable and control.load_controlled and control.rises and len(start.anchors)):
+        suits = start.solid.separable and system.known is None and len(start.anchors)
+        if not (suits and system.load is not None and control.rises):
             return None
         u, anchors, in_contact, _ = start.relative
         free = ~in_contact
@@ -163,7 +165,8 @@ class SeparableSteps(Steps):
         position = float(self.u.mean()) - drop / self.system.sites
         held, touching = now.held(position), self.u <= self.system.heights
         change = mechanics.balancing(self.modes, stretch, touching, held) if self.eager else 0.0
-        return State(self.u, AnchorModes((self.modes - change) - stretch), position)
+        moved = mechanics.rms(np.broadcast_to(change, stretch.shape))
+        return State(self.u, AnchorModes((self.modes - change) - stretch), position, moved)
 
     def extent(self) -> Extent:
         """How large the deformation is."""
@@ -197,7 +200,7 @@ class SeparableSteps(Steps):
         if self.eager:
             passing, allowed = aim.allowed_errors
             accuracy = Accuracy(aim.tolerances[1], allowed, settled=allowed < passing)
-        solution = self.solver.solve(problem, guess, accuracy)
+        solution = solved(self.solver, problem, guess, accuracy)
         error = 0.0
         if ahead > 0:
             surprise = solution.u - self.u - ahead * (self.u - self.before)

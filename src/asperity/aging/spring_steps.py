@@ -70,12 +70,14 @@ class SpringSteps(TrBdf2):
         mechanics: Any = system.mechanics
         if not (hasattr(solver, "work_on") and solver.suits(mechanics) and mechanics.springs.creep):
             return None
-        if start.area == 0 and not system.control.load_controlled:
+        if system.known is not None:
+            return None  # rates and changes leave it out
+        if start.area == 0 and system.load is None:
             return None  # it hangs, and its surface is known to the last digit
         u, anchors, *_ = start.relative
         u, stretch = np.array(u), u - anchors
         (rate,), w = mechanics.creep_rate(stretch), stretch[0]
-        rate += -rate.mean() if system.control.load_controlled else system.drift  # the load decides its mean
+        rate += -rate.mean() if system.load is not None else system.drift  # the load decides its mean
         work, unit = solver.work_on(mechanics), max(largest(u, np), largest(w, np)) or 1.0
         arrays: dict[str, NDArray[Any]] = {"u": u, "stretch": w, "rate": work.backend.packed(rate / unit)}
         for names in _CHANGES:

@@ -107,11 +107,15 @@ class Extent:
 
 
 class State(NamedTuple):
-    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position."""
+    """A state to publish: u, the anchors with which it is in exact equilibrium, and the body's position.
+
+    Anchors have ``moved`` by so much, rms, from where they crept, to balance what a solver left.
+    """
 
     u: Field
     anchors: Anchors
     position: float
+    moved: float = 0.0
 
 
 @dataclass
@@ -165,7 +169,7 @@ class Steps(ABC):
     def approach(self, origin: Origin, separation: float) -> float:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
         system = self.system
-        if not system.control.load_controlled:
+        if system.load is None:
             return -system.moved(0.0, self.time)
         viscous = system.body.mobility * origin.impulse / system.sites
         return origin.separation - separation + viscous
@@ -273,8 +277,8 @@ def extrapolation(known: Sequence[float], x: float) -> list[float]:
 
 
 def rms(field: NDArray[np.floating]) -> float:
-    """Root mean square over the sites."""
-    scale = largest(field, np)
+    """Root mean square over the sites; 0 of no field."""
+    scale = largest(field, np) if field.size else 0.0
     if not 0 < scale < math.inf:
         return scale
     field = field / scale

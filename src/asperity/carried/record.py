@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asperity.base import checks, units
-from asperity.carried.response import check_half_space
+from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
 from asperity.errors import InputError
@@ -63,8 +62,7 @@ class Carried:
         if self.conductivity is not None:
             found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.shear is not None and self.friction is not None:
-            force = checks.number("shear", units.converted("shear", self.shear, "N", si=contact.si), above=0)
-            mu = checks.number("friction", self.friction, above=0)
+            force, mu = sheared(contact, self.shear, self.friction)
             slides = force >= mu * contact.load
             found["stick_fraction"] = 0.0 if slides else contact.partial_slip(force, mu).stick_fraction
         return found

@@ -89,14 +89,19 @@ def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
     )
 
 
+def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[float, float]:
+    """Shear force, in the units of a contact, and coefficient of friction."""
+    force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
+    return force, checks.number("friction", friction, above=0)
+
+
 @views.maker
 def partial_slip(
     contact: Contact, shear: float | str, friction: float, poisson: float | None = None
 ) -> PartialSlip:
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
-    force = checks.number("shear", units.converted("shear", shear, "N", si=contact.si), above=0)
-    mu = checks.number("friction", friction, above=0)
+    force, mu = sheared(contact, shear, friction)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
     if force >= mu * contact.load:
         expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"

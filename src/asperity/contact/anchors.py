@@ -56,9 +56,9 @@ class AnchorFields(Anchors):
     def balance(self, system: System, u: Field, position: float) -> Balance:
         """See `Anchors`."""
         position, stretch = system.body.position(u, self.fields, position), u - self.fields
-        force, energy = system.force(u, stretch, position), system.energy
-        carried = system.body.carried(u, stretch, position)
-        return Balance(position, force, lambda: energy(u, stretch, position), carried)
+        mechanics, held = system.mechanics, system.held(position)
+        force, carried = mechanics.force(u, stretch, held), system.body.carried(u, stretch, position)
+        return Balance(position, force, lambda: mechanics.energy(u, stretch, held), carried)
 
 
 @dataclass(frozen=True, eq=False)

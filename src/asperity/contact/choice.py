@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
+import numpy as np
+
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.lattice_creep import LatticeCreep
 from asperity.contact.local_creep import ByLaw
 from asperity.contact.multigrid import Multigrid
-from asperity.contact.problem import ContactSolver
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
 from asperity.contact.series_creep import SeriesCreep
 from asperity.contact.system import System
 from asperity.errors import InputError
@@ -35,3 +40,23 @@ def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver
             "solver", expected="an object that solves", got=got, advice="solver=asperity.Multigrid()"
         )
     return solver
+
+
+def solved(
+    solver: ContactSolver, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
+) -> Solution:
+    """What a solver finds; `InputError` for what is no surface above the heights."""
+    found, heights = solver.solve(problem, guess, accuracy), problem.heights
+    fields: list[Any] = [getattr(found, name, None) for name in ("u", "in_contact")]
+    facts = [(np.shape(field), str(getattr(field, "dtype", ""))) for field in fields]
+    expected, got = "a Solution", ""
+    if facts != [(heights.shape, "float64"), (heights.shape, "bool")]:
+        expected = f"a Solution with u, float64, and in_contact, bool, of shape {heights.shape}"
+        got = f"{checks.kind_of(found)} with {' and '.join(f'{kind} {shape}' for shape, kind in facts)}"
+    elif not math.isfinite(float(found.u.sum())):
+        got = "u that is not finite"
+    elif not (problem.interface.yields or (found.u >= heights).all()):
+        got = "u below the heights, which do not yield"
+    if got:
+        raise InputError("solver", expected=expected, got=got, advice="solver=asperity.ActiveSet()")
+    return found

@@ -11,7 +11,7 @@ import numpy as np
 from asperity.base import checks
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
-from asperity.contact.choice import chosen_solver
+from asperity.contact.choice import chosen_solver, solved
 from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
 from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, ContactSolver, Guess, Solution
@@ -46,13 +46,13 @@ def first_contact(
             raise InputError("start", expected=expected, got=start.heights.shape)
         u, _, in_contact, _ = start.relative
         guess = Guess(u + (start.datum - system.datum), in_contact)
-    level = 0.0 if control.load_controlled else control.value - system.datum
+    level = control.value - system.datum if system.load is None else 0.0
     if system.load == 0:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         anchors = AnchorFields.flat(level, system)
         return contact_from(system, touching, anchors, level, bodies=bodies)
     problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
-    solution = chosen_solver(solver, system).solve(problem, guess, PUBLISHED)
+    solution = solved(chosen_solver(solver, system), problem, guess, PUBLISHED)
     if system.load is not None:
         flat = np.broadcast_to(level, (system.mechanics.branches, *solution.u.shape))
         level += system.body.displacement(solution.u, flat, system.held(level))
@@ -69,7 +69,7 @@ def pressed_anew(
     `contact_from` for the least force.
     """
     system = contact.system(control)
-    place = None if control.load_controlled else control.value - system.datum
+    place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
     guess = Guess(np.array(u), in_contact, disposable=True)
     return _anew(contact, contact, system, guess, place, solver, least_force)
@@ -135,7 +135,8 @@ def above_anchors(
     """Solve for the surface above anchors, which may be overwritten, relative to the datum of the system."""
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
-    solution = chosen_solver(solver, system).solve(problem, guess, Accuracy(TUNING.strict * TOLERANCE))
+    accuracy = Accuracy(TUNING.strict * TOLERANCE)
+    solution = solved(chosen_solver(solver, system), problem, guess, accuracy)
     if system.load is not None:
         moved = system.body.displacement(solution.u, anchors, system.held(position))
         anchors += moved

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -81,6 +81,7 @@ class SpringProblem:
     load: float | None
     mirrored: bool
     spectral: Callable[[], SpectralProblem]
+    interface: ClassVar[Interface] = RIGID
     known: Field | None = None
 
     def in_neighbors(self) -> SpringProblem:

@@ -34,8 +34,7 @@ class System:
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
     rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
-    ``known`` force of each site acts beside that of contact; the load is the sum of both. Steps of multigrid
-    in time, and those of a local law of creep, leave it out.
+    ``known`` force of each site acts beside that of contact; the load is the sum of both.
     """
 
     mechanics: Mechanics
@@ -136,10 +135,6 @@ class System:
             return solution.stretch[np.newaxis], position
         return step.stretch(solution.u, anchors, self.held(position))
 
-    def force(self, u: Field, stretch: Field, position: float) -> Field:
-        """Contact force at every site."""
-        return self.mechanics.force(u, stretch, self.held(position))
-
     def balanced_stretch(self, u: Field, stretch: Field) -> Field:
         """Stretches with which the surface u is in exact equilibrium, near some with which it almost is."""
         mean, total = self.body.stretch(self.load), None
@@ -148,7 +143,3 @@ class System:
         elif not self.free_mean:  # then the mean of u0 stays, and of u - u0 with it
             total = float(stretch.sum())
         return self.mechanics.balanced_stretch(u, stretch, self.heights, total, self.interface)
-
-    def energy(self, u: Field, stretch: Field, position: float) -> float:
-        """Elastic energy."""
-        return self.mechanics.energy(u, stretch, self.held(position))
