@@ -107,7 +107,7 @@ class Leg(Checked):
         for name in vars(self).keys() - known:
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
-        if self.target not in ("", *_TARGETS):
+        if self.target not in _TARGETS and (self.target or type(self).value is not Leg.value):
             expected = f"one of {', '.join(map(repr, _TARGETS))}"
             raise InputError("target", expected=expected, got=repr(self.target))
         if self.target and self.duration > 0:
@@ -440,10 +440,6 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
         got = repr(others[0])
         raise InputError("protocol", expected="legs, such as Hold or Ramp", got=got, advice=advice)
-    for leg in protocol:
-        if leg.target not in _TARGETS and (leg.target or type(leg).value is not Leg.value):
-            got = f"{leg.target!r} of {type(leg).__name__}"
-            raise InputError("target", expected=f"one of {', '.join(_TARGETS)}", got=got)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:

@@ -5,7 +5,7 @@ import functools
 import inspect
 import pickle
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -196,7 +196,7 @@ def test_a_remark_is_at_the_line_that_called():
 )
 def test_an_argument_that_belongs_elsewhere_is_sent_there(name, advice):
     with refuses("predict", repr(name), advice=advice, kind=CallError):
-        asp.predict("relaxation.csv", "scan.opd", pressure="1 MPa", **{name: 1.0})
+        asp.predict("relaxation.csv", "scan.opd", pressure="1 MPa", **cast(Any, {name: 1.0}))
 
 
 def test_a_key_of_an_instrument_is_checked_before_anything_is_read():

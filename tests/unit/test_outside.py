@@ -256,7 +256,7 @@ class Law(asp.solids.LocalCreep):
 class Aimless(Sine):
     """It does not say what it prescribes, or says another word."""
 
-    target: str = ""
+    target: Annotated[str, Quantity("what it prescribes")] = ""
 
 
 @pytest.mark.parametrize(

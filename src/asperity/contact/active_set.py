@@ -246,7 +246,8 @@ class _Run:
                 "try ActiveSet(max_iterations=...) with more, or heights with less dynamic range"
             )
         acceptable = max(self.tolerance * self.load / self.touching, self.rounding)
-        goal = max(target, 0.5 * acceptable) / self.worst
+        # What is small already may have to be smaller still, as the sum of many forces moves the load.
+        goal = min(TUNING.reduction, max(target, 0.5 * acceptable) / self.worst)
         if self.single:
             goal = max(goal, TUNING.digits)
         allowed = self.allowed_error, self.allowed_imbalance
