@@ -99,3 +99,16 @@ def test_without_mobility_nothing_creeps():
 def test_an_aged_contact_relaxes_to_the_same_limit():
     contact = press(ROUGH, spring_lattice(k0=1.0, k1=3.0), load=30.0)
     np.testing.assert_allclose(relax(age(contact, [3.0]).final).u, relax(contact).u, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_smooth_heights_on_nearly_independent_springs_relax_to_full_contact(seed):
+    """Neighbors alone resist at the end: on sites that all touch, their forces have no sum."""
+    squares = sum(np.meshgrid(np.fft.fftfreq(35) ** 2, np.fft.fftfreq(33) ** 2, indexing="ij"))
+    white = np.fft.fft2(np.random.default_rng(seed).normal(size=(35, 33)))
+    heights = np.fft.ifft2(white / (1e-3 + squares)).real
+    heights /= heights.std()
+    contact = press(heights, spring_lattice(k0=5.7e-7, k1=82.0), load=0.69 * heights.size)
+    relaxed = relax(contact)
+    assert contact.area < relaxed.area == heights.size
+    assert relaxed.load == pytest.approx(contact.load, rel=1e-9)

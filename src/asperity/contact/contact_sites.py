@@ -219,7 +219,7 @@ class _CloseSites:
         even, weight = np.zeros_like(here), 1.0
         if total is not None:
             even = here * self.stiffness(here)
-            weight = inner(here, even, np)
+            weight = inner(here, even, np) or 1.0  # 0 where all sites touch and nothing but neighbors resists
             change += np.float32((total - float(change.sum(dtype=float))) / weight) * even
         residual = here * (right - self.displacement(change))
         direction, slope, goal = None, 1.0, 0.0
