@@ -4,7 +4,7 @@ The sites are split into contacts, where u = xi, and free sites, where S u = b i
 gradients (`asperity.contact.free_sites`). Then contacts in tension (r < 0) are released and free sites that
 penetrate (u < xi) become contacts, until neither is left (M. Hintermueller, K. Ito, K. Kunisch, SIAM J.
 Optim. 13, 865 (2002), DOI 10.1137/S1052623401383558). The split is revised before the linear problem is
-solved, when its residual has fallen to a third or so.
+solved: the more sites a revision moved, the less accurate a solution the next is worth.
 
 A stage of creep may stop as soon as u is as accurate as the step needs: what conjugate gradients leave is
 estimated by the preconditioned residual and the last correction.
@@ -60,6 +60,9 @@ class Tuning:
 
     reduction: float = 0.3
     """How far, at least, the linear residual falls before the set of contacts is revised."""
+
+    reduction_per_change: float = 4.0
+    """After a revision that moved the fraction x of the contacts, the residual falls to this times x."""
 
     careful_after: int = 60
     """Revisions after which linear solutions become accurate, records are kept, and sites that are wrong by
@@ -316,7 +319,9 @@ class _Run:
                 f"contact solver: {self.set_changes - 1} revisions of the set of contacts did not settle it; "
                 f"try {advice}"
             )
-        count, self.reduction = int(xp.count_nonzero(wrong)), TUNING.reduction
+        count = int(xp.count_nonzero(wrong))
+        moved = count / max(self.contacts, 1)
+        self.reduction = min(TUNING.reduction, TUNING.reduction_per_change * moved)
         if self.is_careful():
             self.allowed_error = 0.0
             if count < self.record:

@@ -40,6 +40,9 @@ class Tuning:
     pinning: float = 0.4
     """Factor on the mean pinning sigma; near contacts the weights add to it."""
 
+    least: float = 0.01
+    """Least part of the neighbors of contacts that counts as free."""
+
     coarser: int = 4
     """Ratio of the lengths of successive lattices."""
 
@@ -220,7 +223,7 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
     count = float(xp.sum(contacts, dtype=xp.float64))
     fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
     together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
-    single = min(1.0, max(1 - together, 0.01) / max(1 - fraction, 0.01))  # 1 if they lie at random
+    single = min(1.0, max(1 - together, TUNING.least) / max(1 - fraction, TUNING.least))  # 1 if they lie at random
     return single * effective_pinning(lattice, spectrum, fraction)
 
 
