@@ -223,7 +223,8 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
     count = float(xp.sum(contacts, dtype=xp.float64))
     fraction = max(count, 2.0) / lattice.sites  # one contact pins the mean of the surface and nothing else
     together = inner(contacts, neighbors, xp) / (2 * lattice.dimension * count)
-    single = min(1.0, max(1 - together, TUNING.least) / max(1 - fraction, TUNING.least))  # 1 if they lie at random
+    # 1 if they lie at random
+    single = min(1.0, max(1 - together, TUNING.least) / max(1 - fraction, TUNING.least))
     return single * effective_pinning(lattice, spectrum, fraction)
 
 
