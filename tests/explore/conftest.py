@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import json
-import math
 import shutil
 import signal
 from collections.abc import Iterator, Sequence
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 
 from asperity.app.cli import main
-from asperity.app.explore.scene import Arrays, Header
+from asperity.app.explore.scene import Arrays, Header, unpack
 from tests.campaign.conftest import do_here, written
 from tests.cli.conftest import process
 
@@ -32,19 +31,6 @@ sweep = { load = [4.0, 12.0], seeds = 2 }
 """
 LARGE: dict[str, Any] = {"surface": {"shape": [1024, 1024]}, "solid": {"kind": "half_space", "modulus": 1.0}}
 """One whose press takes many seconds."""
-
-
-def unpack(message: bytes) -> tuple[Header, Arrays]:
-    """Take a message of `pack` apart."""
-    length = int.from_bytes(message[:4], "little")
-    header: Header = json.loads(message[4 : 4 + length])
-    start = (4 + length + 7) // 8 * 8
-    arrays = {}
-    for one in header.pop("arrays"):
-        count = math.prod(one["shape"])
-        found = np.frombuffer(message, np.dtype(f"<{one['dtype']}"), count, start + one["offset"])
-        arrays[one["name"]] = found.reshape(one["shape"])
-    return header, arrays
 
 
 class Server:

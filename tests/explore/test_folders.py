@@ -18,8 +18,9 @@ from asperity.app.config import config_from
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import entries, inside, kind_of, open_entry
 from asperity.app.explore.mistakes import without_flags
+from asperity.app.explore.scene import unpack
 from tests.campaign.conftest import do_here, written
-from tests.explore.conftest import heights_of, maps, unpack
+from tests.explore.conftest import heights_of, maps
 from tests.refusals import refuses
 
 

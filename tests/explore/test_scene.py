@@ -17,9 +17,8 @@ import asperity as asp
 from asperity.app.config import config_from
 from asperity.app.config.keys import sections
 from asperity.app.explore.mistakes import mistakes_of, without_flags
-from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started
+from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started, unpack
 from asperity.errors import InputError
-from tests.explore.conftest import unpack
 
 ARRAYS: dict[str, Any] = {
     "rows": np.arange(6.0).reshape(3, 2),

@@ -80,6 +80,19 @@ def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = 
     return b"".join([start, *parts])
 
 
+def unpack(message: bytes) -> tuple[Header, Arrays]:
+    """Take a message of `pack` apart."""
+    length = int.from_bytes(message[:4], "little")
+    header: Header = json.loads(message[4 : 4 + length])
+    start = (4 + length + 7) // 8 * 8
+    arrays = {}
+    for one in header.pop("arrays"):
+        count = math.prod(one["shape"])
+        found = np.frombuffer(message, np.dtype(f"<{one['dtype']}"), count, start + one["offset"])
+        arrays[one["name"]] = found.reshape(one["shape"])
+    return header, arrays
+
+
 def finite(value: Any) -> Any:
     """Put null where a number is not finite, which JSON cannot write."""
     if isinstance(value, Mapping):
