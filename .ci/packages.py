@@ -192,7 +192,8 @@ def tool() -> str:
 
 
 RUN = (
-    *("aging.csv", "aging.png", "config.toml", "contacts.png", "history.zarr"),
+    *("aging.csv", "aging.png", "asperity.json", "config.toml", "contacts.png", "history.zarr"),
+    "asperity.json", "config.toml", "contacts.png", "history.zarr"),
     *("patches.csv", "patches.png", "summary.txt"),
 )
 
