@@ -193,7 +193,6 @@ def tool() -> str:
 
 RUN = (
     *("aging.csv", "aging.png", "asperity.json", "config.toml", "contacts.png", "history.zarr"),
-    "asperity.json", "config.toml", "contacts.png", "history.zarr"),
     *("patches.csv", "patches.png", "summary.txt"),
 )
 
