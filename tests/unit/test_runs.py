@@ -51,7 +51,7 @@ def test_a_distance_without_a_unit_that_is_odd_in_si_gets_a_remark():
         "contact": {"load": "1 uN"},
     }
     config = config_from(tables | {"protocol": [{"kind": "repeat", "count": 2, "legs": legs}]}, {}, None)
-    (remark,) = module.completed(config, config.surface.build())[1]
+    (remark,) = module.completed(config, config.solid.build(), config.surface.build())[1]
     assert remark.startswith("distance 2 has no unit and was taken in m; here it would usually be from ")
 
 

@@ -15,6 +15,7 @@ from asperity.app.runs import recorded_times
 from asperity.base import checks
 from asperity.patches import QUANTILES
 from asperity.results.quantities import select
+from asperity.solids import Solid
 
 _BLOCK = 4096
 """Bytes that files and folders are rounded up to on disk."""
@@ -65,17 +66,18 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
         name, free = config.surface.model_dump_json(), config.surface.edges == "free"
         shape = config.surface.lattice or measured.get(name) or config.surface.build().shape
         measured[name], maps = shape, len(config.output.maps_at or ())
-        memory = max(memory, math.prod(shape) * bytes_a_site(config.solid.build(), shape, maps, free=free))
-        space[point] = _space(config, shape)
+        solid = config.solid.build()
+        memory = max(memory, math.prod(shape) * bytes_a_site(solid, shape, maps, free=free))
+        space[point] = _space(config, solid, shape)
     return Estimate(len(todo), memory, sum(space[run.point] for run in todo.values()))
 
 
-def _space(config: RunConfig, shape: Sequence[int]) -> int:
+def _space(config: RunConfig, solid: Solid, shape: Sequence[int]) -> int:
     """Bytes of a run on disk. Numbers hardly compress, but for what is true or false."""
     times, maps, sites = 1 + len(recorded_times(config)), len(config.output.maps_at or ()), math.prod(shape)
     arrays = [8 * len(QUANTITIES) * times]
     if maps:
-        fields = 2 + max(1, len(config.solid.build().branches))
+        fields = 2 + max(1, len(solid.branches))
         of_maps = 8 * maps * (len(select("map")) + 2 * (len(QUANTILES) - 1))
         arrays += [of_maps, 8 * maps, 8 * sites, 8 * sites, sites // 8]
         arrays += [8 * sites * maps] * fields + [sites * maps // 8]

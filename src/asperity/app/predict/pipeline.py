@@ -59,7 +59,7 @@ def predict_config(
     scan, material = chosen.build(), section.material
     check_units(config, material.solid, scan)
     maps_asked = config.output.maps_at
-    config, remarks = completed(config.model_copy(update={"surface": chosen}), scan)
+    config, remarks = completed(config.model_copy(update={"surface": chosen}), material.solid, scan)
     times = recorded_times(config)
     times = times[times > 0]
     name, advice = "per_decade", "a later last or more per_decade"

@@ -75,7 +75,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         check_slides(config.written_out, bodies.lattice, solid)
     if config.carries is not None:
         check_half_space("carried", solid, bodies.lattice)
-    config, remarks = completed(config, rough)
+    config, remarks = completed(config, solid, rough)
     remarks += (config.solid.unused,) if config.solid.unused else ()
     progress.completed(config)
     for remark in remarks:
@@ -137,8 +137,8 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
         raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
 
 
-def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
-    modulus = config.solid.build().modulus
+def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tuple[str, ...]:
+    """Remarks on numbers that were written without a unit and are out of proportion in SI."""
     if modulus is None or not rough.has_lengths:
         return ()
     _, spacing = rough.in_meters()
@@ -167,17 +167,17 @@ def _odd_numbers(config: RunConfig, rough: Surface) -> tuple[str, ...]:
     )
 
 
-def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
+def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
     """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
     chosen = config.surface.anywhere()
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
-    remarks = rough.remarks + _odd_numbers(config, rough) + assumed
+    remarks = rough.remarks + _odd_numbers(config, solid.modulus, rough) + assumed
     contact = config.contact
     if not contact.model_dump(exclude_none=True):
-        contact, remark = _usual_contact(config, rough)
+        contact, remark = _usual_contact(config, solid, rough)
         remarks += (remark,)
     remarks += remarks_on_edges(rough)
-    if rough.has_lengths and not config.solid.build().in_lengths:
+    if rough.has_lengths and not solid.in_lengths:
         remarks += (
             f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
             "load is not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]",
@@ -220,19 +220,17 @@ def completed(config: RunConfig, rough: Surface) -> tuple[RunConfig, tuple[str, 
     return config.model_copy(update=completed), remarks
 
 
-def _usual_contact(config: RunConfig, rough: Surface) -> tuple[ContactSection, str]:
+def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[ContactSection, str]:
     """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
-    chosen, solid = config.surface, config.solid
-    made = solid.build()
-    if made.modulus is not None:
-        pressure = defaults.modest_pressure(modulus=made.modulus, slope=rough.describe().rms_slope)
+    if solid.modulus is not None:
+        pressure = defaults.modest_pressure(modulus=solid.modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
         said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
         return ContactSection(pressure=pressure), said
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
-    nominal = getattr(chosen, "rms", None)
+    nominal = getattr(config.surface, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
-    if (springs := made.springs) is None:
+    if (springs := solid.springs) is None:
         raise InputError(
             "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
         )
