@@ -60,6 +60,8 @@ class Measurement:
         half = max(here.high - here.value, here.value - here.low)
         if not math.isfinite(half):
             return "more than one seed"
+        if here.runs == 1:
+            return "a narrower interval"
         distance = min(abs(here.value - self.low), abs(here.value - self.high))
         seeds = math.ceil(here.runs * (half / distance) ** 2) if distance > 0 else MOST_SEEDS + 1
         if seeds > MOST_SEEDS:
