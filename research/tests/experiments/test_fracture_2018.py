@@ -79,6 +79,9 @@ def test_numbers_in_files_are_read_as_they_are(tmp_path):
         of_file(tmp_path / "plain.txt", END)
     with pytest.raises(InputError, match="apertures below 1 mm, got 0 %"):
         of_file(numbers(tmp_path, 1e3 * distance), END)
+    np.savetxt(tmp_path / "a.Z.txt", distance.T)
+    with pytest.raises(InputError, match=r"expected 20 by 30 apertures, .* got 30 by 20"):
+        of_file(tmp_path / "a.Z.txt", END)
 
 
 def disc(radius, shape=(128, 128)):
@@ -175,7 +178,7 @@ def test_verdicts_on_the_pictures(monkeypatch):
         assert np.isnan(body.distance).mean() < 0.03
     read = [m for name, body in bodies.items() for m in fracture_2018._read_off(name, body)]
     assert {m.verdict for m in read} == {"agrees"}
-    coarse = {name: body.coarser(1e-3) for name, body in bodies.items()}
+    coarse = {name: body.coarser(2e-3) for name, body in bodies.items()}
     outcome = fracture_2018.analyse(Evidence(Path()), coarse)
     verdicts = {finding.key: finding.verdict for finding in outcome.findings}
     assert len(verdicts) == 12

@@ -120,14 +120,22 @@ def of_file(path: Path, end: float) -> Aperture:
 
     Undefined pixels are no body. `InputError` where there is no unit, or nothing is nearer than the end.
     """
-    more: dict[str, Any] = {}
+    axes: list[Field] = []
     if path.name.endswith(".Z.txt"):
         beside = [path.with_name(path.name.replace(".Z.txt", f".{axis}.txt")) for axis in "YX"]
-        steps = [float(np.diff(np.loadtxt(one).ravel()).mean()) for one in beside if one.is_file()]
-        more = {"file_unit": "m", "pixel_size": steps, "length_unit": "m"} if len(steps) == 2 else {}
-    read = asp.surfaces.read(path, tilt="none", periodic="free", max_undefined=0.9, **more)
+        axes = [np.loadtxt(one).ravel() for one in beside if one.is_file()]
+    lengths: dict[str, Any] = {}
+    if len(axes) == 2:
+        steps = [float(np.diff(one).mean()) for one in axes]
+        lengths = {"file_unit": "m", "pixel_size": steps, "length_unit": "m"}
+    read = asp.surfaces.read(path, tilt="none", periodic="free", max_undefined=0.9, **lengths)
     if not read.has_lengths:
-        raise InputError(str(path), expected="apertures and pixels with a unit of length", got="none")
+        advice = "NAME.Z.txt in m beside NAME.X.txt and NAME.Y.txt, or a format that states units"
+        expected = "apertures and pixels with a unit of length"
+        raise InputError(str(path), expected=expected, got="none", advice=advice)
+    if lengths and read.heights.shape != tuple(one.size for one in axes):
+        expected = " by ".join(str(one.size) for one in axes) + " apertures, as its Y and X have numbers"
+        raise InputError(str(path), expected=expected, got=" by ".join(map(str, read.heights.shape)))
     distance, pixel = read.in_meters()
     if read.filled is not None:
         distance = np.where(read.filled, np.nan, distance)

@@ -44,7 +44,7 @@ HARDNESSES = np.geomspace(20e6, 1e9, 9)
 
 _END = 1e-3 * MEASURED["bar_end"]
 _AREA = np.pi / 4 * (1e-3 * MEASURED["diameter"]) ** 2
-_PIXEL = 0.5e-3  # m, of the fits; the finest pixels take 20 times as long
+_PIXEL = 1e-3  # m, of the fits; the finest pixels take 50 times as long
 _EARLY = 2.0e6  # Pa, up to which the share of the closure shows the form of the curve
 _SHOWN = ("closure", "form", "left")
 _QUANTILES = (10, 50, 90)  # Percent of the apertures below 0.595 mm, as far as the histograms were read
@@ -58,12 +58,13 @@ def _modulus(young: float, poisson: float) -> float:
 _YOUNG = (MEASURED["young_low"] + MEASURED["young_high"]) / 2
 MODULUS = _modulus(_YOUNG, MEASURED["poisson"])
 VARIANTS = {
-    "middle": (MODULUS, True),
-    "softest": (_modulus(MEASURED["young_low"], MEASURED["poisson_low"]), True),
-    "stiffest": (_modulus(MEASURED["young_high"], MEASURED["poisson_high"]), True),
-    "not turned": (MODULUS, False),
+    "middle": (MODULUS, True, 1.0),
+    "softest": (_modulus(MEASURED["young_low"], MEASURED["poisson_low"]), True, 1.0),
+    "stiffest": (_modulus(MEASURED["young_high"], MEASURED["poisson_high"]), True, 1.0),
+    "not turned": (MODULUS, False, 1.0),
+    "finer": (MODULUS, True, 0.5),
 }
-"""Contact moduli, Pa, and whether the faces turn freely: the ends of the band of what is computed."""
+"""Contact moduli, Pa, whether the faces turn freely, and pixels over those of the fits: the ends of a band."""
 
 
 def table(specimen: str) -> tuple[Field, Field]:
@@ -134,12 +135,13 @@ def analyse(_: Evidence, bodies: Mapping[str, Aperture] | None = None) -> Outcom
     bodies = bodies or found(())
     stresses = {name: table(name)[0] for name in SPECIMENS}
     slopes = {
-        name: body.coarser(2 * _PIXEL).leveling(MODULUS, stresses[name].max() * _AREA)
+        name: body.coarser(_PIXEL).leveling(MODULUS, stresses[name].max() * _AREA)
         for name, body in bodies.items()
     }
     fits, rows, numbers = [], [], []
-    for variant, (modulus, turns) in VARIANTS.items():
-        held = {name: body.coarser(_PIXEL).tilted(turns * slopes[name]) for name, body in bodies.items()}
+    for variant, (modulus, turns, pixel) in VARIANTS.items():
+        coarse = {name: body.coarser(pixel * _PIXEL) for name, body in bodies.items()}
+        held = {name: body.tilted(turns * slopes[name]) for name, body in coarse.items()}
         fitted, stress = held[SPECIMENS[0]], stresses[SPECIMENS[0]]
         tried = [closures(stress, cycle(fitted, modulus, one, stress)) for one in HARDNESSES]
         for hypothesis in HYPOTHESES:
@@ -158,7 +160,7 @@ def analyse(_: Evidence, bodies: Mapping[str, Aperture] | None = None) -> Outcom
     pixels = []
     for name, fine in bodies.items():
         stress = stresses[name][[0, int(np.argmax(stresses[name])), 0]]
-        for body in map(fine.coarser, (fine.pixel[0], _PIXEL, 2 * _PIXEL)):
+        for body in map(fine.coarser, (fine.pixel[0], _PIXEL / 2, _PIXEL)):
             both = closures(stress, cycle(body.tilted(slopes[name]), MODULUS, hardness, stress))
             pixels.append(
                 {"specimen": name, "pixel": body.pixel[0]} | {key: one[1] for key, one in both.items()}
@@ -215,17 +217,23 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw stress against closure, a panel a specimen: bands of what is computed, and what was measured."""
     figure, axes = style.panels(7.2, 3.6, len(SPECIMENS))
     for ax, (name, rows) in zip(axes, tables["closures"].groupby("specimen"), strict=True):
-        ax.set_title(name, fontsize=9)
+        ax.set_title(f"{name}, fitted" if name == SPECIMENS[0] else name, fontsize=9)
+        top = int(rows["stress"].iloc[: rows["row"].max() + 1].argmax())
+        ways = {"up": ("^", slice(top + 1)), "down": ("v", slice(top + 1, None))}
         for hypothesis, color in {"first": style.BLUE, "again": style.VERMILION}.items():
             one = rows[rows["hypothesis"] == hypothesis]
-            middle, by = one[one["variant"] == "middle"], one.groupby("row")["closure"]
-            stress, words = 1e-6 * middle["stress"], f"computed, {HYPOTHESES[hypothesis]}"
-            ax.fill_betweenx(stress, 1e3 * by.min(), 1e3 * by.max(), color=color, alpha=0.2, linewidth=0)
-            ax.plot(1e3 * middle["closure"], stress, color=color, linewidth=1.2, label=words)
-        top = int(np.argmax(stress)) + 1
-        for part, mark in ((slice(top), "^"), (slice(top, None), "v")):
-            words, at = f"measured, {'up' if mark == '^' else 'down'}", 1e3 * middle["measured"].iloc[part]
-            ax.plot(at, stress.iloc[part], mark, color=style.INK, markersize=3.5, label=words)
+            middle, by = (
+                one[one["variant"] == "middle"],
+                1e3 * one.pivot(index="row", columns="variant", values="closure"),
+            )
+            stress, words = 1e-6 * middle["stress"].to_numpy(), f"computed, {HYPOTHESES[hypothesis]}"
+            ax.plot(by["middle"], stress, color=color, linewidth=1.2, label=words)
+            for part in (slice(top + 1), slice(top, None)):
+                low, high = by.min(axis=1)[part], by.max(axis=1)[part]
+                ax.fill_betweenx(stress[part], low, high, color=color, alpha=0.2, linewidth=0)
+        for way, (mark, part) in ways.items():
+            at = 1e3 * middle["measured"].to_numpy()[part]
+            ax.plot(at, stress[part], mark, color=style.INK, markersize=3.5, label=f"measured, {way}")
     WORDS.dress(*axes)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
