@@ -172,11 +172,11 @@ def test_what_is_not_there_is_refused(tmp_path, monkeypatch):
 @pytest.mark.skipif(not (DATA / "vd1_aperture.png").is_file(), reason="the pictures are not ours to give")
 def test_verdicts_on_the_pictures(monkeypatch):
     monkeypatch.setattr(fracture_2018, "_PIXEL", 2e-3)
-    bodies = fracture_2018.found(())
+    bodies = fracture_2018.read(())
     for body in bodies.values():
         assert 0.85 < body.body.sum() * np.prod(body.pixel) / fracture_2018._AREA < 1.0
         assert np.isnan(body.distance).mean() < 0.03
-    read = [m for name, body in bodies.items() for m in fracture_2018._read_off(name, body)]
+    read = [m for name, body in bodies.items() for m in fracture_2018._quantiles(name, body)]
     assert {m.verdict for m in read} == {"agrees"}
     coarse = {name: body.coarser(2e-3) for name, body in bodies.items()}
     outcome = fracture_2018.analyse(Evidence(Path()), coarse)

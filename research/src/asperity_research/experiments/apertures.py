@@ -17,11 +17,9 @@ import asperity as asp
 from asperity.errors import InputError
 from asperity_research.arrays import Field, Mask
 
-_COLORED, _DARK = (
-    40,
-    100,
-)  # Of 255: the range of the channels of a color, and the least channel of what is not white
-_OFF_BAR = 10.0  # Distance of a color from the bar, of 255, beyond which it is a blend
+_COLORED = 40.0  # Of 255: range of the channels from which on a pixel has a color
+_DARK = 100.0  # Least channel of what is no background
+_OFF_BAR = 10.0  # Distance of a color from the bar beyond which it is a blend
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,10 +78,10 @@ class Aperture:
             force = asp.press(self.tilted(1e-3 * slopes).surface, solid, load=load).pressure
             return np.asarray((self.places * force).sum(axis=(1, 2)) / (force.sum() * radius))
 
-        found = root(moments, np.zeros(2), options={"eps": 0.1, "xtol": 1e-3})
-        if not found.success:
+        balance = root(moments, np.zeros(2), options={"eps": 0.1, "xtol": 1e-3})
+        if not balance.success:
             raise InputError("apertures", expected="faces that turn until no moment is left", got="none")
-        return np.asarray(1e-3 * found.x)
+        return np.asarray(1e-3 * balance.x)
 
 
 def of_picture(path: Path, width: float, height: float, end: float) -> Aperture:
@@ -93,10 +91,8 @@ def of_picture(path: Path, width: float, height: float, end: float) -> Aperture:
     """
     try:
         pixels = 255.0 * np.atleast_3d(imread(path))[:, :, :3]
-    except (OSError, SyntaxError) as error:
-        raise InputError(
-            str(path), expected="a picture", got=getattr(error, "strerror", None) or "none"
-        ) from None
+    except (OSError, SyntaxError):
+        raise InputError(str(path), expected="a picture", got="none that can be read") from None
     colored = np.ptp(pixels, axis=2) > _COLORED
     columns = np.flatnonzero(colored.sum(axis=0) > 0.1 * len(pixels))
     gaps = np.flatnonzero(np.diff(columns) > 1)
@@ -104,7 +100,8 @@ def of_picture(path: Path, width: float, height: float, end: float) -> Aperture:
         got = f"{gaps.size + bool(columns.size)} colored parts side by side"
         raise InputError(str(path), expected="a field and, on its right, a color bar", got=got)
     left, right = columns[0], columns[gaps[0]] + 1
-    rows = np.flatnonzero(colored[:, left:right].mean(axis=1) > 0.5)
+    share = colored[:, left:right].mean(axis=1)
+    rows = np.flatnonzero(share > share.max() / 2)
     strip = pixels[:, (columns[gaps[0] + 1] + columns[-1]) // 2]
     ends = np.flatnonzero(strip.min(axis=1) < _DARK)[[0, -1]]  # The frame, whose middle is the end of the bar
     inside = np.arange(ends[0] + 1, ends[1])
@@ -123,24 +120,26 @@ def of_file(path: Path, end: float) -> Aperture:
     axes: list[Field] = []
     if path.name.endswith(".Z.txt"):
         beside = [path.with_name(path.name.replace(".Z.txt", f".{axis}.txt")) for axis in "YX"]
-        axes = [np.loadtxt(one).ravel() for one in beside if one.is_file()]
+        axes = [np.loadtxt(file).ravel() for file in beside if file.is_file()]
     lengths: dict[str, Any] = {}
     if len(axes) == 2:
-        steps = [float(np.diff(one).mean()) for one in axes]
+        steps = [float(np.diff(places).mean()) for places in axes]
         lengths = {"file_unit": "m", "pixel_size": steps, "length_unit": "m"}
     read = asp.surfaces.read(path, tilt="none", periodic="free", max_undefined=0.9, **lengths)
     if not read.has_lengths:
         advice = "NAME.Z.txt in m beside NAME.X.txt and NAME.Y.txt, or a format that states units"
         expected = "apertures and pixels with a unit of length"
         raise InputError(str(path), expected=expected, got="none", advice=advice)
-    if lengths and read.heights.shape != tuple(one.size for one in axes):
-        expected = " by ".join(str(one.size) for one in axes) + " apertures, as its Y and X have numbers"
+    if lengths and read.heights.shape != tuple(places.size for places in axes):
+        expected = (
+            " by ".join(str(places.size) for places in axes) + " apertures, as its Y and X have numbers"
+        )
         raise InputError(str(path), expected=expected, got=" by ".join(map(str, read.heights.shape)))
     distance, pixel = read.in_meters()
     if read.filled is not None:
         distance = np.where(read.filled, np.nan, distance)
-    found = Aperture(np.asarray(distance), (pixel[0], pixel[1]), end)
-    if found.body.mean() < 0.1:
-        got = f"{100 * found.body.mean():.3g} % of them"
+    aperture = Aperture(np.asarray(distance), (pixel[0], pixel[1]), end)
+    if aperture.body.mean() < 0.1:
+        got = f"{100 * aperture.body.mean():.3g} % of them"
         raise InputError(str(path), expected=f"apertures below {1e3 * end:g} mm", got=got)
-    return found
+    return aperture

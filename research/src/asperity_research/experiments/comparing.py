@@ -43,7 +43,7 @@ def comparison_of(name: str, scans: Sequence[Path] = (), record: Path | None = N
     if record is not None:
         raise InputError("--record", expected="none, for simulations", got=str(record))
     if name == fracture_2018.FRACTURE_2018.name:
-        return fracture_2018.of_surfaces(scans)
+        return fracture_2018.of_files(scans)
     if not scans:
         return study
     if name not in _ON_SCANS:

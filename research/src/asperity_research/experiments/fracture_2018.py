@@ -28,8 +28,7 @@ from asperity.fits import Estimate
 from asperity.solids import contact_modulus
 from asperity_research import style
 from asperity_research.arrays import Field
-from asperity_research.experiments import apertures
-from asperity_research.experiments.apertures import Aperture
+from asperity_research.experiments.apertures import Aperture, of_file, of_picture
 from asperity_research.experiments.record import load
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Finding, Measurement, estimate, exact
@@ -46,17 +45,18 @@ _END = 1e-3 * MEASURED["bar_end"]
 _AREA = np.pi / 4 * (1e-3 * MEASURED["diameter"]) ** 2
 _PIXEL = 1e-3  # m, of the fits; the finest pixels take 50 times as long
 _EARLY = 2.0e6  # Pa, up to which the share of the closure shows the form of the curve
-_SHOWN = ("closure", "form", "left")
-_QUANTILES = (10, 50, 90)  # Percent of the apertures below 0.595 mm, as far as the histograms were read
-_READ_TO = 0.595e-3
+_COMPARED = ("closure", "form", "left")
+_QUANTILES, _BELOW = (
+    (10, 50, 90),
+    0.595e-3,
+)  # Percent of the apertures below, m, as far as histograms were read
 
 
 def _modulus(young: float, poisson: float) -> float:
     return float(contact_modulus([1e9 * young] * 2, [poisson] * 2))
 
 
-_YOUNG = (MEASURED["young_low"] + MEASURED["young_high"]) / 2
-MODULUS = _modulus(_YOUNG, MEASURED["poisson"])
+MODULUS = _modulus((MEASURED["young_low"] + MEASURED["young_high"]) / 2, MEASURED["poisson"])
 VARIANTS = {
     "middle": (MODULUS, True, 1.0),
     "softest": (_modulus(MEASURED["young_low"], MEASURED["poisson_low"]), True, 1.0),
@@ -64,7 +64,7 @@ VARIANTS = {
     "not turned": (MODULUS, False, 1.0),
     "finer": (MODULUS, True, 0.5),
 }
-"""Contact moduli, Pa, whether the faces turn freely, and pixels over those of the fits: the ends of a band."""
+"""Contact moduli, Pa, whether a face turns freely, and pixels over those of the fits: a band lies between."""
 
 
 def table(specimen: str) -> tuple[Field, Field]:
@@ -73,14 +73,13 @@ def table(specimen: str) -> tuple[Field, Field]:
     return 1e6 * stress, 1e-3 * (moved - MEASURED["rock"] * (stress - stress[0]))
 
 
-def cycle(body: Aperture, modulus: float, hardness: float | None, stress: Field) -> Field:
+def cycle(aperture: Aperture, modulus: float, hardness: float | None, stress: Field) -> Field:
     """Mean distance of the faces, m, under each of some stresses, one after the other, shape (n,)."""
-    solid = asp.solids.half_space(modulus=modulus, hardness=hardness)
-    contact = asp.press(body.surface, solid, load=stress[0] * _AREA)
-    gaps = [contact.gap[body.body].mean()]
-    for later in stress[1:]:
-        contact = asp.press(contact, load=later * _AREA)
-        gaps.append(contact.gap[body.body].mean())
+    contact = asp.press(aperture.surface, asp.solids.half_space(modulus=modulus, hardness=hardness), load=0)
+    gaps = []
+    for force in stress * _AREA:
+        contact = asp.press(contact, load=force)
+        gaps.append(contact.gap[aperture.body].mean())
     return np.array(gaps)
 
 
@@ -98,81 +97,71 @@ def fit_hardness(tried: Field, predicted: Field, measured: Field) -> tuple[float
     interpolated in the logarithm.
     """
     fine = np.geomspace(tried[0], tried[-1], 401)
-    along = [np.interp(np.log(fine), np.log(tried), column) for column in predicted.T]
-    misfits = np.sqrt(np.mean((np.transpose(along) - measured) ** 2, axis=1))
+    curves = [np.interp(np.log(fine), np.log(tried), column) for column in predicted.T]
+    misfits = np.sqrt(np.mean((np.transpose(curves) - measured) ** 2, axis=1))
     best = int(np.argmin(misfits))
     return float(fine[best]), float(misfits[best])
 
 
-def found(surfaces: Sequence[Path]) -> dict[str, Aperture]:
+def read(files: Sequence[Path]) -> dict[str, Aperture]:
     """Apertures of the specimens: of files in their order, or of the pictures in the folder of data."""
-    paths = [*surfaces]
-    if not paths:
-        folder = Path(os.environ.get("ASPERITY_DATA", "."), "fracture")
-        paths = [folder / f"{specimen}_aperture.png" for specimen in SPECIMENS]
-        if not all(path.is_file() for path in paths):
-            advice = "--surface FILE FILE FILE, from the repository danielvogler/hm_coupled_fracture_response"
-            raise InputError(
-                "apertures",
-                expected="those of three specimens, which are not ours to give",
-                got="none",
-                advice=advice,
-            )
+    folder = Path(os.environ.get("ASPERITY_DATA", "."), "fracture")
+    paths = [*files] or [folder / f"{specimen}_aperture.png" for specimen in SPECIMENS]
+    if not files and not all(path.is_file() for path in paths):
+        expected = "those of three specimens, which are not ours to give"
+        advice = "--surface FILE FILE FILE, from the repository danielvogler/hm_coupled_fracture_response"
+        raise InputError("apertures", expected=expected, got="none", advice=advice)
     if len(paths) != len(SPECIMENS):
         raise InputError("--surface", expected=f"a file each of {', '.join(SPECIMENS)}", got=str(len(paths)))
-    return {name: _read(name, path) for name, path in zip(SPECIMENS, paths, strict=True)}
+    apertures = {}
+    for name, path in zip(SPECIMENS, paths, strict=True):
+        width, height = (1e-3 * MEASURED[f"{name}_{side}"] for side in ("width", "height"))
+        picture = path.suffix == ".png"
+        apertures[name] = of_picture(path, width, height, _END) if picture else of_file(path, _END)
+    return apertures
 
 
-def _read(name: str, path: Path) -> Aperture:
-    if path.suffix != ".png":
-        return apertures.of_file(path, _END)
-    width, height = (1e-3 * MEASURED[f"{name}_{side}"] for side in ("width", "height"))
-    return apertures.of_picture(path, width, height, _END)
-
-
-def analyse(_: Evidence, bodies: Mapping[str, Aperture] | None = None) -> Outcome:
+def analyse(_: Evidence, apertures: Mapping[str, Aperture] | None = None) -> Outcome:
     """Fit the hardness, predict the other specimens, and compare."""
-    bodies = bodies or found(())
-    stresses = {name: table(name)[0] for name in SPECIMENS}
+    apertures = apertures or read(())
+    tables = {name: table(name) for name in SPECIMENS}
     slopes = {
-        name: body.coarser(_PIXEL).leveling(MODULUS, stresses[name].max() * _AREA)
-        for name, body in bodies.items()
+        name: aperture.coarser(_PIXEL).leveling(MODULUS, tables[name][0].max() * _AREA)
+        for name, aperture in apertures.items()
     }
-    fits, rows, numbers = [], [], []
+    fits, numbers, curves, pixels = [], [], [], []
     for variant, (modulus, turns, pixel) in VARIANTS.items():
-        coarse = {name: body.coarser(pixel * _PIXEL) for name, body in bodies.items()}
-        held = {name: body.tilted(turns * slopes[name]) for name, body in coarse.items()}
-        fitted, stress = held[SPECIMENS[0]], stresses[SPECIMENS[0]]
-        tried = [closures(stress, cycle(fitted, modulus, one, stress)) for one in HARDNESSES]
+        coarse = {name: aperture.coarser(pixel * _PIXEL) for name, aperture in apertures.items()}
+        held = {name: aperture.tilted(turns * slopes[name]) for name, aperture in coarse.items()}
+        first, (stress, measured) = held[SPECIMENS[0]], tables[SPECIMENS[0]]
+        tried = [closures(stress, cycle(first, modulus, hardness, stress)) for hardness in HARDNESSES]
         for hypothesis in HYPOTHESES:
-            predicted = np.array([one[hypothesis] for one in tried])
-            hardness, misfit = fit_hardness(HARDNESSES, predicted, table(SPECIMENS[0])[1])
+            predicted = np.array([curve[hypothesis] for curve in tried])
+            hardness, misfit = fit_hardness(HARDNESSES, predicted, tables[SPECIMENS[0]][1])
             about: dict[str, Any] = {"hypothesis": hypothesis, "variant": variant}
             fits.append(about | {"hardness": hardness, "misfit": misfit})
-            for name, body in held.items():
-                stress, measured = table(name)
-                one = closures(stress, cycle(body, modulus, hardness, stress))[hypothesis]
-                columns = {"row": np.arange(one.size), "stress": stress, "closure": one}
-                rows.append(pd.DataFrame(about | {"specimen": name} | columns | {"measured": measured}))
-                ratios = _shown(stress, one) / _shown(stress, measured)
-                numbers.append(about | {"specimen": name} | dict(zip(_SHOWN, ratios.tolist(), strict=True)))
-    hardness = next(one["hardness"] for one in fits if one["hypothesis"] == "again")
-    pixels = []
-    for name, fine in bodies.items():
-        stress = stresses[name][[0, int(np.argmax(stresses[name])), 0]]
-        for body in map(fine.coarser, (fine.pixel[0], _PIXEL / 2, _PIXEL)):
-            both = closures(stress, cycle(body.tilted(slopes[name]), MODULUS, hardness, stress))
-            pixels.append(
-                {"specimen": name, "pixel": body.pixel[0]} | {key: one[1] for key, one in both.items()}
-            )
-    tables = {"fits": fits, "numbers": numbers, "pixels": pixels}
-    frames = {name: pd.DataFrame(one) for name, one in tables.items()}
-    return Outcome(
-        tuple(_findings(bodies, frames)), frames | {"closures": pd.concat(rows, ignore_index=True)}
-    )
+            for name, aperture in held.items():
+                stress, measured = tables[name]
+                closure = closures(stress, cycle(aperture, modulus, hardness, stress))[hypothesis]
+                ratios = (_compared(stress, closure) / _compared(stress, measured)).tolist()
+                of = about | {"specimen": name}
+                numbers.append(of | dict(zip(_COMPARED, ratios, strict=True)))
+                columns = {"row": np.arange(stress.size), "stress": stress, "closure": closure}
+                curves.append(pd.DataFrame(of | columns | {"measured": measured}))
+    hardness = next(fit["hardness"] for fit in fits if fit["hypothesis"] == "again")
+    for name, aperture in apertures.items():
+        stress = tables[name][0][[0, int(np.argmax(tables[name][0])), 0]]
+        for some in map(aperture.coarser, (aperture.pixel[0], _PIXEL / 2, _PIXEL)):
+            gaps = cycle(some.tilted(slopes[name]), MODULUS, hardness, stress)
+            ends = {hypothesis: curve[1] for hypothesis, curve in closures(stress, gaps).items()}
+            pixels.append({"specimen": name, "pixel": some.pixel[0]} | ends)
+    rows = {"fits": fits, "numbers": numbers, "pixels": pixels}
+    frames = {name: pd.DataFrame(records) for name, records in rows.items()}
+    frames["closures"] = pd.concat(curves, ignore_index=True)
+    return Outcome(tuple(_findings(apertures, frames)), frames)
 
 
-def _shown(stress: Field, closure: Field) -> Field:
+def _compared(stress: Field, closure: Field) -> Field:
     """Largest closure of a curve, and the parts of it that come early and that stay, shape (3,)."""
     up, most = slice(int(np.argmax(stress)) + 1), closure.max()
     return np.array([most, np.interp(_EARLY, stress[up], closure[up]) / most, closure[-1] / most])
@@ -184,56 +173,57 @@ def _band(values: Sequence[float]) -> Estimate:
     return estimate(values[0], (high - low) / 2, low, high, 1)
 
 
-def _findings(bodies: Mapping[str, Aperture], tables: Mapping[str, pd.DataFrame]) -> Iterator[Finding]:
-    yield WORDS.judge("read", [one for name, body in bodies.items() for one in _read_off(name, body)])
-    pixels = tables["pixels"].set_index(["specimen", "pixel"])
+def _findings(apertures: Mapping[str, Aperture], frames: Mapping[str, pd.DataFrame]) -> Iterator[Finding]:
+    quantiles = [number for name, aperture in apertures.items() for number in _quantiles(name, aperture)]
+    yield WORDS.judge("read", quantiles)
     for hypothesis, which in HYPOTHESES.items():
-        over = pixels[hypothesis] / pixels.groupby("specimen")[hypothesis].transform("first")
-        coarse = over[over != 1].reset_index()
-        at = zip(coarse["specimen"], coarse["pixel"], coarse[hypothesis], strict=True)
-        ratios = {f"{name}, {1e3 * pixel:.2g} mm": exact(value) for name, pixel, value in at}
+        finest, ratios = np.nan, {}
+        for name, pixel, closure in frames["pixels"][["specimen", "pixel", hypothesis]].itertuples(
+            index=False
+        ):
+            if pixel == apertures[name].pixel[0]:
+                finest = closure
+            else:
+                ratios[f"{name}, {1e3 * pixel:.2g} mm"] = exact(closure / finest)
         yield WORDS.judge("pixel", ratios, key=f"pixel {hypothesis}", which=which)
     other = {name: 1e-3 * MEASURED[f"{name}_other_closure"] / table(name)[1].max() for name in SPECIMENS}
-    yield WORDS.judge("other", {name: exact(float(one)) for name, one in other.items()})
+    yield WORDS.judge("other", {name: exact(float(ratio)) for name, ratio in other.items()})
     for hypothesis, which in HYPOTHESES.items():
-        fits = tables["fits"][tables["fits"]["hypothesis"] == hypothesis]["hardness"]
-        yield WORDS.judge("hardness", _band([*1e-6 * fits]), key=f"hardness {hypothesis}", which=which)
-        rows = tables["numbers"][tables["numbers"]["hypothesis"] == hypothesis]
-        for name in _SHOWN:
-            numbers = {str(specimen): _band([*values]) for specimen, values in rows.groupby("specimen")[name]}
-            yield WORDS.judge(name, numbers, key=f"{name} {hypothesis}", which=which)
+        fits, rows = (frames[name].query("hypothesis == @hypothesis") for name in ("fits", "numbers"))
+        hardness = _band([*1e-6 * fits["hardness"]])
+        yield WORDS.judge("hardness", hardness, key=f"hardness {hypothesis}", which=which)
+        for name in _COMPARED:
+            bands = {specimen: _band([*rows[rows["specimen"] == specimen][name]]) for specimen in SPECIMENS}
+            yield WORDS.judge(name, bands, key=f"{name} {hypothesis}", which=which)
 
 
-def _read_off(name: str, body: Aperture) -> Iterator[Measurement]:
+def _quantiles(name: str, aperture: Aperture) -> Iterator[Measurement]:
     """Quantiles of the apertures, mm, beside those of the published histogram, to twice its error."""
-    near = body.distance[np.nan_to_num(body.distance, nan=_END) < _READ_TO]
+    near = aperture.distance[np.nan_to_num(aperture.distance, nan=_END) < _BELOW]
     for percent in _QUANTILES:
-        known = MEASURED.inputs[f"{name}_aperture_{percent}"]
-        ends = (known.value + side * 2 * float(known.uncertainty) for side in (-1, 1))
-        yield Measurement(f"{name}, {percent} %, mm", exact(1e3 * float(np.percentile(near, percent))), *ends)
+        published, value = MEASURED.inputs[f"{name}_aperture_{percent}"], np.percentile(near, percent)
+        ends = (published.value + side * float(published.uncertainty) for side in (-2, 2))
+        yield Measurement(f"{name}, {percent} %, mm", exact(1e3 * float(value)), *ends)
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw stress against closure, a panel a specimen: bands of what is computed, and what was measured."""
     figure, axes = style.panels(7.2, 3.6, len(SPECIMENS))
-    for ax, (name, rows) in zip(axes, tables["closures"].groupby("specimen"), strict=True):
+    for ax, name in zip(axes, SPECIMENS, strict=True):
         ax.set_title(f"{name}, fitted" if name == SPECIMENS[0] else name, fontsize=9)
-        top = int(rows["stress"].iloc[: rows["row"].max() + 1].argmax())
-        ways = {"up": ("^", slice(top + 1)), "down": ("v", slice(top + 1, None))}
+        stress, measured = 1e-6 * table(name)[0], 1e3 * table(name)[1]
+        top = int(np.argmax(stress))
         for hypothesis, color in {"first": style.BLUE, "again": style.VERMILION}.items():
-            one = rows[rows["hypothesis"] == hypothesis]
-            middle, by = (
-                one[one["variant"] == "middle"],
-                1e3 * one.pivot(index="row", columns="variant", values="closure"),
-            )
-            stress, words = 1e-6 * middle["stress"].to_numpy(), f"computed, {HYPOTHESES[hypothesis]}"
-            ax.plot(by["middle"], stress, color=color, linewidth=1.2, label=words)
-            for part in (slice(top + 1), slice(top, None)):
-                low, high = by.min(axis=1)[part], by.max(axis=1)[part]
-                ax.fill_betweenx(stress[part], low, high, color=color, alpha=0.2, linewidth=0)
-        for way, (mark, part) in ways.items():
-            at = 1e3 * middle["measured"].to_numpy()[part]
-            ax.plot(at, stress[part], mark, color=style.INK, markersize=3.5, label=f"measured, {way}")
+            rows = tables["closures"].query("specimen == @name and hypothesis == @hypothesis")
+            closure = 1e3 * rows.pivot(index="row", columns="variant", values="closure")
+            words = f"computed, {HYPOTHESES[hypothesis]}"
+            ax.plot(closure["middle"], stress, color=color, linewidth=1.2, label=words)
+            for way in (slice(top + 1), slice(top, None)):
+                ends = closure.min(axis=1)[way], closure.max(axis=1)[way]
+                ax.fill_betweenx(stress[way], *ends, color=color, alpha=0.2, linewidth=0)
+        for mark, words, way in (("^", "up", slice(top + 1)), ("v", "down", slice(top + 1, None))):
+            look = {"color": style.INK, "markersize": 3.5, "label": f"measured, {words}"}
+            ax.plot(measured[way], stress[way], mark, **look)
     WORDS.dress(*axes)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
@@ -242,6 +232,6 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
 FRACTURE_2018 = Study(**WORDS.study, quick=(), full=(), analyse=analyse, draw=draw)
 
 
-def of_surfaces(surfaces: Sequence[Path]) -> Study:
+def of_files(files: Sequence[Path]) -> Study:
     """The comparison with apertures from files; `InputError` where there are none."""
-    return replace(FRACTURE_2018, analyse=partial(analyse, bodies=found(surfaces)))
+    return replace(FRACTURE_2018, analyse=partial(analyse, apertures=read(files)))
