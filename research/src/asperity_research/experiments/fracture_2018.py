@@ -189,7 +189,7 @@ def _findings(apertures: Mapping[str, Aperture], frames: Mapping[str, pd.DataFra
     other = {name: 1e-3 * MEASURED[f"{name}_other_closure"] / table(name)[1].max() for name in SPECIMENS}
     yield WORDS.judge("other", {name: exact(float(ratio)) for name, ratio in other.items()})
     for hypothesis, which in HYPOTHESES.items():
-        fits, rows = (frames[name].query("hypothesis == @hypothesis") for name in ("fits", "numbers"))
+        fits, rows = (frames[name].set_index("hypothesis").loc[hypothesis] for name in ("fits", "numbers"))
         hardness = _band([*1e-6 * fits["hardness"]])
         yield WORDS.judge("hardness", hardness, key=f"hardness {hypothesis}", which=which)
         for name in _COMPARED:
