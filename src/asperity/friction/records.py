@@ -34,7 +34,7 @@ class About(TypedDict, total=False):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(views.Brief):
-    """How friction went while a contact slid and rested.
+    """Friction of a contact that slides and rests.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ class Record(views.Brief):
     friction
         Friction coefficients above 0, shape (n,).
     strength_at_rest
-        Whether friction at rest is the strength that a slip would meet, as in simulations. In an
-        experiment it is the force that the machine holds, and a fit leaves it out.
+        Whether friction at rest is the strength that a slip would meet, as in simulations. In an experiment
+        it is the force of the machine, which a fit leaves out.
     a
         The direct effect, if it is known: 0 for a simulation with a constant shear strength.
     si

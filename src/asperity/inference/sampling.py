@@ -125,10 +125,10 @@ class Problem:
     def scatter(self, z: Floats) -> tuple[float, float]:
         """Relative error, and correlation rho of neighbors, about the best fit z; `error` are the values.
 
-        A sum of n errors of an autoregressive series of first order is known as that of n (1 - rho)/(1 + rho)
-        independent ones: the error is larger by as much. It is a geometric mean over rho, by the likelihood
-        of what the parameters cannot take up, which the fit does not bias (H. D. Patterson, R. Thompson,
-        Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
+        The sum of n errors of an autoregressive series of first order is known as well as that of n (1 -
+        rho)/(1 + rho) independent ones, so errors are larger accordingly. The error is a geometric mean over
+        rho, by the likelihood of what the parameters cannot take up, which the fit does not bias (H. D.
+        Patterson, R. Thompson, Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
         """
         columns, told, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
         most = min(self.rank, int(np.sum(told > _TOLD * told[0])), self.time.size - 1)

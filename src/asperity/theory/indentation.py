@@ -101,8 +101,8 @@ def torus_compliance(
 def site_stiffness(x1: ArrayLike, dimension: int = 2) -> Floats:
     """Stiffness of one site before any creep, k_eff/k0 = 1 / G(x1, 0).
 
-    On the square lattice pi (x1 + 4) / (2 K(m)) with m = (4/(x1 + 4))^2, on the line sqrt(x1 (x1 + 4)).
-    The paper takes k1 instead, that is x1: wrong by 37 % at x1 = 10 and by a factor of almost four at x1 = 1.
+    On the square lattice pi (x1 + 4) / (2 K(m)) with m = (4/(x1 + 4))^2, on the line sqrt(x1 (x1 + 4)). The
+    paper takes k1, that is x1. This is too small by 27 % at x1 = 10 and by a factor of almost four at x1 = 1.
     """
     first = positive("x1", x1)
     if line_or_plane(dimension) == 1:
