@@ -113,7 +113,7 @@ def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
     The variance of the number of contacts in a box is divided by that of as many contacts placed at random on
     the N sites, no two on one. With m sites a box and the contact fraction a, this is
 
-        var = m a (1 - a) (N - m)/(N - 1),
+        var = m a (1 - a) (N - m)/(N - 1).
 
     The index is 1 on average for contacts at random, at any contact fraction and on any lattice. It is above
     1 for clusters, below 1 for contacts that keep apart. There is a box at every site, across the edges too.

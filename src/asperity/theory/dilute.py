@@ -12,7 +12,7 @@ opens, the problem is linear, and history does not matter (E. H. Lee and J. R. M
 Corrections to the paper (E. A. Jagla, section "Analytical Results"):
 
 * Eq. (ndet) is dimensionally inconsistent, for v0 of Eq. (v0) contains f0. It should read
-  N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, with the stiffness k_eff = k0/G(x1, 0) of a site, not a bare spring k1.
+  N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, with the stiffness k_eff = k0/G(x1, 0) of a site, not a spring k1.
   Together N(t)/N(0) = G(x1, x2)/G(x1, 0): `exponential_growth`.
   The paper's own expression, with f0 divided out, is `exponential_growth_paper`.
   In the same way N(0) is gamma F/k_eff, `contacts_at_start`, not gamma F/k1, `contacts_at_start_paper`.
