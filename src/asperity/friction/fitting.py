@@ -1,15 +1,14 @@
 r"""Parameters of rate-and-state friction from records, with uncertainties.
 
-The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at
-the first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer.
-Anal. 10, 413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter
-too, because no record begins long enough after the beginning for certain.
+The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
+first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal.
+10, 413 (1973), doi:10.1137/0710036), from many starts. The state at the first time is a parameter too,
+because a record may begin soon after the machine started.
 
-Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for
-white noise. Where neighboring residuals correlate by more than white noise would make them, rho >
-2/sqrt(n), the n values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough
-measure. The records of several surfaces under one protocol give better ones: the jackknife over surfaces,
-which assumes nothing about the residuals.
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white
+noise. If neighboring residuals correlate by more than white noise, rho > 2/sqrt(n), the n values count as n
+(1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of several surfaces
+under one protocol give better ones: the jackknife over surfaces, which assumes nothing about the residuals.
 """
 
 from __future__ import annotations

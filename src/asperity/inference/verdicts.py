@@ -46,7 +46,7 @@ _EARLIER = 100.0
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the data say of one parameter.
+    """Verdict of the data on one parameter.
 
     Attributes
     ----------

@@ -57,8 +57,8 @@ def compliance(
         between -pi and pi, as the paper writes; or a function ``lam(qx, qy)`` (on the line, ``lam(q)``) of
         arrays of one shape, even in each component, above 0 but for lam(0) = 0.
 
-    It is accurate to 1e-14, relative, for x1 from 1e-3 to 1e4, x2 from 0 to 1e15, viscous from 0 to 1e6; to
-    1e-13 for other dispersions than the lattice's, where they are smooth within the zone but for q = 0.
+    The relative error is below 1e-14 for x1 from 1e-3 to 1e4, x2 from 0 to 1e15, viscous from 0 to 1e6. For
+    other dispersions, smooth within the zone except at q = 0, it is below 1e-13.
     """
     return _zone_mean(depth, x1, x2, viscous, dimension, dispersion)
 

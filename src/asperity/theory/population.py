@@ -186,8 +186,8 @@ class _Population:
         """Between the highest class that is open and the lowest that touches.
 
         An advancing edge is where the gap of the open heights closes, a receding one is where the force of
-        the touching heights ends. On the other side, among heights that were just reached or left, the line
-        through two classes ends too low: touching forces are concave there, gaps convex.
+        the touching heights ends. Among heights that were just reached or left, the line through two classes
+        ends too low, because touching forces are concave there, and gaps convex.
         """
         first = int(np.searchsorted(pressed > 0, True))
         if first == pressed.size:
