@@ -65,7 +65,7 @@ for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
     for (every, score), style in zip(scores.items(), ("s:", "o--", "^-"), strict=True):
         one = score.quantities[axes.tolist().index(ax)]
         label = f"{len(heights) // every}² sites"
-        ax.semilogx(loads, 100 * one.relative, style, color="black", markerfacecolor="white", label=label)
+        ax.semilogx(loads, 100 * one.relative, style, markerfacecolor="white", label=label)
     tolerance = 100 * one.column.tolerance
     ax.axhspan(-tolerance, tolerance, color="0.9", label="tolerance")
     bar = 100 * one.bar / one.certified

@@ -42,10 +42,7 @@ for (name, apparatus), marker in zip(rigs.items(), "os^", strict=True):
     history = asp.age(contact, times, hold="load" if apparatus is None else "separation").dataset
     found[name] = history["load"].values[1:] / contact.load, history["area"].values[1:] / contact.area
     for ax, values in zip((left, right), found[name], strict=True):
-        fill = "black" if marker == "o" else "white"
-        ax.semilogx(
-            times, values, f"{marker}-", color="black", linewidth=0.7, markerfacecolor=fill, label=name
-        )
+        ax.semilogx(times, values, f"{marker}-", linewidth=0.7, label=name)
 left.set(xlabel="hold time [s]", ylabel="load over that at once", ylim=(0, 1.05))
 right.set(xlabel="hold time [s]", ylabel="contact area over that at once")
 right.legend(loc="upper left", fontsize=9)

@@ -26,7 +26,6 @@ for pressure, look in ((0.01, "o"), (0.02, "^"), (0.04, "s")):
 left.set(xlabel="size (sites)", ylabel="share of so many sites or more")
 left.legend(title="load a site")
 
-# %%
 # Now the area is held, on this half-space and on a lattice of springs whose creep conserves the mean.
 
 rough = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=12.0, cutoff=4.0, rms_height=1.0, seed=0)
