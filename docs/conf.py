@@ -92,6 +92,7 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"Asperity {version}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_search_scorer = str(HERE / "_ext" / "scorer.js")
 html_copy_source = False
 html_show_sourcelink = False
 html_sidebars = {"start": []}  # it has no pages below it
