@@ -130,6 +130,8 @@ def commands():
     made = {}
     for part in parts:
         name, _, body = part.split("\n", 2)
+        if "^^^" not in body:  # groups of flags become sections, which the page lists
+            body = re.sub(r"^\*\*(.+):\*\*$", lambda match: heading(match[1], "-"), body, flags=re.MULTILINE)
         if not name.startswith("-"):
             made[f"command-{name}.rst"] = f"{heading(f'asperity {name}')}\n{body}"
     start = re.sub(r"^``(\w+)``$", r":doc:`\1 <command-\1>`", start, flags=re.MULTILINE)
