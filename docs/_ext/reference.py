@@ -158,20 +158,23 @@ def keys():
                 usual = ", the usual kind" if not number and section != "protocol" else ""
                 parts.append(f'``kind = "{kind}"``{usual}\n')
             rows = [
-                (
-                    f"``{key.name}``",
-                    what(key),
-                    bounds(key),
-                    by_default(key),
-                    key.description.replace("*", r"\*"),
-                )
+                (f"``{key.name}``", f"{meaning(key)} — {'; '.join(filter(None, facts(key)))}")
                 for key in known.values()
             ]
             if rows:
-                parts.append(
-                    table(("key", "what it is", "range", "default", "meaning"), rows, (16, 20, 10, 14, 40))
-                )
+                parts.append(table(("key", "meaning — what it is; range; default"), rows, (20, 80)))
     return "\n".join(parts)
+
+
+def meaning(key):
+    """What the help of a flag says."""
+    return key.description.replace("*", r"\*")
+
+
+def facts(key):
+    """What a value may be, its range, and what it is where it is not given."""
+    default = by_default(key)
+    return what(key), bounds(key), default and (default if key.required else f"default {default}")
 
 
 def what(key):
