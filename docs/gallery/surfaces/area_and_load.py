@@ -23,7 +23,7 @@ solid = asp.solids.half_space(modulus=1.0)
 
 # %%
 # Each load starts from the contact of the one before, which saves time and changes no result. What
-# counting sites adds at the rim of the patches is subtracted.
+# counting sites adds at the border of the patches is subtracted.
 
 reduced = np.geomspace(0.02, 3.0, 14)  # p / (E* h')
 contacts = []
