@@ -44,7 +44,7 @@ _MOST_LEGS = 100_000
 _MOST_SHIFTS = _MOST_STEPS = 10**7
 
 _Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
-_Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep during this leg")]
+_Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
 _Load = Annotated[float | None, Gt(0), Quantity("load at the end", "N")]
 _Separation = Annotated[float | None, Quantity("separation at the end; instead of the load", "m")]
 _Pressure = Annotated[

@@ -59,7 +59,7 @@ def predict(
     results: Results = _RESULTS,
     keys: Flags | None = None,
 ) -> None:
-    """Predict how the real contact grows, from a material, a scan and a constant load.
+    """Predict how the real contact grows, from a material, a scan and a load that stays.
 
     Quantities are numbers with their units: --pressure 1MPa --last "10 days" --temperature -40degC.
 
