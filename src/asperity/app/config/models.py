@@ -193,7 +193,9 @@ class Carried(Section):
         None, "Thermal conductivity, likewise: record the thermal resistance."
     )
     shear: Force | None = usual(None, "Shear force: record the share of the contact that sticks.")
-    friction_coefficient: Positive | None = usual(None, "Local coefficient of friction, for the shear force.")
+    friction_coefficient: Positive | None = usual(
+        None, "Coefficient of friction of the sites, for the shear force."
+    )
 
     @model_validator(mode="after")
     def _both(self) -> Self:
