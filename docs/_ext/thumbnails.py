@@ -1,4 +1,4 @@
-"""Thumbnails of the gallery: of a picture with several panels, the first that is a map, else the first."""
+"""Thumbnails of the gallery: of several panels the first map, else the first with a labeled axis."""
 
 import matplotlib.pyplot as plt
 from matplotlib.transforms import Bbox
@@ -32,7 +32,8 @@ def box(figure, panels):
     """Box in inches of one panel with its color bar, less what belongs to all panels."""
     if len(panels) == 1:
         return "tight"
-    axes = next((axes for axes in panels if axes.images), panels[0])
+    labeled = next((axes for axes in panels if axes.get_xlabel()), panels[0])
+    axes = next((axes for axes in panels if axes.images), labeled)
     bars = [bar.ax for image in axes.images if (bar := image.colorbar)]
     found = Bbox.union([part.get_tightbbox() for part in (axes, *bars)]).padded(2)
     return found.transformed(figure.dpi_scale_trans.inverted())
