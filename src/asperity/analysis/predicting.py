@@ -242,17 +242,23 @@ def _times_within(
     if not start < stop:
         raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
     for name, time in (("first", start), ("last", stop)):
-        if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-            what, advice = "the table spans", "a table of more decades"
-            if material.fit is None:
-                what, advice = "the data span", "extrapolate='model'"
-            elif time > end:
-                advice = "extrapolate='plateau'"
-            expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
-            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
+        check_known(material, name, time)
     check_span("last", start, stop)
     least = math.ceil(LEAST_TIMES / math.log10(stop / start))
     return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
+
+
+def check_known(material: Material, name: str, time: float) -> None:
+    """Refuse a time that neither the material's table nor its data span."""
+    begin, end = material.span
+    if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
+        what, advice = "the table spans", "a table of more decades"
+        if material.fit is None:
+            what, advice = "the data span", "extrapolate='model'"
+        elif time > end:
+            advice = "extrapolate='plateau'"
+        expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
+        raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
 
 
 def check_ramp(ramp: float, last: float) -> None:

@@ -16,47 +16,58 @@ from asperity.contact.partial_slip import PartialSlip, shear_ratio
 from asperity.contact.problem import PUBLISHED, Guess
 from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
-from asperity.lattice import Lattice
+from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
+
+
+def unit_response(contact: Contact) -> tuple[float, float, Field]:
+    """What a unit of load does at once to a contact, whose sites in contact are one rigid punch.
+
+    How far it lowers the rigid body and the mean of the surface, and the force of each site.
+    """
+    in_contact = contact.relative[2]
+    flat = np.where(in_contact, 0.0, -np.inf)
+    mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
+    step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
+    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
+    u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
+    _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
+    force = np.where(in_contact, problem.force(u), 0.0)
+    return -position, -float(lattice.cut(u).mean()), lattice.cut(force)
 
 
 @views.maker
 def normal_stiffness(contact: Contact) -> float:
-    """See `Contact.normal_stiffness`: the contacts, one rigid punch, are pressed with a unit of load."""
-    in_contact = contact.relative[2]
-    if not in_contact.any():
+    """See `Contact.normal_stiffness`."""
+    if not contact.area:
         return 0.0
-    flat = np.where(in_contact, 0.0, -np.inf)
-    mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
-    step = mechanics.implicit_step(0.0)
-    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
-    guess = Guess(np.zeros_like(flat), in_contact)
-    u = ActiveSet().solve(problem, guess, PUBLISHED).u
-    _, position = step.stretch_modes(mechanics.lattice.forward(u), step.flat_modes(0.0), held)
-    return -1.0 / position if position < 0 else math.inf
+    lowered, _, _ = unit_response(contact)
+    return 1.0 / lowered if lowered > 0 else math.inf
 
 
 @views.maker
-def tangential_stiffness(contact: Contact, poisson: float) -> float:
-    """See `Contact.tangential_stiffness`."""
+def tangential_stiffness(contact: Contact, poisson: float, stiffness: float | None = None) -> float:
+    """See `Contact.tangential_stiffness`; of another normal stiffness, where one is given, as all below."""
     check_half_space("tangential_stiffness", contact.solid, contact.lattice)
-    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * contact.normal_stiffness
+    normal = contact.normal_stiffness if stiffness is None else stiffness
+    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * normal
 
 
 @views.maker
-def resistance(contact: Contact, resistivity: Each) -> float:
+def resistance(contact: Contact, resistivity: Each, stiffness: float | None = None) -> float:
     """See `Contact.resistance`."""
-    return _of_constrictions(contact, sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si)))
+    both = sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si))
+    return _of_constrictions(contact, both, stiffness)
 
 
 @views.maker
-def thermal_resistance(contact: Contact, conductivity: Each) -> float:
+def thermal_resistance(contact: Contact, conductivity: Each, stiffness: float | None = None) -> float:
     """See `Contact.thermal_resistance`."""
     one, other = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
-    return _of_constrictions(contact, 1 / one + 1 / other)
+    return _of_constrictions(contact, 1 / one + 1 / other, stiffness)
 
 
-def _of_constrictions(contact: Contact, resistivity: float) -> float:
+def _of_constrictions(contact: Contact, resistivity: float, stiffness: float | None) -> float:
     r"""Constriction resistance of a contact, from its normal stiffness k_n.
 
     1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the sum of the resistivities of the two half-spaces (J. R.
@@ -64,7 +75,7 @@ def _of_constrictions(contact: Contact, resistivity: float) -> float:
     (4 a), as R. Holm has it.
     """
     modulus = check_half_space("resistance", contact.solid, contact.lattice)
-    stiffness = contact.normal_stiffness
+    stiffness = contact.normal_stiffness if stiffness is None else stiffness
     return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
 
 
