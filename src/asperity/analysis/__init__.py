@@ -3,7 +3,7 @@
 from asperity.analysis.aging import AgingSummary, aging_summary, with_limit
 from asperity.analysis.contact_law import law
 from asperity.analysis.field_values import Distribution, distributions
-from asperity.analysis.law_words import ClosureFit, closure_fits, law_for
+from asperity.analysis.law_words import closure_fits, law_for
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
@@ -15,7 +15,6 @@ from asperity.patches import Links, Patches, Turnover, clustering, link_patches,
 
 __all__ = [
     "AgingSummary",
-    "ClosureFit",
     "ContactMaps",
     "Distribution",
     "Growth",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from scipy.optimize import curve_fit
 
@@ -23,7 +23,7 @@ FILES: dict[Program, str] = {"calculix": "calculix.inp", "moose": "moose.i"}
 _MOST_ROWS = 200
 """Rows of a table of CalculiX 2.20."""
 
-_MPA = 1e6
+_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
 
 
 def law_for(
@@ -46,14 +46,15 @@ def law_for(
     age
         Which of its ages, s or with a unit; needed where there are several.
     direction
-        Whether the law is that of a rising pressure, or of one that falls from the largest.
+        Whether the pressure rises, or falls from the largest.
     millimeters
         Write N, mm, s, MPa in place of SI.
 
     Returns
     -------
     str
-        Tables begin at pressure 0, at first touch; when unloading, where the tangent ends.
+        Tables begin at pressure 0 and first touch; of unloading, where the tangent at the lowest pressure
+        ends.
 
     Raises
     ------
@@ -63,39 +64,33 @@ def law_for(
     """
     checks.choice("program", program, get_args(Program))
     table = _one_age(dataset, age, direction)
-    length = 1e-3 if millimeters else 1.0
-    factors = {"Pa": length**2, "m": 1 / length, "Pa/m": length**3, "W/m^2/K": length, "S/m^2": length**2}
+    unit = 1e-3 if millimeters else 1.0
+    factors = {"Pa": unit**2, "m": 1 / unit, "Pa/m": unit**3, "W/m^2/K": unit, "S/m^2": unit**2}
     columns = {
-        name: np.append(0.0, table[name].values) * factors[str(table[name].attrs["units"])]
+        name: np.append(0.0, table[name].values * factors[str(table[name].attrs["units"])])
         for name in ("pressure", "approach", *_OF_PRESSURE)
-        if name in table
+        if name in table.variables
     }
-    pressure, approach, slope = (float(table[name][0]) for name in ("pressure", "approach", "stiffness"))
     if direction == "unloading":
-        columns["approach"][0] = (approach - pressure / slope) / length
-    system = "N, mm, s, MPa" if millimeters else "SI"
-    head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, "
-    head += f"age {written(float(table['time']), 's')}, in {system}"
+        columns["approach"][0] = columns["approach"][1] - columns["pressure"][1] / columns["stiffness"][1]
+    head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, age "
+    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa' if millimeters else 'SI units'}"
     return (_calculix if program == "calculix" else _moose)(columns, head)
-
-
-_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
 
 
 def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr.Dataset:
     """The part of a law of one age and direction."""
     checks.instance("dataset", dataset, xr.Dataset, "asperity.law(solid, scan, pressures=...)")
     if dataset.attrs.get("title") != TITLE:
-        got = f"one with the title {dataset.attrs.get('title')!r}"
-        raise InputError("dataset", expected="a law", got=got, advice="asperity.law")
+        raise InputError("dataset", expected="a law", got="another one", advice="asperity.law(...)")
     checks.choice("direction", direction, dataset["direction"].values.tolist())
     times = dataset["time"].values
-    found = None if age is None else units.number("age", age, "s", least=0)
-    near = np.flatnonzero(np.isclose(times, times[0] if found is None else found, rtol=1e-6, atol=0))
-    if near.size != 1 or (found is None and times.size > 1):
+    found = times if age is None else units.number("age", age, "s", least=0)
+    near = np.flatnonzero(np.isclose(times, found, rtol=1e-6, atol=0))
+    if near.size != 1:
         expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in times.tolist())}"
-        got = "none" if found is None else written(found, "s")
-        raise InputError("age", expected=expected, got=got, advice=f'age="{written(float(times[-1]), "s")}"')
+        advice = f'age="{written(float(times[-1]), "s")}"'
+        raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
     return dataset.sel(direction=direction).isel(time=int(near[0]))
 
 
@@ -106,16 +101,16 @@ def _calculix(columns: dict[str, Field], head: str) -> str:
         raise InputError("pressures", expected=expected, got=pressure.size - 1, advice="fewer")
     lines = [
         f"** {head}",
-        "** Pressure against overclosure. CalculiX 2.20 reads this table in *CONTACT PAIR of",
-        "** TYPE=NODE TO SURFACE alone: in surface-to-surface contact it passes no pressure.",
+        "** Pressure, overclosure. CalculiX 2.20 reads the table in *CONTACT PAIR, TYPE=NODE TO SURFACE",
+        "** alone: in surface-to-surface contact it passes no pressure.",
         "*SURFACE INTERACTION, NAME=ROUGH",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
         *(f"{p:.10g}, {a:.10g}" for p, a in zip(pressure, approach, strict=True)),
     ]
     if "thermal_conductance" in columns:
         lines += [
-            "** Gap conductance, pressure, temperature. CalculiX 2.20 knows the pressure of a line and not",
-            "** of a table: use this interaction for heat, in TYPE=SURFACE TO SURFACE, under a known load.",
+            "** Conductance, pressure, temperature. For heat CalculiX 2.20 knows the pressure of a line",
+            "** and not of a table: use this under a known load, with TYPE=SURFACE TO SURFACE.",
             "*SURFACE INTERACTION, NAME=ROUGH_HEAT",
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
             f"{pressure[-1] / approach[-1]:.10g}",
@@ -129,50 +124,14 @@ def _calculix(columns: dict[str, Field], head: str) -> str:
 
 
 def _moose(columns: dict[str, Field], head: str) -> str:
-    def function(name: str, x: Field, y: Field) -> list[str]:
-        rows = (" ".join(f"{one:.10g}" for one in axis) for axis in (x, y))
-        given = [f"    {axis} = '{row}'" for axis, row in zip("xy", rows, strict=True)]
-        return [f"  [{name}]", "    type = PiecewiseLinear", *given, "  []"]
-
-    pressure = columns["pressure"]
-    lines = [f"# {head}", "[Functions]", *function("pressure_of_approach", columns["approach"], pressure)]
-    for name in _OF_PRESSURE:
-        if name in columns:  # a gap is no 0 where nothing presses
-            start = 1 if name == "hydraulic_gap" else 0
-            lines += function(f"{name}_of_pressure", pressure[start:], columns[name][start:])
+    pressure, lines = columns["pressure"], [f"# {head}", "[Functions]"]
+    tables = {"pressure_of_approach": (columns["approach"], pressure)}
+    tables |= {f"{name}_of_pressure": (pressure, columns[name]) for name in _OF_PRESSURE if name in columns}
+    for name, axes in tables.items():
+        first = int(name.startswith("hydraulic"))  # a gap is not 0 where nothing presses
+        x, y = (" ".join(f"{value:.10g}" for value in axis[first:]) for axis in axes)
+        lines += [f"  [{name}]", "    type = PiecewiseLinear", f"    x = '{x}'", f"    y = '{y}'", "  []"]
     return "\n".join([*lines, "[]"]) + "\n"
-
-
-@dataclass(frozen=True)
-class ClosureFit:
-    """A formula for the approach a under a pressure p, and by how much it misses the table.
-
-    Attributes
-    ----------
-    name, formula
-        What it is.
-    parameters
-        Numbers and units by their symbols.
-    rms, largest
-        Relative error of the approach.
-    """
-
-    name: str
-    formula: str
-    parameters: dict[str, tuple[float, str]]
-    rms: float
-    largest: float
-
-    def __str__(self) -> str:
-        numbers = ", ".join(f"{name} = {written(*one)}" for name, one in self.parameters.items())
-        errors = f"{100 * self.rms:.2g} % rms, {100 * self.largest:.2g} % at most"
-        return f"{self.formula}, {numbers}; errs by {errors}"
-
-
-_FORMULAS: dict[str, tuple[str, Callable[..., Field], tuple[str, str]]] = {
-    "Barton-Bandis": ("a = p / (K + p / V)", lambda p, k, v: p / (k + p / v), ("K Pa/m", "V m")),
-    "power": ("a = c (p / 1 MPa)^n", lambda p, c, n: c * (p / _MPA) ** n, ("c m", "n 1")),
-}
 
 
 def closure_fits(
@@ -180,15 +139,19 @@ def closure_fits(
     *,
     age: float | str | None = None,
     direction: Literal["loading", "unloading"] = "loading",
-) -> tuple[ClosureFit, ...]:
-    """Fit the formulas of joints in rock to a law, each by least squares of the relative error.
-
-    The hyperbola of Barton and Bandis, with the initial stiffness K and the largest closure V, and a power.
+) -> pd.DataFrame:
+    """Fit the formulas of joints in rock to a law, by least squares of the relative error of the approach.
 
     Parameters
     ----------
     dataset, age, direction
         As for `law_for`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Of the hyperbola of Barton and Bandis, a = p / (K + p / V), and of a power, a = c (p / 1 MPa)^n, the
+        two numbers (K Pa/m and V m, c m and n), and the relative error, rms and at most.
 
     References
     ----------
@@ -197,16 +160,13 @@ def closure_fits(
     """
     table = _one_age(dataset, age, direction)
     p, a = table["pressure"].values, table["approach"].values
-    begin = {"Barton-Bandis": (p[0] / a[0], 1.2 * a[-1]), "power": (a[-1] * (_MPA / p[-1]) ** 0.5, 0.5)}
+    formulas: dict[str, tuple[Callable[..., Field], tuple[float, float]]] = {
+        "Barton-Bandis": (lambda p, k, v: -np.logaddexp(k - np.log(p), -v), (p[0] / a[0], 1.2 * a[-1])),
+        "power": (lambda p, c, n: c + np.exp(n) * np.log(p / 1e6), (a[-1], 0.5)),
+    }
     found = []
-    for name, (formula, of, symbols) in _FORMULAS.items():
-
-        def logarithm(p: Field, *logs: float, of: Callable[..., Field] = of) -> Field:
-            return np.log(of(p, *np.exp(logs)))
-
-        best, _ = curve_fit(logarithm, p, np.log(a), p0=np.log(begin[name]))
-        error = of(p, *np.exp(best)) / a - 1
-        named = (one.split(" ") for one in symbols)
-        numbers = {s: (float(x), unit) for (s, unit), x in zip(named, np.exp(best), strict=True)}
-        found.append(ClosureFit(name, formula, numbers, float(np.sqrt((error**2).mean())), abs(error).max()))
-    return tuple(found)
+    for name, (of, begin) in formulas.items():  # logarithms of all: numbers are above 0
+        best, _ = curve_fit(of, p, np.log(a), p0=np.log(begin))
+        error = np.expm1(of(p, *best) - np.log(a))
+        found.append((name, *np.exp(best), np.sqrt((error**2).mean()), np.abs(error).max()))
+    return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")

@@ -182,7 +182,7 @@ def predicted(
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
         dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
-        raise _of_pressure(error, held, solid) from None
+        raise of_pressure(error, held, solid) from None
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
@@ -206,7 +206,7 @@ def predicted(
     return replace(prediction, remarks=remarks)
 
 
-def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
+def of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
     """The same error, in terms of the pressure where that was given and is too large for the hardness."""
     if error.name != "load" or "pressure" not in held or not solid.yields:
         return error
@@ -242,23 +242,17 @@ def _times_within(
     if not start < stop:
         raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
     for name, time in (("first", start), ("last", stop)):
-        check_known(material, name, time)
+        if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
+            what, advice = "the table spans", "a table of more decades"
+            if material.fit is None:
+                what, advice = "the data span", "extrapolate='model'"
+            elif time > end:
+                advice = "extrapolate='plateau'"
+            expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
+            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
     check_span("last", start, stop)
     least = math.ceil(LEAST_TIMES / math.log10(stop / start))
     return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
-
-
-def check_known(material: Material, name: str, time: float) -> None:
-    """Refuse a time that neither the material's table nor its data span."""
-    begin, end = material.span
-    if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-        what, advice = "the table spans", "a table of more decades"
-        if material.fit is None:
-            what, advice = "the data span", "extrapolate='model'"
-        elif time > end:
-            advice = "extrapolate='plateau'"
-        expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
-        raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
 
 
 def check_ramp(ramp: float, last: float) -> None:

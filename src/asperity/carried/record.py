@@ -4,13 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asperity.carried.response import (
-    check_half_space,
-    resistance,
-    sheared,
-    tangential_stiffness,
-    thermal_resistance,
-)
+from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
 from asperity.errors import InputError
@@ -51,8 +45,8 @@ class Carried:
             got = "friction" if self.shear is None else "shear"
             raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
 
-    def of(self, contact: Contact, stiffness: float | None = None) -> dict[str, float]:
-        """What a contact carries, by the names of the columns; of another normal stiffness, if one is given.
+    def of(self, contact: Contact) -> dict[str, float]:
+        """What a contact carries, by the names of the columns.
 
         Raises
         ------
@@ -60,14 +54,13 @@ class Carried:
             The solid is no half-space, or a number is out of its range.
         """
         check_half_space("carried", contact.solid, contact.lattice)
-        normal = contact.normal_stiffness if stiffness is None else stiffness
-        found = {"normal_stiffness": normal}
+        found = {"normal_stiffness": contact.normal_stiffness}
         if self.poisson is not None:
-            found["tangential_stiffness"] = tangential_stiffness(contact, self.poisson, normal)
+            found["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
         if self.resistivity is not None:
-            found["resistance"] = resistance(contact, self.resistivity, normal)
+            found["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
-            found["thermal_resistance"] = thermal_resistance(contact, self.conductivity, normal)
+            found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.shear is not None and self.friction is not None:
             force, mu = sheared(contact, self.shear, self.friction)
             slides = force >= mu * contact.load

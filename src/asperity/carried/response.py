@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
 
+@functools.lru_cache(maxsize=1)
 def unit_response(contact: Contact) -> tuple[float, float, Field]:
     """What a unit of load does at once to a contact, whose sites in contact are one rigid punch.
 
@@ -39,35 +41,31 @@ def unit_response(contact: Contact) -> tuple[float, float, Field]:
 @views.maker
 def normal_stiffness(contact: Contact) -> float:
     """See `Contact.normal_stiffness`."""
-    if not contact.area:
-        return 0.0
-    lowered, _, _ = unit_response(contact)
+    lowered = unit_response(contact)[0] if contact.area else math.inf
     return 1.0 / lowered if lowered > 0 else math.inf
 
 
 @views.maker
-def tangential_stiffness(contact: Contact, poisson: float, stiffness: float | None = None) -> float:
-    """See `Contact.tangential_stiffness`; of another normal stiffness, where one is given, as all below."""
+def tangential_stiffness(contact: Contact, poisson: float) -> float:
+    """See `Contact.tangential_stiffness`."""
     check_half_space("tangential_stiffness", contact.solid, contact.lattice)
-    normal = contact.normal_stiffness if stiffness is None else stiffness
-    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * normal
+    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * contact.normal_stiffness
 
 
 @views.maker
-def resistance(contact: Contact, resistivity: Each, stiffness: float | None = None) -> float:
+def resistance(contact: Contact, resistivity: Each) -> float:
     """See `Contact.resistance`."""
-    both = sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si))
-    return _of_constrictions(contact, both, stiffness)
+    return _of_constrictions(contact, sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si)))
 
 
 @views.maker
-def thermal_resistance(contact: Contact, conductivity: Each, stiffness: float | None = None) -> float:
+def thermal_resistance(contact: Contact, conductivity: Each) -> float:
     """See `Contact.thermal_resistance`."""
     one, other = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
-    return _of_constrictions(contact, 1 / one + 1 / other, stiffness)
+    return _of_constrictions(contact, 1 / one + 1 / other)
 
 
-def _of_constrictions(contact: Contact, resistivity: float, stiffness: float | None) -> float:
+def _of_constrictions(contact: Contact, resistivity: float) -> float:
     r"""Constriction resistance of a contact, from its normal stiffness k_n.
 
     1 / R = 2 k_n / (E* (rho_1 + rho_2)), with the sum of the resistivities of the two half-spaces (J. R.
@@ -75,7 +73,7 @@ def _of_constrictions(contact: Contact, resistivity: float, stiffness: float | N
     (4 a), as R. Holm has it.
     """
     modulus = check_half_space("resistance", contact.solid, contact.lattice)
-    stiffness = contact.normal_stiffness if stiffness is None else stiffness
+    stiffness = contact.normal_stiffness
     return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -11,16 +13,14 @@ from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
+from asperity.base.units import quantity
 from asperity.errors import InputError
 
 __all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
 
 _RESULTS = Results()
-_Quantities = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")]
-_Programs = Annotated[
-    list[Literal["calculix", "moose"]] | None, Parameter(negative=(), consume_multiple=True)
-]
-_FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "surface")}
+_Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
+_FLAGS = {"pressure": "--pressures"} | {name: f"--{name}" for name in ("pressures", "times", "age")}
 
 
 @command("preparation", "solid", "carried")
@@ -29,10 +29,12 @@ def law(
     /,
     *,
     surface: Path | None = None,
-    pressures: _Quantities = None,
+    pressures: Annotated[list[str] | None, _Several] = None,
     per_decade: Whole = 10,
-    times: _Quantities = None,
-    write: _Programs = None,
+    times: Annotated[list[str] | None, _Several] = None,
+    write: Annotated[
+        list[Literal["calculix", "moose"]], Parameter(negative=(), consume_multiple=True, show_default=False)
+    ] = [],  # noqa: B006
     age: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     millimeters: Switch = False,
     out: Out = Path("law"),
@@ -42,7 +44,7 @@ def law(
     """Tabulate approach, stiffness and conductance of a rough contact against pressure, for other programs.
 
     The approach is that of the rough layer alone. Each pressure is put on at once, and held for each age. Do
-    not interpolate between ages while the load changes: what has crept depends on the whole history.
+    not interpolate between ages while the load changes: what has crept depends on its history.
 
     Parameters
     ----------
@@ -66,47 +68,47 @@ def law(
     out
         Folder for the results, which appears when all is written; it must not exist yet.
     """
-    from asperity.app.config.reading import read_config, to_toml
-
     flags = given(keys, units=True)
-    for name, several in (("--pressures", pressures), ("--times", times), ("--age", [age] if age else None)):
-        check_unit(name, several or [], "s" if name != "--pressures" else "MPa")
+    for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s")):
+        check_unit(f"--{name}", quantities or [], unit)
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
     if surface is not None:
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
-    solid = flags.setdefault("solid", {})
-    path = material if material is not None and material.suffix == ".toml" else None
-    if path is None:
-        if surface is None:
-            raise InputError(
-                "--surface", expected="the file of a scan", got="none", advice="--surface scan.opd"
-            )
-        solid |= {"kind": "half_space"} if "kind" not in solid else {}
+    solid, config = flags.setdefault("solid", {}), None
+    if material is not None and material.suffix == ".toml":
+        config = material
+    elif surface is None:
+        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
+    else:
         solid |= {} if material is None else {"relaxation": str(material)}
+        solid.setdefault("kind", "half_space")
     if times is not None:
-        flags["aging"] = {"times": [one if one.strip() != "0" else 0.0 for one in times]}
-    config = read_config(path, flags)
-    if write and age is None and len(config.aging.times or []) > 1:
-        expected, advice = (
-            "the age of the law in these files, for it has several",
-            f'--age "{times[-1] if times else "1h"}"',
-        )
-        raise InputError("--age", expected=expected, got="none", advice=advice)
+        flags["aging"] = {"times": times}
+    from asperity.app.config.reading import read_config, to_toml
+
+    settings = read_config(config, flags)
+    ages = settings.aging.times or [0.0]
+    if write and (ages[1:] or age):
+        check_unit("--age", age or "", "s")
+        if age is None or not any(math.isclose(quantity(age, "s", "--age"), one) for one in ages):
+            expected = f"one of the ages of the law, {', '.join(f'{one:g} s' for one in ages)}"
+            raise InputError("--age", expected=expected, got=age or "none", advice=f"--age {ages[-1]:g}s")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.cli.reports.law import law_report, write_law
     from asperity.app.runs.law import law_of_config
-    from asperity.progress import listener
-    from asperity.results import Checkpoint
 
-    asked = f"{to_toml(config)}{pressures}{per_decade}"
-    with place_beside(out, asked) as place, listener(not results.quiet) as progress, in_flags(_FLAGS):
-        how = {"pressures": pressures, "per_decade": per_decade, "checkpoint": Checkpoint(place)}
-        dataset, used, remarks = law_of_config(config, progress, **how)  # type: ignore[arg-type]
-        rows = law_report(dataset, remarks)
-        progress.stage("writing the results")
-        with folder_of_results("law", out, rows, replaceable) as folder:
-            write_law(dataset, used, folder, programs=write or (), age=age, millimeters=millimeters)
-    tell_results(rows, out, results)
+    with in_flags(_FLAGS):
+        compute_into(
+            "law",
+            out,
+            f"{to_toml(settings)}{pressures}{per_decade}",
+            functools.partial(law_of_config, settings, pressures=pressures, per_decade=per_decade),
+            report=law_report,
+            write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
+            every=0.0,
+            results=results,
+            replaceable=replaceable,
+        )
