@@ -138,7 +138,7 @@ def law(
         expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
         raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
     if carried is not None and carried.shear is not None:
-        raise InputError("carried", expected="no shear force, for a law of small ones", got="shear")
+        raise InputError("shear", expected="none: the law is that of a small one", got=carried.shear)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
     if times is None and body.branches:
         expected, advice = "the ages of a solid that creeps", "0 s, and when the law is needed"
@@ -168,6 +168,14 @@ def law(
         spacing=json.dumps(spacing),
         surface=json.dumps(dict(scan.provenance)),
     )
+
+
+def check_law(dataset: xr.Dataset) -> None:
+    """Refuse what `law` did not make; `InputError`."""
+    checks.instance("dataset", dataset, xr.Dataset, "asperity.law(solid, scan, pressures=...)")
+    if dataset.attrs.get("title") != TITLE:
+        advice = "asperity.law(solid, scan, pressures=...)"
+        raise InputError("dataset", expected="a law", got="another one", advice=advice)
 
 
 def _pressures(given: Any, per_decade: int) -> Field:

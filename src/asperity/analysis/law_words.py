@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 from scipy.optimize import curve_fit
 
-from asperity.analysis.contact_law import TITLE
+from asperity.analysis.contact_law import check_law
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.errors import InputError
@@ -80,9 +80,7 @@ def law_for(
 
 def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr.Dataset:
     """The part of a law of one age and direction."""
-    checks.instance("dataset", dataset, xr.Dataset, "asperity.law(solid, scan, pressures=...)")
-    if dataset.attrs.get("title") != TITLE:
-        raise InputError("dataset", expected="a law", got="another one", advice="asperity.law(...)")
+    check_law(dataset)
     checks.choice("direction", direction, dataset["direction"].values.tolist())
     times = dataset["time"].values
     found = times if age is None else units.number("age", age, "s", least=0)

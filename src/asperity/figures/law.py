@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 
+from asperity.analysis.contact_law import check_law
 from asperity.analysis.scan import readable, written
-from asperity.base import checks
 from asperity.figures import style
 
 _PANELS = {
@@ -34,7 +34,7 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     InputError
         It is something else.
     """
-    checks.instance("dataset", dataset, xr.Dataset, "asperity.law(solid, scan, pressures=...)")
+    check_law(dataset)
     names = [name for name in _PANELS if name in dataset]
     figure, grid = style.stacked((6.4, 1.6 + 1.7 * len(names)), *[1.4, *[1] * (len(names) - 1)])
     across, factor = readable("Pa", float(dataset["pressure"][-1]))

@@ -13,14 +13,14 @@ from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
-from asperity.base.units import quantity
 from asperity.errors import InputError
 
 __all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
 
 _RESULTS = Results()
 _Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
-_FLAGS = {"pressure": "--pressures"} | {name: f"--{name}" for name in ("pressures", "times", "age")}
+_FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "shear", "solid")}
+_FLAGS["pressure"] = "--pressures"
 
 
 @command("preparation", "solid", "carried")
@@ -87,6 +87,7 @@ def law(
     if times is not None:
         flags["aging"] = {"times": times}
     from asperity.app.config.reading import read_config, to_toml
+    from asperity.base.units import quantity
 
     settings = read_config(config, flags)
     ages = settings.aging.times or [0.0]
