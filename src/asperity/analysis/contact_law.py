@@ -149,7 +149,8 @@ def law(
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
-    kept = _Kept(checkpoint, repr((body, steps, ages, carried, rtol, scan)).encode() + heights.tobytes())
+    asked = body.kind, dict(body.parameters), steps, ages, carried, rtol, scan
+    kept = _Kept(checkpoint, repr(asked).encode() + heights.tobytes())
     layer = _Layer(heights, carried)
     with listener(progress) as listening:
         # The largest is first: it says whether all will touch, or yield.
@@ -212,11 +213,8 @@ class _Layer:
             if time not in ages or time in found:
                 return
             if contact.contact_fraction == 1:
-                expected, got = (
-                    "pressures below full contact",
-                    f"{written(pressure, 'Pa')}: all of it touches",
-                )
-                raise InputError("pressures", expected=expected, got=got, advice="a lower last pressure")
+                got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
+                raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
             found[time] = [self.row(contact)]
             for less in down:
                 contact = pressed_anew(contact, Load(less * contact.nominal_area))

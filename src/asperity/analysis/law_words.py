@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.optimize import curve_fit
+from scipy.optimize import least_squares
 
 from asperity.analysis.contact_law import check_law
 from asperity.analysis.scan import written
@@ -164,7 +164,7 @@ def closure_fits(
     }
     found = []
     for name, (of, begin) in formulas.items():  # logarithms of all: numbers are above 0
-        best, _ = curve_fit(of, p, np.log(a), p0=np.log(begin))
+        best = least_squares(lambda logs, of=of: of(p, *logs) - np.log(a), np.log(begin)).x
         error = np.expm1(of(p, *best) - np.log(a))
         found.append((name, *np.exp(best), np.sqrt((error**2).mean()), np.abs(error).max()))
     return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
