@@ -150,17 +150,22 @@ def law(
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
     asked = body.kind, dict(body.parameters), steps, ages, carried, rtol, scan
-    kept = _Kept(checkpoint, repr(asked).encode() + heights.tobytes())
+    mark = hashlib.sha256(repr(asked).encode() + heights.tobytes()).hexdigest()
+    path = Path(checkpoint.path if isinstance(checkpoint, Checkpoint) else checkpoint) if checkpoint else None
+    rows = _kept(path, mark)
     layer = _Layer(heights, carried)
     with listener(progress) as listening:
         # The largest is first: it says whether all will touch, or yield.
         for number, step in reversed(list(enumerate(steps.tolist()))):
-            if str(number) not in kept.rows:
+            if str(number) not in rows:
                 listening.stage(f"pressing with {written(step, 'Pa')}, {number} more to come")
                 memory = number == steps.size - 1 and (body.branches or body.yields)
                 down = steps[-2::-1].tolist() if memory else []
-                kept.keep(number, layer.held(scan, body, step, ages, down, rtol))
-    return _dataset(kept.rows, steps, ages).assign_attrs(
+                rows[str(number)] = layer.held(scan, body, step, ages, down, rtol)
+                if path is not None:
+                    with whole_file(path) as part:
+                        part.write_text(json.dumps({mark: rows}), encoding="utf-8")
+    return _dataset(rows, steps, ages).assign_attrs(
         title=TITLE,
         asperity_version=__version__,
         **attributes_of_solid(body),
@@ -173,9 +178,8 @@ def law(
 
 def check_law(dataset: xr.Dataset) -> None:
     """Refuse what `law` did not make; `InputError`."""
-    checks.instance("dataset", dataset, xr.Dataset, "asperity.law(solid, scan, pressures=...)")
-    if dataset.attrs.get("title") != TITLE:
-        advice = "asperity.law(solid, scan, pressures=...)"
+    advice = "asperity.law(solid, scan, pressures=...)"
+    if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
         raise InputError("dataset", expected="a law", got="another one", advice=advice)
 
 
@@ -277,27 +281,15 @@ def _hydraulic(gap: Field) -> Row:
     return {name: widest * value ** (1 / 3) for name, value in found.items()}
 
 
-class _Kept:
-    """Rows of the pressures that are done, and the file where they are kept, if there is one."""
-
-    def __init__(self, checkpoint: str | Path | Checkpoint | None, asked: bytes) -> None:
-        path = checkpoint.path if isinstance(checkpoint, Checkpoint) else checkpoint
-        self.path, self.mark = path and Path(path), hashlib.sha256(asked).hexdigest()
-        self.rows: dict[str, list[list[Row]]] = {}
-        if self.path and self.path.exists():
-            try:
-                found = json.loads(self.path.read_text(encoding="utf-8"))
-                self.rows = found[self.mark]
-            except (OSError, ValueError, TypeError, KeyError):
-                expected, got = "a checkpoint of this law", f"{self.path}, of something else"
-                advice = "another path, or remove the file"
-                raise CheckpointError("checkpoint", expected=expected, got=got, advice=advice) from None
-
-    def keep(self, number: int, rows: list[list[Row]]) -> None:
-        self.rows[str(number)] = rows
-        if self.path:
-            with whole_file(self.path) as part:
-                part.write_text(json.dumps({self.mark: self.rows}), encoding="utf-8")
+def _kept(path: Path | None, mark: str) -> dict[str, list[list[Row]]]:
+    """Rows of the pressures that are done, by age and falling pressure, from a checkpoint if any."""
+    if path is None or not path.exists():
+        return {}
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8"))[mark])
+    except (OSError, ValueError, TypeError, KeyError):
+        known = {"expected": "a checkpoint of this law", "advice": "another path, or remove the file"}
+        raise CheckpointError("checkpoint", got=f"{path}, of something else", **known) from None
 
 
 def _dataset(rows: dict[str, list[list[Row]]], pressures: Field, ages: Field) -> xr.Dataset:

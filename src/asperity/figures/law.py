@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+import itertools
 
 import numpy as np
 import xarray as xr
@@ -39,30 +39,25 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     figure, grid = style.stacked((6.4, 1.6 + 1.7 * len(names)), *[1.4, *[1] * (len(names) - 1)])
     across, factor = readable("Pa", float(dataset["pressure"][-1]))
     pressure, ages = dataset["pressure"].values * factor, dataset["time"].values.tolist()
-    colors = colormaps["viridis"](np.linspace(0, 0.85, len(ages)))
+    colors = dict(zip(ages, colormaps["viridis"](np.linspace(0, 0.85, len(ages))), strict=True))
+    dashes = {"loading": "-", "unloading": "--"}
     for axes, name in zip(grid, names, strict=True):
         unit, scale = readable(str(dataset[name].attrs["units"]), float(dataset[name].max()))
         if name == "contact_fraction":
             unit, scale = "%", 100.0
-        for direction in dataset["direction"].values.tolist():
-            rises = direction == "loading"
-            for color, age in zip(colors, ages, strict=True):
-                table = dataset.sel(direction=direction, time=age)
-                said = f"age {written(age, 's')}" if rises else None
-                look: dict[str, Any] = {"color": color, "linewidth": 1.4, "label": said}
-                axes.plot(pressure, table[name].values * scale, "-" if rises else "--", **look)
-                if rises and age == ages[-1]:
-                    low, high = (table[f"{name}_{end}"].values * scale for end in ("low", "high"))
-                    axes.fill_between(pressure, low, high, color=color, alpha=0.2, linewidth=0)
+        for direction, age in itertools.product(dataset["direction"].values.tolist(), ages):
+            values = dataset[name].sel(direction=direction, time=age).values * scale
+            said = f"age {written(age, 's')}" if direction == "loading" else None
+            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=said)
+        last = dataset.sel(direction="loading", time=ages[-1])
+        low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
+        axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)
         axes.set_ylabel(f"{_PANELS[name]}\n[{style.spelled(unit)}]")
-        axes.set_xscale("log")
-        if name != "approach":
-            axes.set_yscale("log")
+        axes.set(xscale="log", yscale="linear" if name == "approach" else "log")
         style.finish(axes, legend=axes is grid[0])
     figure.align_ylabels(grid)
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
-    last = "" if len(ages) == 1 else ", last age"
-    parts = [f"shaded: 95 % band for another scan of this size{last}"]
+    parts = ["shaded: 95 % band for another scan of this size, at the last age"]
     if dataset.sizes["direction"] > 1:
         parts.append("dashed: unloading from the largest pressure, at once")
     style.entitle(figure, "Law of the rough layer", parts)

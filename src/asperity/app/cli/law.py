@@ -49,8 +49,8 @@ def law(
     Parameters
     ----------
     material
-        Relaxation table, or a TOML file as for asperity run, which flags override. Without: a half-space of
-        --young, or what --solid says.
+        Relaxation table, or a TOML file as for asperity run, which flags override. Without: the solid of the
+        flags, a half-space unless they name another.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     pressures

@@ -21,9 +21,13 @@ def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list
     """Say what was tabulated, and what it comes to at the ends."""
     dataset, attrs = found.dataset, found.dataset.attrs
     scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
-    rows = [("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"), *understood(scan)]
-    rows.append(("solid", f"{str(attrs['solid']).replace('_', ' ')}, E* = {written(attrs['modulus'], 'Pa')}"))
-    rows.append(("pressures", f"{dataset.sizes['pressure']}: {_ends(dataset, 'pressure')}, each held"))
+    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
+    rows = [
+        ("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
+        *understood(scan),
+        ("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        ("pressures", f"{dataset.sizes['pressure']}: {_ends(dataset, 'pressure')}, each held"),
+    ]
     for time in dataset["time"].values.tolist():
         table = dataset.sel(direction="loading", time=time)
         area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % at last"
