@@ -12,7 +12,7 @@ from asperity.analysis.contact_law import OF_LAWS
 
 HEIGHTS = asp.surfaces.spectral((40, 48), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
 LENGTHS = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
-RANGE = ("--pressures", "1MPa", "20MPa", "--per-decade", "4")
+RANGE = ("--pressures", "1MPa", "20MPa", "--per-decade", "2")
 FILES = {"asperity.json", "config.toml", "history.zarr", "law.csv", "law.png", "summary.txt"}
 
 
@@ -23,8 +23,8 @@ def scan():
 
 
 def test_a_table_of_relaxation_gives_a_law_at_each_age(says, scan):
-    time = np.geomspace(0.01, 1e4, 25)
-    lines = (f"{t:.6g},{1000 + 1500 * np.exp(-((t / 20) ** 0.3)):.8g}" for t in time)
+    time = np.geomspace(1.0, 1e4, 13)
+    lines = (f"{t:.6g},{1000 + 1500 * np.exp(-t / 90):.8g}" for t in time)
     Path("relax.csv").write_text("\n".join(["time_s,E_MPa", *lines]))
     ages = ("--times", "0s", "1h", "--age", "1h", "--write", "calculix", "moose", "--millimeters")
     says("law", "relax.csv", *scan, *RANGE, *ages, "--conductivity", "0.2W/m/K", "-q")
@@ -65,9 +65,11 @@ def test_a_solid_in_numbers_gives_what_python_gives(says, scan):
     found = asp.results.load("law")
     assert {path.name for path in Path("law").iterdir()} == FILES | {"calculix.inp"}
     solid = asp.solids.half_space(young="3 GPa", poisson=0.3)
-    surface = asp.surfaces.read("scan.txt", file_unit="nm", pixel_size=50.0, length_unit="nm", periodic="reflect")
+    surface = asp.surfaces.read(
+        "scan.txt", file_unit="nm", pixel_size=50.0, length_unit="nm", periodic="reflect"
+    )
     law = asp.law(
-        solid, surface, pressures=["1 MPa", "20 MPa"], per_decade=4, carried=asp.Carried(poisson=0.3)
+        solid, surface, pressures=["1 MPa", "20 MPa"], per_decade=2, carried=asp.Carried(poisson=0.3)
     )
     for name in OF_LAWS.keys() & law.keys():
         assert found[name].values == pytest.approx(law[name].values, rel=1e-9), name
