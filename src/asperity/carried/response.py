@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -21,12 +21,17 @@ from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
 
-@functools.lru_cache(maxsize=1)
+_RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
+"""What `unit_response` found, as long as the contact lives."""
+
+
 def unit_response(contact: Contact) -> tuple[float, float, Field]:
     """What a unit of load does at once to a contact, whose sites in contact are one rigid punch.
 
     How far it lowers the rigid body and the mean of the surface, and the force of each site.
     """
+    if contact in _RESPONSES:
+        return _RESPONSES[contact]
     in_contact = contact.relative[2]
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
@@ -35,7 +40,8 @@ def unit_response(contact: Contact) -> tuple[float, float, Field]:
     u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
     _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
     force = np.where(in_contact, problem.force(u), 0.0)
-    return -position, -float(lattice.cut(u).mean()), lattice.cut(force)
+    _RESPONSES[contact] = -position, -float(lattice.cut(u).mean()), lattice.cut(force)
+    return _RESPONSES[contact]
 
 
 @views.maker
