@@ -20,7 +20,6 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
 
-
 _RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
 """What `unit_response` found, as long as the contact lives."""
 
