@@ -328,7 +328,7 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
         ({"solid": asp.solids.spring_lattice(k0=1.0, k1=3.0)}, "solid", "defined on sites"),
         ({"solid": RELAXING}, "times", "none"),
         ({"times": [1.0, 0.5]}, "times", "0.5"),
-        ({"solid": ELASTIC.with_hardness("5 MPa")}, "pressure", "20 MPa"),
+        ({"solid": ELASTIC.with_hardness("5 MPa")}, "pressures", "20 MPa"),
         ({"carried": asp.Carried(shear=1e-3, friction=0.3)}, "shear", "0.001"),
         ({"surface": asp.surfaces.Surface(ROUGH[0], "m", PIXEL, "m")}, "surface", "a profile"),
         ({"per_decade": 0}, "per_decade", "0"),

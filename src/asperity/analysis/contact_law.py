@@ -19,7 +19,7 @@ conducts less, and fluid that crosses without loss more,
 Between them b is that of an effective medium, < (g^3 - b^3) / (g^3 + b^3) > = 0 (D. A. G. Bruggeman, Ann.
 Phys. 416, 636 (1935), DOI 10.1002/andp.19354160705).
 
-Bands are those of another scan of this size, from tiles drawn anew as in `asperity.analysis.prediction`: of
+Bands are those of another scan of this size, from tiles drawn anew with replacement: of
 area and stiffness for each load that the tiles bear; of the gap less what follows from the pressure of the
 tiles, by a straight line. The highest point of a scan varies as Gumbel's distribution that the highest points
 of the tiles have.
@@ -41,8 +41,6 @@ from scipy.optimize import brentq
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
-from asperity.analysis.predicting import of_pressure
-from asperity.analysis.prediction import DRAWS, WIDER, in_tiles
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
@@ -78,6 +76,12 @@ OF_LAWS = {
 """Unit and meaning of the columns of a law, in their order; some have a band, ``_low`` and ``_high``."""
 
 _CONDUCTANCES = {"resistance": "conductance", "thermal_resistance": "thermal_conductance"}
+
+_TILES, _DRAWS = 4, 200
+"""Tiles along each axis of the scan, and how often they are drawn."""
+
+_WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
+"""Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
 
 Row = dict[str, float]
 
@@ -198,10 +202,10 @@ class _Layer:
 
     def __init__(self, rough: Field, carried: Carried | None) -> None:
         self.rough, self.carried = rough, carried
-        highest, random = in_tiles(rough[np.newaxis], np.maximum)[0], np.random.default_rng(0)
-        self.chosen = random.integers(0, highest.size, (DRAWS, highest.size))
-        higher = random.gumbel(scale=highest.std(ddof=1) * math.sqrt(6) / math.pi, size=DRAWS)
-        self.higher = (higher - np.median(higher)) / WIDER  # which is for means of a few values
+        highest, random = _in_tiles(rough[np.newaxis], np.maximum)[0], np.random.default_rng(0)
+        self.chosen = random.integers(0, highest.size, (_DRAWS, highest.size))
+        higher = random.gumbel(scale=highest.std(ddof=1) * math.sqrt(6) / math.pi, size=_DRAWS)
+        self.higher = (higher - np.median(higher)) / _WIDER  # which is for means of a few values
 
     def held(
         self, scan: Surface, body: Solid, pressure: float, ages: Field, down: list[float], rtol: float
@@ -210,7 +214,11 @@ class _Layer:
         try:
             contact = pressed(scan, body, pressure=pressure)
         except InputError as error:
-            raise of_pressure(error, {"pressure": pressure}, body) from None
+            if error.name != "load":
+                raise
+            expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(pressure, "Pa")
+            advice = "a lower last pressure"
+            raise InputError("pressures", expected=expected, got=got, advice=advice) from None
         found: dict[float, list[Row]] = {}
 
         def reached(time: float, contact: Contact) -> None:
@@ -245,7 +253,7 @@ class _Layer:
                     row[_CONDUCTANCES[name]] = per_area / value
         row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
         maps = np.stack([contact.in_contact, contact.force, borne, gap, np.ones_like(gap)])
-        return row | _hydraulic(gap) | self._bands(row, in_tiles(maps))
+        return row | _hydraulic(gap) | self._bands(row, _in_tiles(maps))
 
     def _bands(self, row: Row, tiles: Field) -> Row:
         touching, force, borne, gap, sites = tiles[:, self.chosen].sum(axis=-1)
@@ -263,9 +271,17 @@ class _Layer:
         drawn |= {name: row[name] * stiffer for name in alike if name in row}
         ends: Row = {}
         for name, values in drawn.items():
-            low, high = np.nanquantile(row[name] + WIDER * (values - row[name]), (0.025, 0.975)).tolist()
+            low, high = np.nanquantile(row[name] + _WIDER * (values - row[name]), (0.025, 0.975)).tolist()
             ends |= {f"{name}_low": low, f"{name}_high": high}
         return ends
+
+
+def _in_tiles(maps: Field, gather: np.ufunc = np.add) -> Field:
+    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
+    for axis in (1, 2):
+        ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
+        maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
+    return maps.reshape(maps.shape[0], -1)
 
 
 def _hydraulic(gap: Field) -> Row:

@@ -182,7 +182,7 @@ def predicted(
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
         dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
-        raise of_pressure(error, held, solid) from None
+        raise _of_pressure(error, held, solid) from None
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
         dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
@@ -206,7 +206,7 @@ def predicted(
     return replace(prediction, remarks=remarks)
 
 
-def of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
+def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
     """The same error, in terms of the pressure where that was given and is too large for the hardness."""
     if error.name != "load" or "pressure" not in held or not solid.yields:
         return error

@@ -38,11 +38,11 @@ from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area, static_friction
 
-DRAWS = 200
+_DRAWS = 200
 _TILES = 4
 """Tiles along each axis of the scan."""
 
-WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
+_WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
 """Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
 
 _FEW = 10
@@ -349,7 +349,7 @@ def growth_of(
 
     def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
         value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
-        of_scan = 1 + WIDER * (_factors(measure, moments, tiles) - 1)
+        of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
         both = of_table * np.resize(of_scan, of_table.size)
         return value, _band(value, both), _band(value, of_table), _band(value, of_scan)
 
@@ -409,8 +409,8 @@ def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> tuple[Field, 
 
     The shape of the areas is (1 + draws, maps).
     """
-    area, load = (in_tiles(np.asarray(dataset[name])) for name in ("in_contact", "pressure"))
-    chosen = random.integers(0, area.shape[1], (DRAWS, area.shape[1]))
+    area, load = (_in_tiles(np.asarray(dataset[name])) for name in ("in_contact", "pressure"))
+    chosen = random.integers(0, area.shape[1], (_DRAWS, area.shape[1]))
     drawn, borne = area[:, chosen].sum(axis=-1).T, load[:, chosen].sum(axis=-1).T
     bearing = (borne > 0).all(axis=1)
     whole, pressed = area.sum(axis=1), load.sum(axis=1)
@@ -420,14 +420,13 @@ def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> tuple[Field, 
 def _factors(measure: _Measure, time: Field, areas: Sequence[Field] | Floats) -> Floats:
     """A measure of areas that were drawn, over that of the first areas, the true ones; 200 or more."""
     whole, *drawn = (measure(time, area) for area in areas)
-    return np.resize(drawn, max(DRAWS, len(drawn))) / whole if whole and drawn else np.ones(DRAWS)
+    return np.resize(drawn, max(_DRAWS, len(drawn))) / whole if whole and drawn else np.ones(_DRAWS)
 
 
-def in_tiles(maps: Field, gather: np.ufunc = np.add) -> Field:
-    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
+def _in_tiles(maps: Field) -> Field:
     for axis in (1, 2):
         ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
-        maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
+        maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)
     return maps.reshape(maps.shape[0], -1)
 
 

@@ -17,7 +17,7 @@ from asperity.contact.partial_slip import PartialSlip, shear_ratio
 from asperity.contact.problem import PUBLISHED, Guess
 from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
-from asperity.lattice import Field, Lattice
+from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
 _RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
@@ -25,13 +25,14 @@ _RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDict
 
 
 def unit_response(contact: Contact) -> tuple[float, float, Field]:
-    """What a unit of load does at once to a contact, whose sites in contact are one rigid punch.
+    """How far a unit of load lowers rigid body and mean of the surface, and the force of each site."""
+    if contact not in _RESPONSES:
+        _RESPONSES[contact] = _flat_punch(contact, contact.relative[2])
+    return _RESPONSES[contact]
 
-    How far it lowers the rigid body and the mean of the surface, and the force of each site.
-    """
-    if contact in _RESPONSES:
-        return _RESPONSES[contact]
-    in_contact = contact.relative[2]
+
+def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field]:
+    """The same at once, where some sites are a rigid punch on the solid of a contact."""
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
     step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
@@ -39,8 +40,7 @@ def unit_response(contact: Contact) -> tuple[float, float, Field]:
     u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
     _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
     force = np.where(in_contact, problem.force(u), 0.0)
-    _RESPONSES[contact] = -position, -float(lattice.cut(u).mean()), lattice.cut(force)
-    return _RESPONSES[contact]
+    return -position, -float(lattice.cut(u).mean()), lattice.cut(force)
 
 
 @views.maker

@@ -20,7 +20,6 @@ __all__ = ["flags_for", "law"]  # the annotation that `command` writes names fla
 _RESULTS = Results()
 _Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
 _FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "shear", "solid")}
-_FLAGS["pressure"] = "--pressures"
 
 
 @command("preparation", "solid", "carried")
