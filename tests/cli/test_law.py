@@ -84,3 +84,10 @@ def test_the_figure_has_a_curve_for_each_age_and_direction():
     assert [len(one.lines) for one in axes] == [4, 4, 4]
     drawn = axes[0].lines[1].get_ydata() / law["approach"].sel(direction="loading", time=60.0).values
     assert drawn == pytest.approx(drawn[0])
+
+
+def test_a_file_with_legs_is_refused(mistaken, scan):
+    Path("legs.toml").write_text(
+        '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
+    )
+    assert mistaken("law", "legs.toml", *scan, *RANGE, "-q").startswith("[[protocol]]: expected none")

@@ -9,6 +9,7 @@ from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.models import Contact
 from asperity.app.runs.pipeline import Outcome, check_units, completed
 from asperity.carried import Carried
+from asperity.errors import InputError
 from asperity.progress import Progress
 
 
@@ -17,6 +18,9 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
 
     Where the solid is a half-space of one Poisson's ratio, the tangential stiffness is tabulated.
     """
+    if config.protocol:
+        expected = "none: each pressure of a law is held"
+        raise InputError("[[protocol]]", expected=expected, got="legs", advice="asperity run")
     solid, chosen = config.solid.build(), config.surface
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         chosen = chosen.model_copy(update={"periodic": "reflect"})
