@@ -35,6 +35,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
@@ -83,7 +84,7 @@ _TILES, _DRAWS = 4, 200
 _WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
 """Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
 
-Row = dict[str, float]
+Row = dict[str, Any]
 
 
 def law(
@@ -153,23 +154,24 @@ def law(
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
-    asked = body.kind, dict(body.parameters), steps, ages, carried, rtol, scan
+    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
     mark = hashlib.sha256(repr(asked).encode() + heights.tobytes()).hexdigest()
     path = Path(checkpoint.path if isinstance(checkpoint, Checkpoint) else checkpoint) if checkpoint else None
     rows = _kept(path, mark)
+    done = {row["pressure"] for row in rows if row["direction"] == "loading"}
     layer = _Layer(heights, carried)
     with listener(progress) as listening:
         # The largest is first: it says whether all will touch, or yield.
-        for number, step in reversed(list(enumerate(steps.tolist()))):
-            if str(number) not in rows:
-                listening.stage(f"pressing with {written(step, 'Pa')}, {number} more to come")
-                memory = number == steps.size - 1 and (body.branches or body.yields)
-                down = steps[-2::-1].tolist() if memory else []
-                rows[str(number)] = layer.held(scan, body, step, ages, down, rtol)
-                if path is not None:
-                    with whole_file(path) as part:
-                        part.write_text(json.dumps({mark: rows}), encoding="utf-8")
-    return _dataset(rows, steps, ages).assign_attrs(
+        for left, step in reversed(list(enumerate(steps.tolist()))):
+            if step in done:
+                continue
+            listening.stage(f"pressing with {written(step, 'Pa')}, {left} more to come")
+            memory = left == steps.size - 1 and (body.branches or body.yields)
+            rows += layer.held(scan, body, step, ages, steps[-2::-1].tolist() if memory else [], rtol)
+            if path is not None:
+                with whole_file(path) as part:
+                    part.write_text(json.dumps({mark: rows}), encoding="utf-8")
+    return _dataset(rows).assign_attrs(
         title=TITLE,
         asperity_version=__version__,
         **attributes_of_solid(body),
@@ -209,7 +211,7 @@ class _Layer:
 
     def held(
         self, scan: Surface, body: Solid, pressure: float, ages: Field, down: list[float], rtol: float
-    ) -> list[list[Row]]:
+    ) -> list[Row]:
         """Rows at each age of a held pressure, and then of lower ones, at once."""
         try:
             contact = pressed(scan, body, pressure=pressure)
@@ -219,23 +221,26 @@ class _Layer:
             expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(pressure, "Pa")
             advice = "a lower last pressure"
             raise InputError("pressures", expected=expected, got=got, advice=advice) from None
-        found: dict[float, list[Row]] = {}
+        found: list[Row] = []
 
         def reached(time: float, contact: Contact) -> None:
-            if time not in ages or time in found:
+            if time not in ages or time in (row["time"] for row in found):
                 return
             if contact.contact_fraction == 1:
                 got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
                 raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
-            found[time] = [self.row(contact)]
+            where = {"direction": "loading", "time": time, "pressure": pressure}
+            found.append(where | self.row(contact))
+            where["direction"] = "unloading"
+            found.extend([found[-1] | where] * bool(down))
             for less in down:
                 contact = pressed_anew(contact, Load(less * contact.nominal_area))
-                found[time].append(self.row(contact))
+                found.append(where | {"pressure": less} | self.row(contact))
 
         reached(0.0, contact)
         if ages[-1] > 0:
             age(contact, ages, rtol=rtol, progress=lambda frame: reached(frame.time, frame.contact))
-        return [found[time] for time in ages.tolist()]
+        return found
 
     def row(self, contact: Contact) -> Row:
         """The numbers of one contact, with their bands."""
@@ -297,30 +302,31 @@ def _hydraulic(gap: Field) -> Row:
     return {name: widest * value ** (1 / 3) for name, value in found.items()}
 
 
-def _kept(path: Path | None, mark: str) -> dict[str, list[list[Row]]]:
-    """Rows of the pressures that are done, by age and falling pressure, from a checkpoint if any."""
+def _kept(path: Path | None, mark: str) -> list[Row]:
+    """Rows of the pressures that are done, from a checkpoint if there is one."""
     if path is None or not path.exists():
-        return {}
+        return []
     try:
-        return dict(json.loads(path.read_text(encoding="utf-8"))[mark])
+        return list(json.loads(path.read_text(encoding="utf-8"))[mark])
     except (OSError, ValueError, TypeError, KeyError):
         known = {"expected": "a checkpoint of this law", "advice": "another path, or remove the file"}
         raise CheckpointError("checkpoint", got=f"{path}, of something else", **known) from None
 
 
-def _dataset(rows: dict[str, list[list[Row]]], pressures: Field, ages: Field) -> xr.Dataset:
-    by_pressure = [rows[str(number)] for number in range(pressures.size)]
-    tables = {"loading": [[one[age][0] for one in by_pressure] for age in range(ages.size)]}
-    if len(by_pressure[-1][0]) > 1:
-        tables["unloading"] = [down[::-1] for down in by_pressure[-1]]
-    dataset = xr.Dataset(coords={"direction": list(tables), "time": ages, "pressure": pressures})
-    dataset["time"].attrs.update(units="s", long_name="age: how long the pressure was held")
-    dataset["pressure"].attrs.update(units="Pa", long_name="load over nominal area")
-    for name, (unit, meaning) in OF_LAWS.items():
-        bands = {f"{name}_{end}": f"{meaning}, {end} end of the 95 % band" for end in ("low", "high")}
-        for column, said in {name: meaning, **bands}.items():
-            if column in tables["loading"][0][0]:
-                values = [[[row[column] for row in line] for line in table] for table in tables.values()]
-                facts = {"units": unit, "long_name": said}
-                dataset[column] = ("direction", "time", "pressure"), np.array(values), facts
+def _dataset(rows: list[Row]) -> xr.Dataset:
+    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
+    facts = {
+        f"{name}{end}": {"units": unit, "long_name": meaning + said}
+        for name, (unit, meaning) in OF_LAWS.items()
+        for end, said in (
+            ("", ""),
+            *((f"_{one}", f", {one} end of the 95 % band") for one in ("low", "high")),
+        )
+    }
+    dataset = table[[name for name in facts if name in table]].to_xarray()
+    dataset = dataset.assign_coords(direction=dataset["direction"].astype(str))
+    facts["time"] = {"units": "s", "long_name": "age: how long the pressure was held"}
+    facts["pressure"] = {"units": "Pa", "long_name": "load over nominal area"}
+    for name in facts.keys() & dataset.variables.keys():
+        dataset[name].attrs.update(facts[name])
     return dataset
