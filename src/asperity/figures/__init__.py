@@ -15,6 +15,7 @@ from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
 from asperity.figures.inference import inference_page, inference_pictures
+from asperity.figures.law import law_figure
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
 from asperity.figures.rate_and_state import rate_and_state_figure
@@ -37,6 +38,7 @@ __all__ = [
     "html_of",
     "inference_page",
     "inference_pictures",
+    "law_figure",
     "patch_figure",
     "plot_contact",
     "plot_history",

@@ -212,6 +212,6 @@ def spelled(unit: str) -> str:
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
     known = {"angstrom": "Å", "rms": "rms height"}
-    if re.fullmatch(r"[pnumkMG]?(m|m\^2|m\^3|N|J|Pa|N/m|J/m|m/s|s)", unit):
+    if re.fullmatch(r"[pnumkMGT]?(m|m\^2|m\^3|N|J|Pa|Pa/m|S/m\^2|W/m\^2/K|N/m|J/m|m/s|s)", unit):
         return re.sub(r"^u(?=[mNJPs])", "µ", unit).replace("^2", "²").replace("^3", "³")
     return known.get(unit, verbatim(unit))
