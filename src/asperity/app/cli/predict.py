@@ -88,8 +88,11 @@ def predict(
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
+    from asperity.fits.measurements import measured
 
-    asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
+    asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
+    if output.measured is not None:
+        measured(output.measured)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
@@ -100,7 +103,7 @@ def predict(
         f"{asked}{resolution_study}",
         functools.partial(compute, resolution_study=resolution_study),
         report=report,
-        write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
+        write=functools.partial(write_files, output=output, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
         results=results,
         replaceable=replaceable,

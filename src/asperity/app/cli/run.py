@@ -50,12 +50,15 @@ def run(
     """
     from asperity.app.config.legs import legs_from_words
     from asperity.app.config.reading import read_config, to_toml
+    from asperity.fits.measurements import measured, read_measurements
 
     flags = given(keys)
     if leg:
         flags["protocol"] = {"legs": legs_from_words(leg)}
     settings = read_config(config, flags)
     table = getattr(settings.solid, "fit", None)
+    if (area := settings.output.measured) is not None and read_measurements(area).value_unit:
+        measured(area)  # which has a unit: a mistake is told before anything is computed
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
