@@ -78,7 +78,8 @@ def aging_curve(
         _draw_limit(grid[-1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
         grid[-1].set_ylabel(r"load $F(t)\,/\,F(0)$")
     for one in grid:
-        style.finish(one)
+        style.finish(one, legend=one is not axes)
+    style.legend_below(figure, axes)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
     held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"

@@ -83,15 +83,11 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
         style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
-    if grid[0, 0].get_legend_handles_labels()[1]:
-        figure.legend(
-            *grid[0, 0].get_legend_handles_labels(),
-            loc="outside lower center",
-            ncols=columns + 1,
-            frameon=False,
-        )
+    style.legend_below(figure, grid[0, 0], 1 + columns)
     what = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
-    figure.supxlabel(style.over_time(dataset, what))
+    for axes in grid.flat[max(len(panels) - columns, 0) : len(panels)]:
+        axes.set_xlabel(style.over_time(dataset, what))
+        axes.tick_params(labelbottom=True)
     figure.supylabel("real contact [% of nominal area]")
     style.entitle(figure, "", _title(dataset, others, along))
     return figure

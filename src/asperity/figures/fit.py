@@ -43,8 +43,7 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     figure, (upper, _) = style.figure_of(panels.values())
     upper.set_ylabel(style.verbatim(style.fitted(quantity, 140)))
     upper.get_legend().remove()  # type: ignore[union-attr]
-    figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", frameon=False)
-    figure.set_figheight(figure.get_figheight() + 0.9)
+    style.legend_below(figure, upper)
     upper.margins(x=0.03)
     return figure
 

@@ -81,15 +81,14 @@ def parameters_figure(found: Inference) -> Figure:
         for drawn, color, label in ((before, style.GRAY, "prior"), (values, style.BLUE, "posterior")):
             counts = np.histogram(drawn, steps)[0]
             look = {"color": color, "fill": color == style.BLUE, "alpha": 0.7}
-            axes.stairs(counts / counts.max(), steps, label=label if axes is panels[0] else None, **look)
+            axes.stairs(counts / counts.max(), steps, label=label, **look)
         at, deviance = found.profiles[name]
-        told = "profile likelihood" if axes is panels[0] else None
-        axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
+        axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
         axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])
-        style.finish(axes)
+        style.finish(axes, legend=axes is panels[0])
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
     return figure
@@ -103,8 +102,10 @@ def corner_figure(found: Inference) -> Figure:
         values = np.clip(found.values[name].ravel(), *np.quantile(found.values[name], (0.002, 0.998)))
         wide = found.model.priors[name].logarithmic and values.max() > 10 * values.min()
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
-    side = max(len(drawn), 2)
+    side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
     figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),), layout="constrained")
+    figure.table = {"quantile": shares} | {name: np.quantile(one, shares) for name, one in drawn.items()}
+    figure.elsewhere = "the draws in posterior.nc"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):

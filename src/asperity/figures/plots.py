@@ -232,7 +232,7 @@ def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
 
 @views.maker
 @style.drawn
-def plot_kind(thing: object, kind: str | None = None, ax: Axes | None = None) -> Axes:
+def plot_kind(thing: views.Pictured, kind: str | None = None, ax: Axes | None = None) -> Axes:
     """Draw one panel of what a result shows.
 
     Parameters
@@ -253,6 +253,7 @@ def plot_kind(thing: object, kind: str | None = None, ax: Axes | None = None) ->
     InputError
         The result has no such panel.
     """
+    checks.instance("thing", thing, views.Pictured, "asperity.predict(...)")
     panels = style.panels_of(thing)
     kind = next(iter(panels)) if kind is None else kind
     if kind not in panels:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
@@ -160,8 +161,8 @@ class Panel(NamedTuple):
 
 @functools.singledispatch
 def panels_of(thing: object) -> dict[str, Panel]:
-    """The panels of a result by the kinds that `plot_kind` knows; `TypeError` where it has none."""
-    raise TypeError(f"no pictures of a {type(thing).__name__}")
+    """The panels of a result, by the kinds that `plot_kind` knows."""
+    raise NotImplementedError(type(thing))
 
 
 def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
@@ -217,6 +218,15 @@ def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "b
     axes.set_axisbelow(True)
     if legend and axes.get_legend_handles_labels()[1]:
         axes.legend(loc="best", framealpha=0.95)
+
+
+def legend_below(figure: Drawing, axes: Axes, columns: int = 1) -> None:
+    """Explain the curves of a panel below the figure, which becomes as much higher: they stay free."""
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
+        rows = sum(1 + label.count("\n") for label in labels) / columns
+        figure.set_figheight(figure.get_figheight() + 0.13 * math.ceil(rows))
 
 
 def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:

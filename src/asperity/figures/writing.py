@@ -111,9 +111,9 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
         if axes.get_label() == "<colorbar>" or not axes.get_visible():
             continue
         shared = axes.get_shared_x_axes().get_siblings(axes)
-        across = next((one.get_xlabel() for one in (axes, *shared[::-1]) if one.get_xlabel()), "x")
-        along = axes.get_ylabel() or axes.get_title() or "y"
-        along = along if len(along.split("\n")) < 3 else axes.get_title()
+        title = axes.get_title().partition("\n")[0]
+        across = next((one.get_xlabel() for one in (axes, *shared[::-1]) if one.get_xlabel()), title or "x")
+        along = axes.get_ylabel() or title or "y"
         for label, x, series in _curves(axes):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
@@ -142,7 +142,7 @@ def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
     for patch in axes.patches:
         if isinstance(patch, StepPatch):
             values, edges, _ = patch.get_data()
-            yield str(patch.get_label()), edges, {" up to the next": np.append(values, np.nan)}
+            yield str(patch.get_label() or ""), edges, {" up to the next": np.append(values, np.nan)}
     for band in axes.collections:
         if isinstance(band, PolyCollection) and len(band.get_paths()) == 1:
             corners = np.asarray(band.get_paths()[0].vertices)

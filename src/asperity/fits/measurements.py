@@ -158,14 +158,14 @@ def measured(source: Path | str | Measurements, *, time: str = "s", value: str =
     return replace(source, **numbers, time_unit=time, value_unit=value)
 
 
-def errors_beside(names: Sequence[str]) -> str | None:
+def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
     """The column whose name says that it has standard errors; `InputError` where that is not clear."""
     error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
     found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
     if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
         expected = "one column of standard errors, in the unit of the values"
         got = ", ".join(map(repr, found))
-        raise InputError("stderr", expected=expected, got=got, advice="its name")
+        raise InputError("stderr", expected=expected, got=got, advice=advice)
     return found[0] if found else None
 
 

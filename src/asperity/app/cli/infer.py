@@ -162,7 +162,7 @@ def _data(
         return time, value, _error(error, value, 1.0), (), record.read, about
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         with in_flags({"stderr": "--column-stderr"}):
-            chosen["stderr"] = errors_beside(names)
+            chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
     table = read_measurements(file, **chosen, **reading)
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
-from asperity.app.cli.new_files import check_free
+from asperity.app.cli.new_files import check_free, check_measured
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -88,11 +88,10 @@ def predict(
         flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
-    from asperity.fits.measurements import measured
 
     asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
     if output.measured is not None:
-        measured(output.measured)
+        check_measured(output.measured, bare=False)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, flags_for, given
-from asperity.app.cli.new_files import check_free
+from asperity.app.cli.new_files import check_free, check_measured
 from asperity.app.cli.options import Results
 
 __all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
@@ -50,15 +50,14 @@ def run(
     """
     from asperity.app.config.legs import legs_from_words
     from asperity.app.config.reading import read_config, to_toml
-    from asperity.fits.measurements import measured, read_measurements
 
     flags = given(keys)
     if leg:
         flags["protocol"] = {"legs": legs_from_words(leg)}
     settings = read_config(config, flags)
     table = getattr(settings.solid, "fit", None)
-    if (area := settings.output.measured) is not None and read_measurements(area).value_unit:
-        measured(area)  # which has a unit: a mistake is told before anything is computed
+    if settings.output.measured is not None:
+        check_measured(settings.output.measured)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
