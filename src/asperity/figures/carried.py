@@ -18,6 +18,9 @@ from asperity.results.quantities import select
 
 _LOOKS = ((style.BLUE, "o"), (style.VERMILION, "s"))
 
+_WIDE = 5.0
+"""Ratio of resistances from which their axis is logarithmic."""
+
 _STICKS = "share of the contact\nthat sticks"
 _PANELS = {
     "stiffness": ("normal_stiffness", "tangential_stiffness"),
@@ -66,6 +69,7 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     figure.table = series_table(dataset, known)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
         unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
+        least = float(dataset[names[0]].min())
         said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
         axes.set_ylabel(said, multialignment="center")
         for name, (color, look) in zip(names, _LOOKS, strict=False):
@@ -73,7 +77,12 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
             axes.axhline(values[first], color=color, linewidth=0.7, linestyle=":")
             join(axes, time, values, color, look, known[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
-        axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * most)
+        if label.endswith("resistance") and most > _WIDE * least:  # the first touch presses all else down
+            axes.set_yscale("log")
+            axes.set_ylim(factor * least / 1.5, 2.5 * factor * most)
+            axes.yaxis.set_major_formatter("{x:g}")
+        else:
+            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * most)
     head(grid, time, dataset)
     for axes in grid:
         style.finish(axes, lines_along="y")

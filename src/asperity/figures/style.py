@@ -16,7 +16,7 @@ from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
-from matplotlib import font_manager, rc_context
+from matplotlib import font_manager, rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
@@ -80,6 +80,10 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._look: Any = {name: rcParams[name] for name in LOOK}
+
     def savefig(
         self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object
     ) -> None:
@@ -96,8 +100,8 @@ class Drawing(Figure):
                 title.set(visible=True, in_layout=True)
 
     def draw(self, renderer: RendererBase) -> None:
-        """Draw the figure; letters of ticks that appear only now are as the others."""
-        with rc_context(LOOK):
+        """Draw the figure; letters of ticks that appear only now are as those that it began with."""
+        with rc_context(self._look):
             super().draw(renderer)
 
     @property
