@@ -39,8 +39,7 @@ def aging_curve(
     summary
         From `asperity.analysis.aging_summary` of it.
     measured
-        A measured area against time, in units if the history has some: a table, or what
-        `asperity.fits.read_measurements` gave. The ratio to the computed one is drawn below.
+        A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
     Returns
     -------

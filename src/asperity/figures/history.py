@@ -45,8 +45,7 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     dataset
         The dataset of a `History`, with a protocol or without.
     measured
-        A measured area against time, in units if the history has some: a table, or what
-        `asperity.fits.read_measurements` gave. The ratio to the computed one is drawn below.
+        A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
     Returns
     -------

@@ -62,7 +62,7 @@ def prediction_pictures(
     prediction
         From `asperity.predict`.
     measured
-        A measured area against time, with units: a table, or what `asperity.fits.read_measurements` gave.
+        A measured area against time, a table with units, to be drawn too.
 
     Returns
     -------
