@@ -25,7 +25,7 @@ def surface(
     drawn: Drawn = _DRAWN,
     keys: Flags | None = None,
 ) -> None:
-    """Say what a surface file holds and what a run would make of it, and draw it.
+    """Describe a surface file as a run would use it, and draw it.
 
     Parameters
     ----------
