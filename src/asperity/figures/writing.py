@@ -44,7 +44,7 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] = ()) -> l
     Returns
     -------
     list of Path
-        The files. The table is ``NAME.csv``, or ``NAME_data.csv`` where that is another table.
+        The files, the table last: of the same name, or with "_data" behind it where that is another table.
 
     Raises
     ------
