@@ -77,7 +77,7 @@ def test_a_solid_in_numbers_gives_what_python_gives(says, scan):
 
 
 def test_the_figure_has_a_curve_for_each_age_and_direction():
-    surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", 50e-9, "m")
+    surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
     solid = asp.solids.half_space(modulus="3 GPa", branches=[(0.4, 10.0)])
     law = asp.law(solid, surface, pressures=[1e6, 4e6, 16e6], times=[0.0, 60.0])
     axes = asp.figures.law_figure(law).axes

@@ -1,8 +1,10 @@
 """The law of a rough layer, against closed forms, fresh presses, energies, a network of flow and CalculiX."""
 
+import math
 import re
 import shutil
 import subprocess
+from typing import Any
 
 import numpy as np
 import pytest
@@ -72,8 +74,9 @@ def test_it_interpolates_fresh_presses_and_is_monotone(law):
     found = table(law)
     for name, sign in (("approach", 1), ("stiffness", 1), ("contact_fraction", 1), ("mean_gap", -1)):
         assert (sign * np.diff(found[name]) > 0).all()
-    drawn = np.exp(np.random.default_rng(1).uniform(*np.log([0.6e6, 19e6]), 20))
-    for pressure, contact in zip(drawn, asp.press(surface(ROUGH), ELASTIC, pressure=drawn), strict=True):
+    drawn = np.exp(np.random.default_rng(1).uniform(math.log(0.6e6), math.log(19e6), 20))
+    pressed: Any = asp.press(surface(ROUGH), ELASTIC, pressure=drawn)
+    for pressure, contact in zip(drawn, pressed, strict=True):
         approach = ROUGH.max() - contact.u.mean()
         assert np.interp(approach, found["approach"], found["pressure"]) == pytest.approx(pressure, rel=0.01)
         assert contact.contact_fraction == pytest.approx(
@@ -147,7 +150,9 @@ def test_the_hydraulic_gap_lies_between_bounds_and_near_the_flow(law):
 
     def conductivity(gap):
         cubes, number = gap**3, np.arange(gap.size).reshape(gap.shape)
-        rows, columns, values = [], [], []
+        rows: list[Any] = []
+        columns: list[Any] = []
+        values: list[Any] = []
         for here, there in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
             k = 2 * cubes[here] * cubes[there] / (cubes[here] + cubes[there])
             i, j = number[here].ravel(), number[there].ravel()
@@ -199,13 +204,13 @@ def test_files_of_other_programs_read_back_equal_the_law(law, aged):
     heat = np.append(0, found["thermal_conductance"])
     assert rows[2] == pytest.approx(np.transpose([heat, expected[0], 0 * heat]), rel=1e-9)
     functions = asp.analysis.law_for("moose", law)
-    for name, one in (("pressure_of_approach", expected[::-1]), ("stiffness_of_pressure", None)):
-        x, y = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", functions).groups()
-        x, y = map(numbers, (x, y))
+    stiffness = [expected[0], np.append(0, found["stiffness"])]
+    for name, curve in (("pressure_of_approach", expected[::-1]), ("stiffness_of_pressure", stiffness)):
+        text = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", functions)
+        assert text is not None
+        x, y = map(numbers, text.groups())
         assert (np.diff(x) > 0).all()
-        if one is None:
-            one = expected[0], np.append(0, found["stiffness"])
-        assert [x, y] == [pytest.approx(values, rel=1e-9) for values in one]
+        assert [x, y] == [pytest.approx(values, rel=1e-9) for values in curve]
     scaled = law_rows(asp.analysis.law_for("calculix", law, millimeters=True))
     assert scaled[0] == pytest.approx(rows[0] * [1e-6, 1e3], rel=1e-8)
     assert scaled[2] == pytest.approx(rows[2] * [1e-3, 1e-6, 1], rel=1e-8)
@@ -298,7 +303,8 @@ TOP, 3, 3, {-approach:.10g}
 
 
 def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypatch):
-    pressed, done = asp.analysis.contact_law.pressed, []
+    module: Any = asp.analysis.contact_law
+    pressed, done = module.pressed, []
 
     def interrupted(*given, **held):
         done.append(held["pressure"])
@@ -306,9 +312,9 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
             raise KeyboardInterrupt
         return pressed(*given, **held)
 
-    asked = {"pressures": [1e6, 2e6, 4e6, 8e6], "times": [0.0, 60.0]}
+    asked: dict[str, Any] = {"pressures": [1e6, 2e6, 4e6, 8e6], "times": [0.0, 60.0]}
     how = asked | {"checkpoint": tmp_path / "place"}
-    monkeypatch.setattr(asp.analysis.contact_law, "pressed", interrupted)
+    monkeypatch.setattr(module, "pressed", interrupted)
     with pytest.raises(KeyboardInterrupt):
         asp.law(RELAXING, surface(ROUGH), **how)
     resumed = asp.law(RELAXING, surface(ROUGH), **how)
@@ -331,7 +337,7 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
         ({"times": [1.0, 0.5]}, "times", "0.5"),
         ({"solid": ELASTIC.with_hardness("5 MPa")}, "pressures", "20 MPa"),
         ({"carried": asp.Carried(shear=1e-3, friction=0.3)}, "shear", "0.001"),
-        ({"surface": asp.surfaces.Surface(ROUGH[0], "m", PIXEL, "m")}, "surface", "a profile"),
+        ({"surface": asp.surfaces.Surface(ROUGH[0], "m", (PIXEL,), "m")}, "surface", "a profile"),
         ({"per_decade": 0}, "per_decade", "0"),
     ],
 )
@@ -342,9 +348,9 @@ def test_what_is_wrong_is_refused(changed, name, got):
 
 
 def test_files_need_an_age_of_the_law(aged, law):
-    for asked, got in (({}, "none"), ({"age": "2 h"}, "2 h")):
+    for age, got in ((None, "none"), ("2 h", "2 h")):
         with refuses("age", got):
-            asp.analysis.law_for("calculix", aged, **asked)
+            asp.analysis.law_for("calculix", aged, age=age)
     with refuses("direction", "unloading"):
         asp.analysis.law_for("moose", law, direction="unloading")
     many = law.interp(pressure=np.geomspace(1e6, 1e7, 200))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
@@ -164,7 +165,11 @@ def closure_fits(
     }
     found = []
     for name, (of, begin) in formulas.items():  # logarithms of all: numbers are above 0
-        best = least_squares(lambda logs, of=of: of(p, *logs) - np.log(a), np.log(begin)).x
-        error = np.expm1(of(p, *best) - np.log(a))
+        best = least_squares(partial(_lack, of, p, a), np.log(begin)).x
+        error = np.expm1(_lack(of, p, a, best))
         found.append((name, *np.exp(best), np.sqrt((error**2).mean()), np.abs(error).max()))
     return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
+
+
+def _lack(formula: Callable[..., Field], pressure: Field, approach: Field, logs: Field) -> Field:
+    return formula(pressure, *logs) - np.log(approach)
