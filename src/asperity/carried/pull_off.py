@@ -5,7 +5,8 @@ once, the closed sites C bear forces p that hold the surfaces together while the
 
     K p + L = d on C,        p = x_d - L x_1,        K x_d = d and K x_1 = 1 on C,
 
-where d = K p0 of the aged contact, so that nothing moves at L = 0. Closed sites may bear tension. A site
+where d = K p0 of the aged contact, so that nothing moves at L = 0; beside a smooth rim it is less by half the
+gap, as the rim is midway between sites. Closed sites may bear tension. A site
 opens for good where the front, on passing it, releases the work of adhesion w for each unit of area. That is
 the crack closure integral along the front,
 
@@ -63,6 +64,9 @@ class Tuning:
 
     solved: float = 3e-3
     """Error of the forces, over those that hold a layer, in the norm of the energy."""
+
+    smooth: float = 0.25
+    """Gap beside the rim of the aged contact, over the step of the heights there, from which it is a wall."""
 
     apart: float = 1e-3
     """Error of an increment of L."""
@@ -157,13 +161,13 @@ def _remark_on(contact: Contact, found: PullOff) -> None:
     error = float(np.interp(radius, list(EXPECTED_ERROR), list(EXPECTED_ERROR.values())))
     if error > 0.05:
         remark(
-            f"pull_off: patches of {radius:.2g} pixels in radius (mean over the contact) let the force "
-            f"err by about {100 * error:.0f} %; smaller pixels are surer, at 11 in radius 5 %"
+            f"pull_off: patches of {max(round(radius), 1)} pixels in radius, the mean over the contact, let "
+            f"the force err by about {100 * error:.0f} %; smaller pixels are surer, 5 % at 11 of them"
         )
     if found.ratio < TUNING.fair_ratio:
         remark(
-            f"pull_off: the load is only {found.ratio:.2g} times the pull-off force, and adhesion while the "
-            "contact ages is left out; see docs/adhesion.md"
+            f"pull_off: the load is less than {TUNING.fair_ratio:g} times the pull-off force; adhesion, "
+            "left out while the contact ages, would matter there too; see docs/adhesion.md"
         )
 
 
@@ -183,7 +187,9 @@ class _Bond:
         self.closed = contact.relative[2].copy()
         self.body = lattice.extended(np.ones(contact.heights.shape, dtype=bool), beyond=False)
         force = lattice.extended(contact.force, beyond=0.0)
-        self.target = self._moved(force)
+        gap, rough = (lattice.extended(one, beyond=0.0) for one in (contact.gap, contact.heights))
+        drop = ndimage.maximum_filter(rough, footprint=_CROSS, mode=self.mode) - rough
+        self.target = self._moved(force) - np.where(gap < TUNING.smooth * drop, gap / 2, 0.0)
         self.energy = TUNING.toughness * work * lattice.cell
         self.stiffness = contact.normal_stiffness
         self.step = TUNING.apart * contact.load / self.stiffness
@@ -203,7 +209,8 @@ class _Bond:
                 if self._load(until) > (-0.5 * most if most else 0.5 * self._load(apart)):
                     break
             if not found:
-                found.append((0.0, self._load(0.0), area))
+                onset = self._reach(released, 0.0, 1)
+                found = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
             self.step, apart = max(self.step / 4, until - apart), here
             found.append((apart, self._load(apart), area))
             most = max(most, -found[-1][1])
