@@ -80,7 +80,7 @@ TUNING = Tuning()
 EXPECTED_ERROR = {2.0: 0.4, 3.0: 0.25, 4.0: 0.18, 6.0: 0.08, 11.0: 0.05, 16.0: 0.03, 32.0: 0.02}
 """Largest error of the pull-off force by the radius of the contact, pixels: balls and flat punches."""
 
-_MODES = {"periodic": "wrap", "reflecting": "reflect", "free": "constant"}
+_MODES: dict[str, Any] = {"periodic": "wrap", "reflecting": "reflect", "free": "constant"}
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 Pair = tuple[Field, Field]
 """What is linear in L: its value at 0, and its slope."""
