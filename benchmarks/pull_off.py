@@ -2,7 +2,7 @@
 
     python benchmarks/pull_off.py [--rough N ...]
 
-Prints two tables. The first has the force over 1.5 pi w R of a ball and over Kendall's of a punch, by radius in
+Prints two tables. The first has the force over 1.5 pi w R of balls and over Kendall's of punches, by radius,
 pixels, with centers at three places within a pixel; docs/adhesion.md quotes it. The second has seconds of the
 processor for a press and a pull of self-affine surfaces of N x N sites, of which 5 % are in contact.
 """
