@@ -149,6 +149,17 @@ def test_the_tack_of_a_rough_surface_grows_as_its_area_does():
     assert (np.diff(growth) > 0).all()
 
 
+def test_a_front_at_the_end_of_a_body_opens_too():
+    """A flat square with a pit: it has no site beyond its outer rim; and one without, beside a wider body."""
+    heights = np.zeros((20, 20))
+    alone = asp.press(surface(heights), HALF_SPACE, load=1.0).pull_off(1e-3)
+    within = asp.press(surface(np.pad(heights, 6, constant_values=-10.0)), HALF_SPACE, load=1.0)
+    assert alone.force == pytest.approx(within.pull_off(1e-3).force, rel=0.05)
+    heights[9:12, 9:12] = -1.0
+    pitted = asp.press(surface(heights), HALF_SPACE, load=1.0).pull_off(1e-3)
+    assert 0.7 * alone.force < pitted.force < alone.force
+
+
 def test_what_cannot_be_pulled():
     rough = np.random.default_rng(0).normal(size=(16, 16))
     contact = asp.press(rough, HALF_SPACE, load=5.0)
