@@ -134,11 +134,11 @@ class PullOff(views.Brief):
 def pull_off(contact: Contact, work: float | str) -> PullOff:
     """See `Contact.pull_off`."""
     solid, lattice = contact.solid, contact.lattice
-    if solid.modulus is None or lattice.dimension == 1:
+    if not solid.in_lengths or lattice.dimension == 1:
         raise InputError(
             "pull_off",
-            expected="a half-space, layer or film under a surface of two dimensions",
-            got="a line contact" if solid.modulus else f"a {solid.kind.replace('_', ' ')} without a modulus",
+            expected="a half-space, a layer or a film under a surface of two dimensions",
+            got="a line contact" if solid.in_lengths else f"a {solid.kind.replace('_', ' ')}",
             advice="asperity.solids.half_space(modulus=...)",
         )
     w = checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)

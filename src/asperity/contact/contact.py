@@ -365,7 +365,7 @@ class Contact(Bodies, views.InNotebooks):
         Raises
         ------
         InputError
-            The solid has no modulus, all or no sites are in contact, or the work is none.
+            The solid is defined on sites, or no or all sites are in contact, or the work is out of its range.
         """
         pulled: PullOff = views.made_by("pull_off")(self, work)
         return pulled
