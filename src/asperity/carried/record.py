@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
+from asperity.contact.partial_slip import PartialSlip
 from asperity.errors import InputError
+from asperity.lattice import Mask
 
 
 @dataclass(frozen=True)
@@ -61,8 +65,22 @@ class Carried:
             found["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
             found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
-        if self.shear is not None and self.friction is not None:
-            force, mu = sheared(contact, self.shear, self.friction)
-            slides = force >= mu * contact.load
-            found["stick_fraction"] = 0.0 if slides else contact.partial_slip(force, mu).stick_fraction
+        if (slip := self._slip(contact)) is not None:
+            found["stick_fraction"] = slip.stick_fraction
+        elif self.shear is not None:
+            found["stick_fraction"] = 0.0
         return found
+
+    def maps(self, contact: Contact) -> dict[str, Mask]:
+        """Where a contact carries it, by the names of the fields: which sites ``stick``."""
+        if self.shear is None:
+            return {}
+        slip = self._slip(contact)
+        return {"stick": np.zeros(contact.heights.shape, dtype=bool) if slip is None else slip.stick}
+
+    def _slip(self, contact: Contact) -> PartialSlip | None:
+        """What slips under the shear force; None where all does, or no force is asked for."""
+        if self.shear is None or self.friction is None:
+            return None
+        force, mu = sheared(contact, self.shear, self.friction)
+        return None if force >= mu * contact.load else contact.partial_slip(force, mu)

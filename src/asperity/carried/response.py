@@ -16,7 +16,7 @@ from asperity.contact.partial_slip import PartialSlip, shear_ratio
 from asperity.contact.problem import PUBLISHED, Guess
 from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
-from asperity.lattice import Lattice
+from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
 
@@ -24,8 +24,16 @@ from asperity.solids import Solid
 def normal_stiffness(contact: Contact) -> float:
     """See `Contact.normal_stiffness`: the contacts, one rigid punch, are pressed with a unit of load."""
     in_contact = contact.relative[2]
-    if not in_contact.any():
-        return 0.0
+    return _flat_punch(contact, in_contact)[1] if in_contact.any() else 0.0
+
+
+def punch(contact: Contact, in_contact: Mask) -> Field:
+    """Share of each site in the load of a rigid punch on these sites, on the solid of a contact."""
+    return _flat_punch(contact, in_contact)[0] if in_contact.any() else np.zeros(in_contact.shape)
+
+
+def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[Field, float]:
+    """Forces under a unit of load, and the stiffness."""
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
     step = mechanics.implicit_step(0.0)
@@ -33,7 +41,7 @@ def normal_stiffness(contact: Contact) -> float:
     guess = Guess(np.zeros_like(flat), in_contact)
     u = ActiveSet().solve(problem, guess, PUBLISHED).u
     _, position = step.stretch_modes(mechanics.lattice.forward(u), step.flat_modes(0.0), held)
-    return -1.0 / position if position < 0 else math.inf
+    return np.where(in_contact, problem.force(u), 0.0), -1.0 / position if position < 0 else math.inf
 
 
 @views.maker

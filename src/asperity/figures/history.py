@@ -125,6 +125,10 @@ def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
             path.append((time.start[i], points[i - 1][1]))
         path.append(point)
     axes.plot(*np.transpose(path), "-", color=style.BLUE, linewidth=1.0, zorder=3)
+    wide = "contact_area" if name == "area" else name
+    if f"{wide}_low" in dataset:
+        low, high = (values * (dataset[f"{wide}_{end}"] / dataset[wide]).values for end in ("low", "high"))
+        axes.fill_between(time.place, low, high, color=style.SKY, alpha=0.35, linewidth=0, label="95 % band")
     if jumps:
         axes.plot(*np.transpose(jumps), "--", color=style.GRAY, linewidth=1.2, zorder=3)
     size = 4.0 if values.size <= _MANY else 2.0

@@ -27,6 +27,7 @@ def growth_figure(prediction: Prediction) -> Figure:
     panels = 2 if friction is None else 3
     figure, grid = style.stacked((6.8, 3.2 + 2.1 * (panels - 1)), *(3, 2, 2)[:panels])
     growth = prediction.growth
+    assert growth is not None
     draw_growth(grid[0], prediction)
     begin, end, slope = np.transpose(growth.decades)
     edges, label = np.append(begin, end[-1]), "decade by decade"
@@ -40,6 +41,7 @@ def growth_figure(prediction: Prediction) -> Figure:
     if friction is not None:
         label = "shear strength × area / load"
         style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
+        draw_band(grid[2], prediction, "friction")
         grid[2].set_ylabel("static friction $\\mu$")
     for axes in grid:
         style.finish(axes, legend=False)
@@ -58,6 +60,7 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     )
     style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
     style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
+    draw_band(axes, prediction, "contact_area_corrected", square)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
         name, symbol = prediction.beside
@@ -73,6 +76,14 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     axes.set_xscale("log")
     axes.set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
+
+
+def draw_band(axes: Axes, prediction: Prediction, name: str, factor: float = 1.0) -> None:
+    """Shade the 95 % band of a quantity."""
+    low, high = prediction.band(name)
+    axes.fill_between(
+        prediction.time, factor * low, factor * high, color=style.SKY, alpha=0.35, lw=0, label="95 % band"
+    )
 
 
 def contact_maps_figure(prediction: Prediction) -> Figure:
