@@ -83,9 +83,9 @@ def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | 
 
 def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Comparison:
     """Say which of two fits of this curve the data prefer."""
-    given = curve.points.stderr is not None
+    weighted = curve.points.stderr is not None
     # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
-    n, extra = curve.points.x.size, (not curve.initial_known) + (not given)
+    n, extra = curve.points.x.size, (not curve.initial_known) + (not weighted)
     if n < extra + 5:
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
     of_log, of_power = _residual(curve, log), _residual(curve, power)
@@ -93,7 +93,7 @@ def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Compariso
     effective = n * worth
     penalty = price_of(n, 2 + extra) - price_of(n, 3 + extra)
     # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
-    evidence = max(0.0, lack_of(of_log, given=given) - lack_of(of_power, given=given))
+    evidence = max(0.0, lack_of(of_log, given=weighted) - lack_of(of_power, given=weighted))
     delta = effective * evidence + penalty
     return Comparison(
         verdict=_verdict(delta, power, float(curve.points.x[-1]) * curve.time_unit, 1 / worth),

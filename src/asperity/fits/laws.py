@@ -179,14 +179,14 @@ def _fit_below(limit: float, curve: Curve, starts: list[Floats]) -> Optimum:
         got = f"{limit:g}" if curve.initial_known else "areas of which A(0) must be fitted too"
         raise InputError("limit", expected="a final area above the one area at time 0", got=got)
     whole = np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0]])  # (ln K, ln t0, ln q) of (ln t0, ln q)
-    known = np.array([np.log(growth), 0.0, 0.0])
+    start = np.array([np.log(growth), 0.0, 0.0])
 
     def law(theta: Floats, time: Floats) -> tuple[Floats, Floats]:
-        value, slopes = _saturating(known + whole @ theta, time)
+        value, slopes = _saturating(start + whole @ theta, time)
         return value, slopes @ whole
 
     best = fit_law(law, curve, starts, [EXPONENT_RANGE], K_known=True)
-    return replace(best, theta=known + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
+    return replace(best, theta=start + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
 
 
 def logarithm(

@@ -90,10 +90,10 @@ class StateLaws(views.Brief):
 
         None where a fit leaves it open, as its error is above its value.
         """
-        found = [fit.estimates[name] for fit in self.suiting]
-        values = [float(one.value) for one in found]
-        moves = max(values) - min(values) > max(float(one.high - one.low) for one in found)
-        is_open = any(one.stderr > abs(one.value) for one in found)
+        estimates = [fit.estimates[name] for fit in self.suiting]
+        values = [float(one.value) for one in estimates]
+        moves = max(values) - min(values) > max(float(one.high - one.low) for one in estimates)
+        is_open = any(one.stderr > abs(one.value) for one in estimates)
         return min(values), max(values), None if is_open else moves
 
     @property
@@ -184,9 +184,11 @@ def compare_state_laws(
 
 def _check_same(first: Record, other: Record) -> None:
     for name in ("time", "velocity"):
-        one, two = getattr(first, name), getattr(other, name)
-        if one.size != two.size or not np.allclose(one, two, rtol=_SAME, atol=_SAME * np.abs(one).max()):
-            got = f"{two.size} and {one.size} times" if one.size != two.size else f"another {name}"
+        mine, theirs = getattr(first, name), getattr(other, name)
+        if mine.size != theirs.size or not np.allclose(
+            mine, theirs, rtol=_SAME, atol=_SAME * np.abs(mine).max()
+        ):
+            got = f"{theirs.size} and {mine.size} times" if mine.size != theirs.size else f"another {name}"
             raise InputError(
                 "records",
                 expected="records of one protocol, at the same times and velocities",

@@ -98,8 +98,8 @@ def rate_and_state(
         There are no such events, too few values, or velocities that do not differ to fit a; the stiffness
         has no unit, or slides at it are stick-slip.
     """
-    made = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
-    record = checks.instance("record", record, Record, made)
+    advice = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+    record = checks.instance("record", record, Record, advice)
     k = stiffness_of(record, stiffness)
     if k != math.inf:
         reference = None if V_0 is None else _velocity(V_0, si=record.si)
@@ -114,16 +114,16 @@ def fit_events(
 
     A fit is None where there are too few rows, or none that a law fits.
     """
-    found: dict[Event, MachineFit | None] = {}
+    fits: dict[Event, MachineFit | None] = {}
     for event in events_of(record):
         try:
             fit = rate_and_state(record.between(event.start, event.stop), law=law, stiffness=stiffness)
-            found[event] = fit if isinstance(fit, MachineFit) else None
+            fits[event] = fit if isinstance(fit, MachineFit) else None
         except InputError as error:
             if error.name == "stiffness":
                 raise
-            found[event] = None
-    return found
+            fits[event] = None
+    return fits
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
@@ -196,8 +196,8 @@ class _Problem:
     def linear(self, shape: Floats) -> tuple[Floats, Floats]:
         """mu_0, b and a that suit best, and the residuals."""
         columns, values = self.columns(shape), self.values
-        found = np.linalg.lstsq(columns, values)[0]
-        return np.asarray(found, dtype=np.float64), np.asarray(values - columns @ found)
+        solution = np.linalg.lstsq(columns, values)[0]
+        return np.asarray(solution, dtype=np.float64), np.asarray(values - columns @ solution)
 
     @cached_property
     def reach(self) -> tuple[float, float]:

@@ -119,11 +119,11 @@ class Record(views.Brief):
         if falls.any():
             at = int(np.argmax(falls))
             names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
-            one, two = places[at : at + 2] / _scales(names)[1]
+            lower, upper = places[at : at + 2] / _scales(names)[1]
             raise InputError(
                 "displacement",
                 expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{two:.6g} after {one:.6g} {names[1]}".rstrip(),
+                got=f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip(),
                 advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
             )
         durations = np.diff(times)

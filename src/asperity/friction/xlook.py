@@ -41,9 +41,9 @@ def read_xlook(path: Path, calibration: Path | str | None) -> Table:
     values = values.astype(np.float64)
     if calibration is not None:
         lines = _lines(Path(calibration), names)
-        factors, stated, zeros, given = (list(part) for part in zip(*lines, strict=True))
+        factors, stated, zeros, headings = (list(part) for part in zip(*lines, strict=True))
         values = (values - np.array(zeros)) * np.array(factors)
-        names = [name or _called(old, unit) for old, unit, name in zip(names, stated, given, strict=True)]
+        names = [name or _called(old, unit) for old, unit, name in zip(names, stated, headings, strict=True)]
     elif "bits" in stated:
         got = ", ".join(f"{name} in {unit}" for name, unit in zip(names, stated, strict=True))
         raise InputError(str(path), expected=_CALIBRATION, got=got, advice="calibration=FILE")

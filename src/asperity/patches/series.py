@@ -76,11 +76,11 @@ def ages_of(maps: Maps, times: Sequence[float]) -> Field:
 
     Shape ``(maps, *lattice)``.
     """
-    found = np.full(np.shape(maps), math.nan)
+    ages = np.full(np.shape(maps), math.nan)
     moments = np.asarray(times, dtype=np.float64)
     for number, (touching, since) in enumerate(zip(maps, _touching_since(maps), strict=True)):
-        found[number][touching] = moments[number] - moments[since[touching]]
-    return found
+        ages[number][touching] = moments[number] - moments[since[touching]]
+    return ages
 
 
 def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
