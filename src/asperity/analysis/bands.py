@@ -89,7 +89,8 @@ class OfScan:
     ----------
     without
         By what adds up over the tiles, ``"in_contact"``, ``"punch"`` or ``"stick"``: the logarithm of it over
-        what it is in proportion to, without a tile, less that with all; shape (tiles, entries).
+        what it is in proportion to, without a tile, less that with all; shape (tiles, entries). ``"load"``:
+        that of the load over the sites.
     bearing
         How many tiles bear the load, shape (entries,).
     """
@@ -111,13 +112,14 @@ class OfScan:
         entries = np.arange(dataset.sizes["time"])
         with np.errstate(divide="ignore", invalid="ignore"):
             left = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
+            left["load"] = np.log(_left(load) / _left(sites))
             # Where much touches, the area is less than in proportion to the load.
-            left["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * np.log(
-                _left(load) / _left(sites)
-            )
+            left["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * left["load"]
             bearing = np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1))
         without = {
-            name: np.array([np.interp(entries, rows, tile) for tile in found.T])
+            name: np.array(
+                [np.interp(entries, rows, np.where(np.isfinite(tile), tile, np.nan)) for tile in found.T]
+            )
             for name, found in left.items()
         }
         return cls(without, np.interp(entries, rows, bearing))
@@ -133,7 +135,11 @@ class OfScan:
     def draws_of(self, measure: Callable[[Field], float]) -> Floats:
         """What another scan would add to a measure of factors on the area, shape (draws,)."""
         found = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
-        return _student((found - measure(np.ones_like(self.bearing)))[:, None], self.bearing.min())[:, 0]
+        found -= measure(np.ones_like(self.bearing))
+        # What a tile takes over from others changes nothing for all: the regression on it is left out.
+        moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
+        found -= moved * (found @ moved) / max(moved @ moved, _ROUNDING)
+        return _student(found[:, None], self.bearing.min() - 1)[:, 0]
 
 
 def banded(dataset: xr.Dataset) -> list[str]:

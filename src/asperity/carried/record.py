@@ -9,7 +9,6 @@ import numpy as np
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
-from asperity.contact.partial_slip import PartialSlip
 from asperity.errors import InputError
 from asperity.lattice import Mask
 
@@ -65,22 +64,15 @@ class Carried:
             found["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
             found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
-        if (slip := self._slip(contact)) is not None:
-            found["stick_fraction"] = slip.stick_fraction
-        elif self.shear is not None:
-            found["stick_fraction"] = 0.0
+        for stick in self.maps(contact).values():
+            found["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
         return found
 
     def maps(self, contact: Contact) -> dict[str, Mask]:
         """Where a contact carries it, by the names of the fields: which sites ``stick``."""
-        if self.shear is None:
-            return {}
-        slip = self._slip(contact)
-        return {"stick": np.zeros(contact.heights.shape, dtype=bool) if slip is None else slip.stick}
-
-    def _slip(self, contact: Contact) -> PartialSlip | None:
-        """What slips under the shear force; None where all does, or no force is asked for."""
         if self.shear is None or self.friction is None:
-            return None
+            return {}
         force, mu = sheared(contact, self.shear, self.friction)
-        return None if force >= mu * contact.load else contact.partial_slip(force, mu)
+        slides = force >= mu * contact.load
+        none = np.zeros(contact.heights.shape, dtype=bool)
+        return {"stick": none if slides else contact.partial_slip(force, mu).stick}

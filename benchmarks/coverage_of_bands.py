@@ -1,6 +1,6 @@
 """Measure how often what is called 95 % holds the truth, in synthetic cases.
 
-    python benchmarks/coverage.py [--cases 500] [--side 64] [held] [dropped] [ball]
+    python benchmarks/coverage_of_bands.py [--cases 500] [--side 64] [held] [dropped] [ball]
 
 held, dropped
     Bands of `asperity.predict` on levelled parts of Gaussian surfaces, against a half-space whose relaxation
@@ -79,7 +79,7 @@ def places(time: Floats, at: Floats) -> Floats:
     return np.searchsorted(time, np.asarray(at) * (1 + 1e-9)) - 1
 
 
-def predicted(history: str, side: int, cases: int, tables: int) -> None:
+def predicted(history: str, side: int, cases: int, tables: int) -> dict[str, float]:
     """Print how often the bands of predictions hold the mean of all parts, and how wide they are."""
     how = {"pressure": PRESSURE, "last": 1e4} if history == "held" else {"protocol": LEGS}
     found, truths, ratios, branches, patches = defaultdict(list), defaultdict(list), [], [], []
@@ -104,39 +104,47 @@ def predicted(history: str, side: int, cases: int, tables: int) -> None:
         patches.append([resolved.patches for resolved in one.resolved])
         if number % 50 == 49 or number + 1 == cases:
             print(f"{number + 1} cases, patches {np.mean(patches, axis=0).round(1)}", file=sys.stderr)
-            show(history, found, truths, np.array(ratios), np.array(branches))
+            held = show(history, found, truths, np.array(ratios), np.array(branches))
+    return held
 
 
-def show(history, found, truths, ratios, branches) -> None:
-    """Print a line for each band."""
+def show(
+    history: str,
+    found: Mapping[str, list[list[Floats]]],
+    truths: Mapping[str, list[Floats]],
+    ratios: Floats,
+    branches: Floats,
+) -> dict[str, float]:
+    """Print a line for each band, and return which part of them holds the truth."""
+    held = {}
     for name, every in found.items():
         truth = np.mean(truths[name], axis=0)
         for place, time in enumerate(AT[history]):
-            judge(f"{history}: {name} at {time:g} s", np.array(every)[..., place], truth[place])
+            said = f"{history}: {name} at {time:g} s"
+            held[said] = judge(said, np.array(every)[..., place], truth[place])
     area = np.array(truths[NAMES[0]])
     if ratios.size:
         last, first = area.mean(axis=0)[[-1, 0]]
         judge(f"{history}: A(last)/A(first) - 1", ratios[:, 0], last / first - 1)
         judge(f"{history}: growth per decade", ratios[:, 1], np.mean(ratios[:, 1, 0]))
     for place, number in np.ndindex(branches.shape[1:3] if branches.size else (0, 0)):
-        ends = branches[:, place, number]
-        judge(f"{('share', 'time')[number]} of branch {place + 1}", ends, SERIES.branches[place][number])
+        ends, word = branches[:, place, number], ("share", "time")[number]
+        judge(f"{word} of branch {place + 1}", ends, SERIES.branches[place][number])
+    return held
 
 
-def judge(name: str, found: Floats, truth: float) -> None:
+def judge(name: str, found: Floats, truth: float) -> float:
     """Print how many bands, the last two columns, hold the truth; and their width over 3.92 deviations."""
     low, high = found[:, -2:].T
     known = np.isfinite(low)
     held = ((low <= truth) & (truth <= high))[known].mean()
-    width = (
-        (high - low)[known].mean() / (3.92 * np.std(found[known, 0], ddof=1))
-        if found.shape[1] > 2
-        else np.nan
-    )
-    print(line(name, f"{known.sum()} bands", f"{100 * held:.1f} %", f"{width:.2f}"), flush=True)
+    width = (high - low)[known].mean() / (3.92 * np.std(found[known, 0], ddof=1))
+    cells = [f"{width:.2f}"] if found.shape[1] > 2 else []
+    print(line(name, f"{known.sum()} bands", f"{100 * held:.1f} %", *cells), flush=True)
+    return float(held)
 
 
-def ball(cases: int) -> None:
+def ball(cases: int) -> Floats:
     """Print how often 95 % intervals hold the parameters of a ball, of one branch, that were drawn."""
     time = np.geomspace(1, 1e4, 15)
     flat = np.ones_like(time)
@@ -152,6 +160,7 @@ def ball(cases: int) -> None:
         if seed % 50 == 49 or seed + 1 == cases:
             held = ((np.array(ranks) > 0.025) & (np.array(ranks) < 0.975)).mean(axis=0)
             print(line("ball", seed + 1, *(f"{100 * one:.1f} %" for one in held)), flush=True)
+    return held
 
 
 def main() -> None:
