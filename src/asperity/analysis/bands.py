@@ -138,7 +138,7 @@ class OfScan:
         found -= measure(np.ones_like(self.bearing))
         # What a tile takes over from others changes nothing for all: the regression on it is left out.
         moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
-        found -= moved * (found @ moved) / max(moved @ moved, _ROUNDING)
+        found -= moved * (found @ moved) / max(float(moved @ moved), _ROUNDING)
         return _student(found[:, None], self.bearing.min() - 1)[:, 0]
 
 
@@ -212,8 +212,10 @@ def draws_of_solid(
         factors = np.ones((len(series) - 1, curve.size))
         if grown.size > 1 and (curve[on] > 0).all() and np.isfinite(curve[on]).all():
             y = np.log(curve[on])
-            for factor, one in zip(factors, crept[1:], strict=True):
+            at_once = select()[name].dimension == "stiffness"  # which is in proportion to the modulus at once
+            for factor, one, other in zip(factors, crept[1:], series[1:], strict=True):
                 factor[on] = np.exp(_continued(one, crept[0][grown], y[grown]) - y)
+                factor[on] *= other.modulus / series[0].modulus if at_once else 1.0
         found[name] = factors
     return found
 

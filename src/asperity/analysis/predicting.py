@@ -126,12 +126,9 @@ def predict(
     H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
     """
     legs = [] if protocol is None else list(legs_of(protocol))
-    held = (
-        {"load": 0.0}
-        if legs and legs[0].target and legs[0].duration and (load, pressure) == (None, None)
-        else {}
-    )
-    if not held:
+    held = {"load": 0.0}
+    begins_to_rise = bool(legs and legs[0].target and legs[0].duration)
+    if not begins_to_rise or (load, pressure) != (None, None):
         which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
         held = {which: positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))}
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
