@@ -139,7 +139,8 @@ class OfScan:
         # What a tile takes over from others changes nothing for all: the regression on it is left out.
         moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
         found -= moved * (found @ moved) / max(float(moved @ moved), _ROUNDING)
-        return _student(found[:, None], self.bearing.min() - 1)[:, 0]
+        known = self.bearing.min() >= _FEWEST
+        return _student(found[:, None], np.array(len(found) - 1 if known else 0))[:, 0]
 
 
 def banded(dataset: xr.Dataset) -> list[str]:

@@ -355,7 +355,7 @@ def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) ->
         of_scan = value + (
             scan.draws_of(lambda factors: measure(area * factors[1:])) if value else np.zeros(1)
         )
-        both = np.resize(of_table, of_scan.shape) * (of_scan / value if value else 1.0)
+        both = of_scan * np.resize(of_table / (value or 1.0), of_scan.shape)
         return value, _ends(both), _ends(of_table), _ends(of_scan)
 
     slope, band, of_table, of_scan = weighed(lambda area: _slope(time, area))
