@@ -58,7 +58,9 @@ def test_every_public_name_has_a_page(made, pages):
 
 
 def test_every_page_is_in_the_navigation(made, pages):
-    listed = set(re.findall(r"<(asperity\.[\w.-]+)>$", "\n".join(pages.values()), flags=re.MULTILINE))
+    listed = set(
+        re.findall(r"<((?:asperity\.|command-)[\w.-]+)>$", "\n".join(pages.values()), flags=re.MULTILINE)
+    )
     for page in ("reference.md", "developers.md"):
         listed |= set(re.findall(r"^reference/(.+)$", (DOCS / page).read_text(), flags=re.MULTILINE))
     assert len({name.lower() for name in pages}) == len(pages)  # also where capitals do not count
@@ -66,9 +68,11 @@ def test_every_page_is_in_the_navigation(made, pages):
 
 
 def test_every_command_and_flag_is_described(pages):
-    text = pages["commands.rst"]
-    for command in (name for name in with_others() if not name.startswith("-")):
-        assert f"\n{command}\n---" in text
+    commands = [name for name in with_others() if not name.startswith("-")]
+    text = "".join(pages[f"command-{command}.rst"] for command in commands)
+    for command in commands:
+        assert f":doc:`{command} <command-{command}>`" in pages["commands.rst"]
+        assert pages[f"command-{command}.rst"].startswith(f"asperity {command}\n===")
     assert "pytest" not in text
     for flag in ("--overwrite", "--k1", "--branch", "--pressure", "--dry-run", "--wlf"):
         assert f"``{flag}" in text
@@ -211,6 +215,16 @@ def test_what_docstrings_name_is_there(source):
 )
 def test_a_false_name_is_found(source, code):
     assert [*source.unknown(code, DOCS / "start.md")]
+
+
+def test_names_that_are_not_marked_as_code_are_looked_up_too(tmp_path, source):
+    page = tmp_path / "page.md"
+    page.write_text(
+        "Set STEP_TOLERANCE, or --poison, as aging/marches.py does; --out and RATE_9 of [x](a/b.md)."
+    )
+    assert [code for code in in_pages(page) if [*source.unknown(code, DOCS / "start.md")]] == [
+        *("STEP_TOLERANCE", "--poison", "aging/marches.py", "RATE_9")
+    ]
 
 
 def test_rooms_of_contributing_are_those_of_the_house():

@@ -1,4 +1,4 @@
-"""What is fitted: values against time or another variable, checked, sorted, and in units of their own."""
+"""Curves for a fit: values against time or another variable, checked, sorted and scaled."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
 """Aging law against slip law on the same records, of one surface or of several.
 
-Both laws have the same number of parameters, so that AICc differs by n ln(squares of one / squares of the
-other), n being the number of effective values. Of several surfaces, the jackknife says how sure the
-logarithm of this ratio is.
+Both laws have as many parameters, so AICc differs by n ln(squares of one / squares of the other), with n
+effective values. Of several surfaces, the jackknife says how sure the logarithm of this ratio is.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ _SHORT, _FEW = 2, 10
 class Event(NamedTuple):
     """A hold from `time` to `end`, or a step of the velocity of the load point, numbered from 1.
 
-    `before` and `after` are its velocities, `start` and `stop` the window of a fit: from half of the slide
-    before, to the end of the slide after.
+    `before` and `after` are its velocities. `start` and `stop` are the window of a fit, from half of the
+    slide before to the end of the slide after.
     """
 
     number: int

@@ -1,15 +1,14 @@
 r"""Parameters of rate-and-state friction from records, with uncertainties.
 
-The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at
-the first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer.
-Anal. 10, 413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter
-too, because no record begins long enough after the beginning for certain.
+The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
+first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal.
+10, 413 (1973), doi:10.1137/0710036), from many starts. The state at the first time is a parameter too,
+because a record may begin soon after the machine started.
 
-Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for
-white noise. Where neighboring residuals correlate by more than white noise would make them, rho >
-2/sqrt(n), the n values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough
-measure. The records of several surfaces under one protocol give better ones: the jackknife over surfaces,
-which assumes nothing about the residuals.
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white
+noise. If neighboring residuals correlate by more than white noise, rho > 2/sqrt(n), the n values count as n
+(1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of several surfaces
+under one protocol give better ones: the jackknife over surfaces, which assumes nothing about the residuals.
 """
 
 from __future__ import annotations
@@ -77,20 +76,20 @@ def rate_and_state(
     law
         How the state evolves: ``"aging"`` or ``"slip"``.
     a
-        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record, which is 0
-        for simulated contacts of constant shear strength, and fitted where the record does not know it.
+        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record (0 for
+        simulated contacts of constant shear strength), fitted if it has none.
     V_0
         Reference velocity (length/time; for a record in SI also ``"1 um/s"``), of which mu_0 is the steady
         friction; by default the first velocity of the record.
     events
-        What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them
-        until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
-        followed through the whole record in any case.
+        Parts to fit besides the run-in: ``"holds"`` (rests, and the slip after them until the velocity
+        steps), ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is followed through the
+        whole record in any case.
     stiffness
-        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of
-        the shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
-        infinity, where the load point is the slip. By default it is fitted where the velocity is not that
-        of slip, and not needed where it is. With one, the result is a `MachineFit`.
+        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of the
+        shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
+        infinity, where the load point is the slip. By default it is fitted if the record has the velocity of
+        the load point, and not needed if it has that of slip. With a stiffness, the result is a `MachineFit`.
 
     Raises
     ------

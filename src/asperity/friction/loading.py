@@ -1,8 +1,8 @@
 """The load point of a machine as straight segments of time: what it rests and moves at, found under noise.
 
-A segment is split where two lines fit much better than one, judged by the noise, and neighbors whose
-velocities hardly differ are joined again. Where only slip was measured, the load point is slip + friction/k:
-of many k, that counts whose segments are the fewest for the noise.
+A segment is split where two lines fit much better than one, judged by the noise. Neighbors of nearly one
+velocity are joined again. If only slip was measured, the load point is slip + friction/k, with the k that
+needs the fewest segments for the noise.
 """
 
 from __future__ import annotations

@@ -33,10 +33,10 @@ _BESIDE = 2
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """What is measured and searched.
+    """A fit of a machine: measurements, and parameters to search.
 
-    `used` are the rows whose friction counts, `measured` the kinks that a load point was measured at, `noise`
-    the standard deviations of friction and slip. `a` and `k` are None where they are searched.
+    `used` are the rows whose friction counts, `measured` the kinks of a measured load point, `noise` the
+    standard deviations of friction and slip. `a` and `k` are None where they are searched.
     """
 
     law: StateLaw
@@ -52,7 +52,7 @@ class Machine:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """What is searched before the kinks: a, D_c and k in the logarithm."""
+        """Parameters to search before the kinks: a, D_c and k in the logarithm."""
         fixed = {"a": self.a, "k": self.k}
         return tuple(name for name in Shape._fields if fixed.get(name) is None)
 
@@ -166,7 +166,7 @@ class Machine:
         return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
 
     def at_edge(self, point: Floats) -> frozenset[str]:
-        """What ended at the end of its range, and is not determined."""
+        """Parameters at the end of their range, which are not determined."""
         ends = np.abs(np.array(self.bounds) - point).min(axis=0)
         return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
 

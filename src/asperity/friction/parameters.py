@@ -86,7 +86,7 @@ class RateAndStateFit(FitResult):
 
     @property
     def estimates(self) -> dict[str, Estimate]:
-        """What is estimated, by name, with its standard error and 95 % interval."""
+        """Estimates by name, with standard errors and 95 % intervals."""
         estimates = {}
         for name in parameters_of(self):
             value, stderr, low, high = np.array([*self.known(name), *self.interval(name)])

@@ -58,7 +58,7 @@ def _text(content: bytes) -> str:
 
 
 def _called(name: str, unit: str) -> str:
-    """What a column holds by its name; a load is a stress or a force by its unit."""
+    """The quantity of a column by its name; a load is a stress or a force by its unit."""
     role = _ROLES.get(name.lower(), "")
     if role in ("shear", "normal"):
         role += " stress" if units.factor(unit, "Pa") else " force"

@@ -136,7 +136,7 @@ class Inference(views.Brief):
 
     @property
     def findings(self) -> list[tuple[str, str]]:
-        """What is determined, bounded, or not identified: verdicts with their parameters, in words."""
+        """Verdicts (determined, bounded, not identified) with their parameters, in words."""
         by_verdict: dict[str, list[str]] = {word: [] for word in WORDS}
         for name, one in self.verdicts.items():
             as_prior = " (as its prior)" * (not self.model.priors[name].bounded)
@@ -173,8 +173,8 @@ class Inference(views.Brief):
     def predicted(self, time: ArrayLike) -> Floats:
         """The curve at any times: a 95 % band over all acceptable models, and the median of the chosen one.
 
-        Rows of shape (3, n) are the least of the 2.5 % quantiles of the posteriors, the median, and the
-        largest of the 97.5 % quantiles.
+        Shape (3, n): the least of the 2.5 % quantiles of the posteriors, the median, and the largest of the
+        97.5 % quantiles.
         """
         at = checks.not_negative("time", time)
         bands = np.array([one.band(at) for one in self.acceptable])
@@ -255,23 +255,23 @@ def infer(
         Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
         `absolute`.
     error
-        Standard errors, one or shape (n,). By default they are found from the scatter about the best fit,
-        widened by as much as neighbors may correlate, see `Problem.scatter`.
+        Standard errors, one or shape (n,). By default from the scatter about the best fit, widened for
+        correlated neighbors; see `Problem.scatter`.
     model
         ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"`` or
         ``"ball"``, see `asperity.inference.models`; or a function of the times, and of parameters by name.
     quantity
         Of a ball: whether its depth or the radius of its contact was measured.
     priors
-        Of any parameters: a pair of ends, between which ln is uniform, a table such as ``{"kind": "normal",
-        "mean": "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
+        Of any parameters: the ends of a range, uniform in ln, a table such as ``{"kind": "normal", "mean":
+        "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
     branches
         How many relaxation times, 1 to 3; by default as many as Akaike's criterion asks for.
     absolute
-        Areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m): then load, modulus and
-        roughness, or the radius of the ball, count.
+        Whether areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m). Load, modulus
+        and roughness, or the radius of the ball, then matter.
     ramp
-        Time, s, within which the load was put on in proportion to time; times count from its beginning.
+        Time, s, of a linear ramp of the load; times count from its beginning.
     seed, rng
         Seed of the random numbers; or a numpy generator, which draws one, or its seed.
     walkers, effective, workers

@@ -93,7 +93,7 @@ class Model:
     power: float = 1.0
 
     def curve(self, time: Floats, p: Values) -> Floats:
-        """What is observed, shape (m, n)."""
+        """Observed quantity, shape (m, n)."""
         grown = self.growth(time, p)
         if self.ramp:
             rule = zip(*np.polynomial.legendre.leggauss(_RAMP), strict=True)

@@ -1,4 +1,4 @@
-"""What is known of a parameter before the data: one of four distributions, in Python and in TOML."""
+"""Priors of parameters: one of four distributions, in Python and in TOML."""
 
 from __future__ import annotations
 

@@ -2,11 +2,11 @@
 
 Each parameter is a function of a coordinate (`Prior.at`), in which walkers move by stretches and by
 differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
-doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages,
-at each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411
-(2006), doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find.
-Several ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective
-number of draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
+doi:10.1086/670067). An ensemble begins with draws of the prior. The data gain weight in stages, and at each
+the walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411 (2006),
+doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find. Several
+ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective number of
+draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
 """
 
 from __future__ import annotations
@@ -125,10 +125,10 @@ class Problem:
     def scatter(self, z: Floats) -> tuple[float, float]:
         """Relative error, and correlation rho of neighbors, about the best fit z; `error` are the values.
 
-        A sum of n errors of an autoregressive series of first order is known as that of n (1 - rho)/(1 + rho)
-        independent ones: the error is larger by as much. It is a geometric mean over rho, by the likelihood
-        of what the parameters cannot take up, which the fit does not bias (H. D. Patterson, R. Thompson,
-        Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
+        The sum of n errors of an autoregressive series of first order is known as well as that of n (1 -
+        rho)/(1 + rho) independent ones, so errors are larger accordingly. The error is a geometric mean over
+        rho, by the likelihood of what the parameters cannot take up, which the fit does not bias (H. D.
+        Patterson, R. Thompson, Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
         """
         columns, sizes, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
         most = min(self.rank, int(np.sum(sizes > _TOLD * sizes[0])), self.time.size - 1)

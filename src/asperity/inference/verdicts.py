@@ -1,4 +1,4 @@
-"""What data determine of each parameter, which combinations they know better, and what would tell more."""
+"""Verdicts on each parameter, combinations that data determine better, and the best next measurement."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _EARLIER = 100.0
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the data say of one parameter.
+    """Verdict of the data on one parameter.
 
     Attributes
     ----------
@@ -57,8 +57,7 @@ class Verdict:
         factor of three wide, else ``"bounded"``; ``"bounded above"`` or ``"bounded below"`` if they exclude
         the high, or the low end only; else ``"not identified"``. An end is excluded if the posterior there,
         over the prior, is below 0.15 of its peak, as a likelihood is beyond a 95 % interval. A parameter
-        that the data know only together with one that they do not identify is not identified either, see
-        `Combination`.
+        known only together with one that is not identified is not identified either; see `Combination`.
     low, high
         95 % interval: the middle of the posterior; of a bounded parameter from, or to, the end of the prior.
     median
@@ -113,7 +112,7 @@ class Combination:
 
 @dataclass(frozen=True)
 class Candidate:
-    """What could be measured next, and how far it would narrow what is not determined.
+    """A possible next measurement, and how far it would narrow undetermined parameters.
 
     `widths` are those of the intervals that are expected at most, over the present ones, by parameter.
     """
@@ -239,8 +238,8 @@ class Posterior:
     def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
         """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
 
-        The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of
-        the others are five times as wide.
+        An end follows from the data alone if they exclude a value a whole interval beyond it, with the ranges
+        of the other priors made five times wider.
         """
         priors = list(self.problem.model.priors.values())
         others = [one for one in self.problem.used if one != place]

@@ -75,8 +75,8 @@ class Pieces:
     def places(self) -> tuple[NDArray[np.int64], Mask]:
         """By how many lengths of the lattice each piece is moved so that its patch is in one piece.
 
-        Shape ``(pieces + 1, dimension)``; and whether a patch reaches around the lattice, so that it has no
-        ends and no such place, shape ``(patches + 1,)``, false for number 0.
+        Shape ``(pieces + 1, dimension)``. And whether a patch reaches around the lattice and so has no place,
+        shape ``(patches + 1,)``, false for number 0.
         """
         places = np.zeros((self.numbers.size, self.labels.ndim), dtype=np.int64)
         first, second = self.joined.T

@@ -1,8 +1,8 @@
 r"""What became of patches from one map to a later one of the same lattice.
 
-A patch before and a patch after are linked where they share a site. With n patches before, m after, and of a
-patch after the number p of patches before to which it is linked, of a patch before the number c of patches
-after,
+A patch before and a patch after are linked where they share a site. Let p be the number of patches before to
+which a patch after is linked, and c the number of patches after to which a patch before is linked. With n
+patches before and m after,
 
     births = number with p = 0,    merges = sum of p - 1 over those with p > 0,
     deaths = number with c = 0,    splits = sum of c - 1 over those with c > 0.

@@ -1,8 +1,8 @@
 """Laws of the heights of independent asperities, as the dilute theory needs them.
 
-A flat body at separation d touches the asperities with xi > d and compresses them by xi - d, so a law
-enters through `exceedance` Prob(xi > d), through `mean_excess` E[(xi - d)+], and through the inverse of the
-latter (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242).
+A flat body at separation d touches the asperities with xi > d and compresses them by xi - d. So a law has an
+`exceedance` Prob(xi > d), a `mean_excess` E[(xi - d)+], and the inverse of the latter (J. A. Greenwood and J.
+B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242).
 """
 
 from __future__ import annotations
