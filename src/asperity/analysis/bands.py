@@ -1,15 +1,17 @@
 r"""95 % bands at each time of what a history records: from the spread of the scan, and of the solid.
 
-scan    What another scan of this size would give. Each of 16 tiles is left out in turn (jackknife: B.
-Efron, Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552). Load passes from tile to tile, so
-what the other tiles have is divided by the load that they bear: the area; of what the contact
-carries the force of a rigid punch, whose sum is the stiffness. Quantiles are those of Student's t
-of n - 1 degrees of freedom, where n = (sum F)^2 / sum F^2 tiles bear the loads F.
-solid   `Material.spread`. A separable half-space under a load that never falls has the contact of an
-elastic one at the load E* integral J(t - s) dF(s): what the history recorded is a function of
-that load over E*, which gives the curve of every draw. With a hardness this holds nearly, see
-docs/predict.md. Where a load falls, the history is computed for a few draws. The curves of the
-others are products of powers of these, as logarithms of their compliances are sums.
+Two spreads make it:
+
+    scan    What another scan of this size would give. Each of 16 tiles is left out in turn (jackknife: B.
+            Efron, Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552). Load passes from tile to tile, so
+            what the other tiles have is divided by the load that they bear: the area; of what the contact
+            carries the force of a rigid punch, whose sum is the stiffness. Quantiles are those of Student's t
+            of n - 1 degrees of freedom, where n = (sum F)^2 / sum F^2 tiles bear the loads F.
+    solid   `Material.spread`. A separable half-space under a load that never falls has the contact of an
+            elastic one at the load E* integral J(t - s) dF(s): what the history recorded is a function of
+            that load over E*, which gives the curve of every draw. With a hardness this holds nearly, see
+            docs/predict.md. Where a load falls, the history is computed for a few draws. The curves of the
+            others are products of powers of these, as logarithms of their compliances are sums.
 """
 
 from __future__ import annotations
@@ -105,7 +107,7 @@ class OfScan:
         area, load = _in_tiles(touching), _in_tiles(np.asarray(dataset["pressure"]))
         sites = _in_tiles(np.ones_like(touching))
         parts = {"in_contact": (area, load)}
-        if "normal_stiffness" in dataset:
+        if set(banded(dataset)) - set(_BY_AREA):
             parts["punch"] = _in_tiles(np.array([punch(contact, one) for one in touching])), load
         if "stick" in dataset:
             parts["stick"] = _in_tiles(np.asarray(dataset["stick"])), area

@@ -46,7 +46,7 @@ def growth_figure(prediction: Prediction) -> Figure:
     for axes in grid:
         style.finish(axes, legend=False)
         # Above the panel: areas that do not grow would leave no room in it.
-        columns = 3 if len(axes.get_legend_handles_labels()[1]) < 4 else 2
+        columns = 2 if len(axes.get_legend_handles_labels()[1]) == 4 else 3
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, fontsize=8, frameon=False)
     grid[-1].set_xlabel(time)
     return figure
