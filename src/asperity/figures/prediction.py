@@ -13,6 +13,7 @@ from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.maps import SiteState, color_range
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import readable
@@ -178,8 +179,8 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
 
 def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None:
     """Color the pixels that touch in a map, by whether they touched at first, and that touched then."""
-    touching = np.asarray(prediction.dataset["in_contact"])[[0, number]]
-    time = float(prediction.dataset["field_time"][number])
+    touching = _ends(prediction, "in_contact")[[0, number]]
+    time = float(_ends(prediction, "field_time")[number])
     colors = np.zeros((*touching[0].shape, 4))
     colors[touching[0]] = to_rgba(COLORS[SiteState.LOST])
     colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
@@ -251,8 +252,10 @@ def observed_figure(prediction: Prediction) -> Figure:
 
 
 def _ends(prediction: Prediction, name: str) -> NDArray[Any]:
-    """Of what the maps know, that at the first and the last time."""
-    return np.asarray(prediction.dataset[name])[[0, -1]]
+    """Of what the maps know, that at the first time under all of the load, and at the last."""
+    rows = [row - 1 for row in rows_of_maps(prediction.dataset)]
+    first = next(number for number, row in enumerate(rows) if row >= prediction.loaded)
+    return np.asarray(prediction.dataset[name])[[first, -1]]
 
 
 def _areas(prediction: Prediction) -> tuple[str, float]:

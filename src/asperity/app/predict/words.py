@@ -83,7 +83,9 @@ def _contacts(prediction: Prediction) -> list[Row]:
         many = how_many(prediction.resolved[number].patches, "patch", "patches")
         said = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim{band}; "
         said += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
-        rows.append((f"contact at {written(float(prediction.time[place]), 's')}", said))
+        jumped = place > 0 and prediction.time[place] == prediction.time[place - 1]
+        when = "just after" if jumped else f"contact at {written(float(prediction.time[place]), 's')}"
+        rows.append((when, said))
     return rows
 
 
