@@ -291,7 +291,7 @@ def age(
             final = frame.contact
             of_its_time = not frame.passing
             if of_its_time and frame.time in wanted:
-                snapshots.append(snapshot_of(frame))
+                snapshots.append(snapshot_of(frame, carried))
             if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control

@@ -11,7 +11,7 @@ from asperity.analysis.legs import leg_table
 from asperity.analysis.maps import end_of_loading
 from asperity.errors import InputError
 from asperity.figures import style
-from asperity.figures.history import head, join, series_table
+from asperity.figures.history import head, join, series_table, shade
 from asperity.figures.time_axis import time_axis
 from asperity.results.history import check_dataset
 from asperity.results.quantities import select
@@ -66,24 +66,27 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     load = dataset["load"].values
     first = end_of_loading(load)
     begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))
-    dataset = dataset.assign({name: dataset[name].where(load > 0) for name in known})
+    drawn = [f"{name}{end}" for name in known for end in ("", "_low", "_high") if f"{name}{end}" in dataset]
+    dataset = dataset.assign({name: dataset[name].where(load > 0) for name in drawn})
     figure.table = series_table(dataset, known)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
         unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
+        highest = max(float(dataset.get(f"{name}_high", dataset[name]).max()) for name in names)
         least = float(dataset[names[0]].min())
         said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
         axes.set_ylabel(said, multialignment="center")
         for name, (color, look) in zip(names, _LOOKS, strict=False):
             values = factor * dataset[name].values
             axes.axhline(values[first], color=color, linewidth=0.7, linestyle=":")
+            shade(axes, time, dataset, name, values, color)
             join(axes, time, values, color, look, known[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
         if label.endswith("resistance") and most > _WIDE * least:  # the first touch presses all else down
             axes.set_yscale("log")
-            axes.set_ylim(factor * least / 1.5, 2.5 * factor * most)
+            axes.set_ylim(factor * least / 1.5, 2.5 * factor * highest)
             axes.yaxis.set_major_formatter("{x:g}")
         else:
-            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * most)
+            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * highest)
     head(grid, time, dataset)
     for axes in grid:
         style.finish(axes, lines_along="y")

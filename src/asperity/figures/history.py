@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
@@ -117,6 +118,11 @@ def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]
     for name in names:
         values, label, _ = shown_series(dataset, name)
         columns[label] = values
+        band = "contact_area" if name == "area" else name
+        for end in ("low", "high"):
+            if f"{band}_{end}" in dataset:
+                ratio = (dataset[f"{band}_{end}"] / dataset[band]).values
+                columns[re.sub(r"( \[|$)", rf" {end}\1", label, count=1)] = values * ratio
     return columns
 
 
@@ -140,8 +146,22 @@ def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
     """Draw one series: each entry once, and what joins them; what one of the series is in what is drawn."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
+    shade(axes, time, dataset, "contact_area" if name == "area" else name, values)
     join(axes, time, values)
     return factor
+
+
+def shade(
+    axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str, values: Field, color: str = style.SKY
+) -> None:
+    """Shade the 95 % band of a series as it is drawn, leg by leg; nothing where it has none."""
+    if f"{name}_low" not in dataset:
+        return
+    low, high = (values * (dataset[f"{name}_{end}"] / dataset[name]).values for end in ("low", "high"))
+    label = "95 % band"
+    for part in np.split(np.arange(values.size), np.flatnonzero(time.after)):
+        axes.fill_between(time.place[part], low[part], high[part], color=color, alpha=0.35, lw=0, label=label)
+        label = ""
 
 
 def join(
