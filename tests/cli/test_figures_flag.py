@@ -76,6 +76,17 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     }
 
 
+def test_no_figures_are_written_where_none_are_asked_for(asperity):
+    text = "time_s,friction\n" + "".join(f"{t},{0.6 + 0.01 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
+    Path("fit.csv").write_text(text)
+    np.savetxt("rough.csv", np.arange(64.0).reshape(8, 8) % 5, delimiter=",")
+    for command in (("fit", "fit.csv"), ("surface", "rough.csv")):
+        status, said, _ = asperity(*command, "--figures", "")
+        assert status == 0
+        assert "written" not in said
+    assert {path.name for path in Path().iterdir()} == {"fit.csv", "rough.csv"}
+
+
 def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
     plan = Path("plan.toml")
     base = "[surface]\nshape = [8, 8]\n[aging]\nlast = 1.0\nper_decade = 1\n"
@@ -87,6 +98,8 @@ def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
     assert names == {"gathered.csv", "gathered.svg", "gathered.zarr", "gathered_data.csv"}
     assert asperity("gather", "study", "--figures", "pdf")[0] == 0
     assert Path("study", "gathered.pdf").exists()
+    assert asperity("gather", "study", "--to", "bare.zarr", "--figures", "")[0] == 0
+    assert {path.name for path in Path().glob("bare*")} == {"bare.csv", "bare.zarr"}
     plan.write_text(base + 'measured = "area.csv"\n')
     with pytest.raises(ConfigError, match="measured: expected none in a campaign"):
         read_plan(plan)

@@ -64,6 +64,7 @@ def test_a_figure_is_written_in_each_format_with_its_table(prediction, tmp_path)
     (tmp_path / "own.csv").write_text("t;A\n1;2\n")
     assert [path.name for path in figures.write(figure, tmp_path / "own.png")] == ["own.png", "own_data.csv"]
     assert figures.write(figure, tmp_path / "growth.svg")[-1].name == "growth.csv"
+    assert figures.write(figure, tmp_path / "none", []) == []
     for wrong in ("eps", ["png", "jpeg"]):
         with refuses("formats", "eps" if wrong == "eps" else "jpeg"):
             figures.write(figure, tmp_path / "growth", wrong)  # type: ignore[arg-type]

@@ -104,13 +104,13 @@ class OfScan:
     def of(cls, dataset: xr.Dataset, contact: Contact) -> OfScan:
         """Take it from the maps of a history that began with a contact."""
         touching, rows = np.asarray(dataset["in_contact"]), rows_of_maps(dataset)
-        area, load = _in_tiles(touching), _in_tiles(np.asarray(dataset["pressure"]))
-        sites = _in_tiles(np.ones_like(touching))
+        area, load = in_tiles(touching), in_tiles(np.asarray(dataset["pressure"]))
+        sites = in_tiles(np.ones_like(touching))
         parts = {"in_contact": (area, load)}
         if set(banded(dataset)) - set(_BY_AREA):
-            parts["punch"] = _in_tiles(np.array([punch(contact, one) for one in touching])), load
+            parts["punch"] = in_tiles(np.array([punch(contact, one) for one in touching])), load
         if "stick" in dataset:
-            parts["stick"] = _in_tiles(np.asarray(dataset["stick"])), area
+            parts["stick"] = in_tiles(np.asarray(dataset["stick"])), area
         entries = np.arange(dataset.sizes["time"])
         with np.errstate(divide="ignore", invalid="ignore"):
             left = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
@@ -257,11 +257,11 @@ def _by_some(
     return {name: np.exp(weights @ logarithms) for name, logarithms in found.items()}
 
 
-def _in_tiles(maps: Floats) -> Floats:
-    """Sums over the tiles of maps, shape (maps, tiles)."""
+def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
+    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
     for axis in (1, 2):
         ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
-        maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)
+        maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
     return maps.reshape(maps.shape[0], -1)
 
 

@@ -57,7 +57,7 @@ class Tuning:
     balls of 10 to 32 pixels."""
 
     share: float = 0.04
-    """Share of the outermost layer that opens at once; a quarter of it lowers forces of rough contacts by 3 %."""
+    """Share of the outermost layer that opens at once. At 0.01 rough contacts let go at 3 % less."""
 
     coarse: float = 0.2
     """The same far from the largest tension."""
@@ -260,7 +260,7 @@ class _Bond:
         def released(apart: float) -> Field:
             found: Field = by_less(apart)  # alone where the body ends at the front, and no site is beyond it
             found = np.where(near, np.sqrt(found * by_more(apart)), found)
-            return np.where(apart * whole[1][layer] > whole[0][layer], found, 0.0)  # none opens under pressure
+            return np.where(apart * whole[1][layer] > whole[0][layer], found, 0.0)  # pressed ones stay
 
         return layer, released
 

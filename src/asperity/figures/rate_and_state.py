@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable
 from asperity.base import checks
@@ -76,10 +75,7 @@ def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
         if isinstance(fit, MachineFit):
             color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,), numticks=7))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    style.few_ticks(axes)
     axes.set_ylabel(rf"state $\theta$ [{'s' if found.record.si else 'time'}]")
 
 

@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable, written
 from asperity.creep import PARAMETERS_OF_LAWS
@@ -250,6 +251,14 @@ def over_time(dataset: xr.Dataset, what: str) -> str:
     unit = dataset["time"].attrs.get("units", "")
     known = {"s": "  [s]", "time unit": ""}
     return what + known.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
+
+
+def few_ticks(axes: Axes) -> None:
+    """Label a logarithmic y axis with few plain numbers."""
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:

@@ -114,7 +114,7 @@ def friction(
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         if by_event is not None:
             by_event.to_csv(folder / "events.csv", index=False)
-        write(rate_and_state_figure(found), folder / "friction", drawn.figures or ["png"])
+        write(rate_and_state_figure(found), folder / "friction", drawn.formats())
     tell_results(rows, out, results)
 
 

@@ -128,7 +128,7 @@ def infer(
         progress.stage("writing the results")
         with folder_of_results("inference", out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(found, folder, drawn.figures or ["png"], source=file.name, command=typed)
+            write_inference(found, folder, drawn.formats(), source=file.name, command=typed)
     tell_results(rows, out, results)
 
 

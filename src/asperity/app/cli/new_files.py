@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from asperity.base.files import FORMATS, MARKER, Format, Standing, marker_of, named, standing, table_beside
+from asperity.app.cli.options import Drawn
+from asperity.base.files import FORMATS, MARKER, Standing, marker_of, named, standing, table_beside
 from asperity.errors import InputError, OutputError
 
 FIGURE_SUFFIXES = tuple(f".{one}" for one in FORMATS)
@@ -26,16 +26,16 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 
 
 def check_figures(
-    flag: str, out: Path, formats: Sequence[Format] | None, *, overwrite: bool, source: Path | None = None
+    flag: str, out: Path, drawn: Drawn, *, overwrite: bool, source: Path | None = None
 ) -> dict[Path, Standing]:
     """Names of a figure in its formats, by default that of its name, with what stands there.
 
     The table of what it draws is the last of them, but never over the source of the numbers.
     """
-    files = [out.with_name(f"{out.stem}.{one}") for one in formats or ()] or [out]
+    files = [out] if drawn.figures is None else [out.with_suffix(f".{one}") for one in drawn.formats()]
     found = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
-    table = table_beside(out, source)
-    return found | {table: standing(table)}
+    tables = [table_beside(out, source)] * bool(files)
+    return found | {table: standing(table) for table in tables}
 
 
 def check_measured(path: str, *, bare: bool = True) -> None:

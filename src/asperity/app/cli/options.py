@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, TypeVar, dataclass_transform
+from typing import Annotated, Literal, TypeVar, dataclass_transform
 
 from cyclopts import Parameter
 
@@ -66,11 +67,17 @@ class Drawn:
     Parameters
     ----------
     figures
-        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it. [default:
-        png, or that of the name of the file]
+        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it; "" for
+        none. [default: those of the TOML file, that of the name of the file, or png]
     """
 
-    figures: Annotated[list[Format] | None, Parameter(negative=(), consume_multiple=True)] = None
+    figures: Annotated[list[Format | Literal[""]] | None, Parameter(negative=(), consume_multiple=True)] = (
+        None
+    )
+
+    def formats(self, usual: Sequence[Format] = ("png",)) -> list[Format]:
+        """What was asked for, or what is usual."""
+        return [one for one in (usual if self.figures is None else self.figures) if one]
 
 
 @flags_of_fields

@@ -14,7 +14,7 @@ from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.tables import with_unit
-from asperity.figures import law_figure
+from asperity.figures import law_figure, write
 
 
 def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -53,7 +53,12 @@ def _ends(table: xr.Dataset, name: str) -> str:
 
 
 def write_law(
-    found: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
+    found: Outcome,
+    folder: Path,
+    *,
+    programs: Sequence[Program],
+    age: str | None,
+    millimeters: bool,
 ) -> None:
     """Write the table, its figure, what was used of the configuration, and files for other programs."""
     dataset = found.dataset
@@ -61,7 +66,7 @@ def write_law(
     names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
     table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
-    law_figure(dataset).savefig(folder / "law.png")
+    write(law_figure(dataset), folder / "law", found.config.output.figures)
     (folder / "config.toml").write_text(to_toml(found.config), encoding="utf-8")
     for program in programs:
         for direction in dataset["direction"].values.tolist():
