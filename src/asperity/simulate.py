@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -22,7 +23,7 @@ from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import WHERE_FROM, Contact, control_of
 from asperity.contact.controls import Control, Hold, Load, Separation
-from asperity.contact.instantaneous import first_contact, pressed_anew, slid
+from asperity.contact.instantaneous import check_load, first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -173,7 +174,8 @@ def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
         return Separation(number)
     if name == "pressure":
         nominal = lattice.sites * lattice.cell
-        number = checks.number("pressure", number, above=0, advice="pressure=1e6") * nominal
+        least = -math.inf if bodies.solid.adhesion is not None else 0.0
+        number = checks.number("pressure", number, above=least, advice="pressure=1e6") * nominal
     return Load(number)
 
 
@@ -274,7 +276,7 @@ def age(
         if keeper is not None and keeper.is_due():
             keeper.write(Place(here(), rows, snapshots))
 
-    final = contact
+    final, parted = contact, False
     with listener(progress) as shown:
         shown.stage("aging", times=stops.tolist())
         for frame in follow(
@@ -288,15 +290,19 @@ def age(
             after_step=keep_place,
         ):
             shown.reached(frame)
-            final = frame.contact
+            final, parted = frame.contact, frame.parted
             of_its_time = not frame.passing
-            if of_its_time and frame.time in wanted:
+            if of_its_time and frame.time in wanted and not parted:
                 snapshots.append(snapshot_of(frame))
-            if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
+            known = frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always))
+            if (frame.time > rows[-1]["time"]) if parted else known:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
+    if parted:
+        dataset.attrs["pulled_off"] = rows[-1]["time"]
+        remark(f"the bodies were pulled off each other at time {rows[-1]['time']:g}, where the history ends")
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")
@@ -320,7 +326,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:
             if (load := leg.load_on(contact.nominal_area)) is not None:
-                contact.system(Load(load)).held()
+                check_load(contact.system(Load(load)))
     if schedule.holds_separation:
         contact.system(Separation(contact.separation))
     return schedule

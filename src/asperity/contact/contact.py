@@ -418,7 +418,11 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
     kept = contact.control if hold in (None, contact.control.name) else None
     if "separation" in (hold, None if kept is None else kept.name):
         return kept or Separation(contact.separation)
-    if contact.load <= 0:
+    sticks = contact.solid.adhesion is not None
+    if hold == "area" and sticks:
+        expected = "'load' or 'separation' beside adhesion, where areas do not go with the load"
+        raise InputError("hold", expected=expected, got="'area'")
+    if contact.load <= 0 and not (sticks and contact.area):
         raise InputError(
             "hold",
             expected="a contact that carries a load to hold",

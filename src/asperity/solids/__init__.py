@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from asperity.adhesion import Adhesion, Dugdale
 from asperity.base.calls import answered as _answered
 from asperity.creep import CreepLaw, Eyring, Garofalo, LocalCreep, Norton
 from asperity.solids.coating import coated_half_space
@@ -16,8 +17,10 @@ from asperity.solids.solid import CreepBranch, Solid, Spectra, Springs
 from asperity.solids.springs import spring_lattice
 
 __all__ = [
+    "Adhesion",
     "CreepBranch",
     "CreepLaw",
+    "Dugdale",
     "Eyring",
     "Garofalo",
     "LaplacianSpectrum",

@@ -1,0 +1,81 @@
+r"""Contacts that stick: a sequence of contacts without adhesion, beside known forces.
+
+Sites attract each other with the energy phi(gap), which is concave, while all other energies are convex. So
+the tangent of phi at the last gap, a known force, makes a problem as without adhesion, and its solution has
+less energy than the last one (difference of convex functions; P. D. Tao, L. T. H. An, Acta Math. Vietnam.
+22, 289 (1997)). The force of Dugdale's law follows from which sites are within the range, of which there are
+finitely many sets: so the sequence ends. It begins with the sites within the range of the state before, from
+which follows what the contact remembers; and without a state before with none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asperity.contact.bodies import Bodies
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
+from asperity.errors import ConvergenceError, InputError, PulledOff
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of adhesion."""
+
+    fewest_pixels: int = 6
+    """Pixels in the zone of a front, below which the lattice holds fronts where they are."""
+
+    most_rounds: int = 1000
+    """Contacts without adhesion after which a sequence is given up."""
+
+
+TUNING = Tuning()
+
+
+@dataclass(frozen=True)
+class Adhesive:
+    """A solver for contacts that stick, or not, around one for contacts that do not."""
+
+    solver: ContactSolver
+
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
+        """Solve until the attraction is that of the gap; `PulledOff` where that does not bear the load."""
+        interface, heights = problem.interface, problem.heights
+        if interface.adhesion is None:
+            return self.solver.solve(problem, guess, accuracy)
+        last = np.inf if guess is None else guess.u if guess.last is None else guess.last
+        pull = interface.pull(np.broadcast_to(last - heights, heights.shape))
+        assert pull is not None
+        slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
+        for _ in range(TUNING.most_rounds):
+            load = problem.spectral().load
+            if load is not None and load - float(pull.sum()) <= 0:
+                raise PulledOff
+            found = self.solver.solve(problem.beside(pull), guess, accuracy)
+            iterations, revisions = iterations + found.iterations, revisions + found.set_changes
+            before, pull = pull, interface.pull(found.u - heights)
+            assert pull is not None
+            if np.abs(pull - before).max() <= slack:
+                return replace(found, iterations=iterations, set_changes=revisions)
+            guess = Guess(found.u, found.in_contact, disposable=True)
+        raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
+
+
+def check_zone(bodies: Bodies) -> None:
+    """Refuse pixels in which the zone of a front is not resolved.
+
+    The modulus is that at once: fronts pass in an instant where a body is pressed or pulled.
+    """
+    law, modulus, pixel = bodies.solid.adhesion, bodies.solid.modulus, max(bodies.lattice.spacing)
+    if law is None or modulus is None:
+        return
+    zone, fewest = law.zone(modulus), TUNING.fewest_pixels
+    if zone < fewest * pixel:
+        raise InputError(
+            "adhesion",
+            expected=f"pixels of at most {zone / fewest:.3g}: {fewest} of them in the zone of a front, "
+            f"pi E* w/(4 s0^2) = {zone:.3g}",
+            got=f"{pixel:.3g}",
+            advice="a longer range, or contact.pull_off(work=...) of the contact without adhesion",
+        )
