@@ -302,7 +302,8 @@ def age(
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
     if parted:
         dataset.attrs["pulled_off"] = rows[-1]["time"]
-        remark(f"the bodies were pulled off each other at time {rows[-1]['time']:g}, where the history ends")
+        when = f"{rows[-1]['time']:g}{' s' * contact.si}"
+        remark(f"the bodies were pulled off each other at time {when}, where the history ends")
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")

@@ -35,7 +35,7 @@ class Dugdale(Adhesion):
     """
 
     work: Annotated[float, Gt(0), Quantity("work of adhesion", "J/m^2", "w")]
-    range: Annotated[float, Gt(0), Quantity("range of the adhesion", "m", "h0")]
+    range: Annotated[float, Gt(0), Quantity("range", "m", "h0")]
 
     formula = "s0 = w/h0 where the gap is below h0"
 

@@ -9,7 +9,6 @@ sequence of contacts with known forces, see `asperity.contact.adhesive`.
 from __future__ import annotations
 
 import math
-from typing import ClassVar
 
 from asperity.base import checks
 from asperity.base.checks import Floats
@@ -25,8 +24,6 @@ class Adhesion(Law):
     """
 
     prefix = "adhesion"
-    formula: ClassVar[str] = ""
-    """The traction in one line; empty where it is not known."""
 
     work: float
     """Work of adhesion w, energy per area."""

@@ -181,6 +181,8 @@ class Law(Checked):
     """A law of a solid, whose parameters are recorded behind a prefix."""
 
     prefix: ClassVar[str]
+    formula: ClassVar[str] = ""
+    """The law in one line; empty where it is not known."""
 
     @property
     def parameters(self) -> Mapping[str, float]:

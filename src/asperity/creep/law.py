@@ -9,7 +9,7 @@ a site on a continuum. Small stresses creep with the mobility v'(0), as with ``R
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from annotated_types import Gt
@@ -37,9 +37,6 @@ class LocalCreep(Law):
     """
 
     prefix = "creep"
-    formula: ClassVar[str] = ""
-    """v(s) in one line; empty where it is not known."""
-
     greatest_stress: float = math.inf
     """Largest magnitude of the stress that the law takes."""
 

@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asperity.analysis.scan import readable, written
-from asperity.creep import PARAMETERS_OF_LAWS
 from asperity.lattice import Field
+from asperity.solids import PARAMETERS_OF_LAWS
 
 INK = "#000000"
 BLUE = "#0072B2"

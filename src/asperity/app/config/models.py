@@ -16,8 +16,9 @@ from pydantic import Field, PrivateAttr, model_validator
 from asperity.app.config.sections import (
     Conductivity,
     Duration,
-    FirstForce,
     Force,
+    Load,
+    LoadOverArea,
     OneOrTwo,
     Position,
     Positive,
@@ -61,12 +62,12 @@ else:
 class Contact(Section):
     """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
 
-    load: FirstForce | None = usual(
+    load: Load | None = usual(
         None,
-        "Normal load, the sum of all contact forces; 0 before a ramp. "
+        "Normal load, the sum of all contact forces; 0 before a ramp, below 0 with adhesion. "
         "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
     )
-    pressure: Pressure | None = usual(
+    pressure: LoadOverArea | None = usual(
         None, "Load over nominal area, instead of the load. By default, on a continuum, 0.005 E* x rms slope."
     )
     separation: Position | None = usual(None, "Mean height of the undeformed solid; instead of the load.")
@@ -297,6 +298,22 @@ class RunConfig(Section):
             late = max(times or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):
                 raise ValueError(f"{where}: expected times up to the last, {self.end:g}, got {late:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _check_loads(self) -> Self:
+        told = [("[contact] load", self.contact.load), ("[contact] pressure", self.contact.pressure or None)]
+        told += [
+            (f"[protocol] {leg.target}", leg.value(leg.duration, 0.0))
+            for leg in self.written_out
+            if leg.target in ("load", "pressure")
+        ]
+        for where, load in told:
+            if load is not None and load < 0 and "adhesion" not in self.solid.laws:
+                advice = "adhesion = 'dugdale' (--adhesion dugdale)"
+                raise ValueError(
+                    f"{where}: expected 0 or more where nothing sticks, got {load:g}; try {advice}"
+                )
         return self
 
     @property
