@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ from asperity.contact.contact import WHERE_FROM, Contact, control_of
 from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import check_load, first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
+from asperity.contact.pulling import approach, retreat
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
@@ -33,6 +34,7 @@ from asperity.protocols import Leg, Schedule, check_edges, checked_direction, le
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
+from asperity.results.pulling import Pull
 from asperity.solids import Solid
 from asperity.surfaces.doubts import load_on_filled
 
@@ -397,6 +399,60 @@ def slide(
     return slid(contact, lattice.shifted(contact.heights, by), by, solver)
 
 
+def pull(
+    contact: Contact,
+    *,
+    through: Literal["load", "separation"] | None = None,
+    steps: int = 20,
+    solver: ContactSolver | None = None,
+) -> Pull:
+    """Pull two bodies apart that stick, at once, to the last contact; and let them approach again.
+
+    What has crept stays. Jumps of contacts lose energy, so that the way back is another.
+
+    Parameters
+    ----------
+    contact
+        Where to start: from `press`, or the ``final`` of a history, of a solid with adhesion.
+    through
+        What is prescribed on the way: the load, down to the largest tension that the bodies bear, or the
+        separation, until they are apart; by default that, where the solid lets it be prescribed.
+    steps
+        States, about, for a change of the load by all that attracts at first, or by the load at first where
+        that is more; at least 2.
+    solver
+        As in `press`.
+
+    Returns
+    -------
+    Pull
+        ``curve`` (a Dataset), ``force`` (the pull-off force), ``energy_lost``, ``last`` (a contact).
+
+    Raises
+    ------
+    InputError
+        Nothing sticks, nothing is in contact, or the separation cannot be prescribed.
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
+    law = checks.instance("contact", contact, Contact, WHERE_FROM).solid.adhesion
+    if law is None or not contact.area:
+        expected, got = "bodies that stick, in contact", "no contact" if law else "a solid without adhesion"
+        raise InputError(
+            "contact", expected=expected, got=got, advice="half_space(..., adhesion=Dugdale(...))"
+        )
+    if through not in (None, "load", "separation"):
+        raise InputError("through", expected="'load' or 'separation'", got=repr(through))
+    steps = checks.integer("steps", steps, least=2)
+    if through == "separation":
+        contact.system(Separation(contact.separation))
+    kind = Load if through == "load" or not contact.system().body.stiffness else Separation
+    attracting = contact.lattice.cell * float(law.traction(contact.gap).sum())
+    change = max(attracting, abs(contact.load)) / steps
+    back = retreat(contact, kind, change, solver)
+    return Pull.of(approach(back[-1], contact, kind, change, solver), back)
+
+
 def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:
     """Find the state that a contact creeps toward, without following it through time.
 
@@ -427,5 +483,5 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     return relaxed(contact, control_of(contact, hold), solver)
 
 
-__all__ = ["age", "press", "relax", "slide"]
+__all__ = ["age", "press", "pull", "relax", "slide"]
 __dir__ = _answered(globals())

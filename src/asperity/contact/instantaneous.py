@@ -65,17 +65,23 @@ def first_contact(
 
 
 def pressed_anew(
-    contact: Contact, control: Control, solver: ContactSolver | None = None, *, least_force: float = 0.0
+    contact: Contact,
+    control: Control,
+    solver: ContactSolver | None = None,
+    *,
+    least_force: float = 0.0,
+    apart: bool = False,
 ) -> Contact:
     """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
 
     The anchors keep their shapes. They move as a whole: to the given separation, or with the load. See
-    `contact_from` for the least force.
+    `contact_from` for the least force. Nothing attracts at first where the bodies were ``apart``.
     """
     system = contact.system(control)
     place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
-    guess = Guess(np.array(u), in_contact, disposable=True)
+    last = np.full_like(u, np.inf) if apart else None
+    guess = Guess(np.array(u), in_contact, disposable=True, last=last)
     return _anew(contact, contact, system, guess, place, solver, least_force)
 
 
