@@ -19,6 +19,7 @@ from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
 from asperity.carried import Carried
+from asperity.contact.adhesive import zone_remark
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import WHERE_FROM, Contact, control_of
@@ -258,6 +259,8 @@ def age(
     recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
+    if doubt := zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))):
+        remark(doubt)
     units.check_units(given, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:

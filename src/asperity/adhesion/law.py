@@ -19,8 +19,8 @@ from asperity.errors import InputError
 class Adhesion(Law):
     """A law of adhesion with a range.
 
-    The keys of a configuration are ``adhesion_`` and the names of its parameters: the fields of a frozen
-    dataclass that are annotated with a `asperity.base.parameters.Quantity`.
+    Its keys in a configuration begin with ``adhesion``. They follow from its parameters: the fields of a
+    frozen dataclass that are annotated with a `asperity.base.parameters.Quantity`.
     """
 
     prefix = "adhesion"

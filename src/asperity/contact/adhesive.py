@@ -10,6 +10,7 @@ which follows what the contact remembers; and without a state before with none.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,17 +66,35 @@ class Adhesive:
 def check_zone(bodies: Bodies) -> None:
     """Refuse pixels in which the zone of a front is not resolved.
 
-    The modulus is that at once: fronts pass in an instant where a body is pressed or pulled.
+    The modulus is that at once: where a body is pressed or pulled, fronts pass in an instant.
     """
-    law, modulus, pixel = bodies.solid.adhesion, bodies.solid.modulus, max(bodies.lattice.spacing)
-    if law is None or modulus is None:
-        return
-    zone, fewest = law.zone(modulus), TUNING.fewest_pixels
-    if zone < fewest * pixel:
+    law = bodies.solid.adhesion
+    if law is not None and (most := _largest_pixel(bodies, 0.0)) < max(bodies.lattice.spacing):
         raise InputError(
             "adhesion",
-            expected=f"pixels of at most {zone / fewest:.3g}: {fewest} of them in the zone of a front, "
-            f"pi E* w/(4 s0^2) = {zone:.3g}",
-            got=f"{pixel:.3g}",
+            expected=f"pixels of at most {most:.3g}: {TUNING.fewest_pixels} in a zone of pi E* w/(4 s0^2)",
+            got=f"{max(bodies.lattice.spacing):.3g}",
             advice="a longer range, or contact.pull_off(work=...) of the contact without adhesion",
         )
+
+
+def zone_remark(bodies: Bodies, time: float) -> str:
+    """What is to be said where the zone shrinks below what is resolved, as the modulus relaxes until a time.
+
+    Fronts that creep slowly feel the relaxed modulus.
+    """
+    if bodies.solid.adhesion is None or (most := _largest_pixel(bodies, time)) >= max(bodies.lattice.spacing):
+        return ""
+    return (
+        f"as the modulus relaxes, the zone of a front shrinks: in the end pixels of at most {most:.3g} "
+        f"resolve it, of {max(bodies.lattice.spacing):.3g} they may hold it back"
+    )
+
+
+def _largest_pixel(bodies: Bodies, time: float) -> float:
+    """The largest pixel in which the zone is resolved, by the modulus after a time."""
+    solid = bodies.solid
+    assert solid.adhesion is not None
+    assert solid.modulus is not None
+    left = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
+    return solid.adhesion.zone(solid.modulus * left) / TUNING.fewest_pixels

@@ -60,7 +60,7 @@ def approach(
     if kind is Separation:
         return [last, *_through_separation(last, -1, change, solver, to.separation)]
     loads = np.arange(change, to.load, change).tolist() + [to.load] * (to.load > 0)
-    states = []
+    states: list[Contact] = []
     for load in loads:  # before the first one nothing attracts
         states.append(pressed_anew(states[-1] if states else last, Load(load), solver, apart=not states))
     return states
