@@ -27,6 +27,9 @@ class Tuning:
     fewest_pixels: int = 6
     """Pixels in the zone of a front, below which the lattice holds fronts where they are."""
 
+    rough: float = 1e-3
+    """Residual of contacts on the way."""
+
     most_rounds: int = 1000
     """Contacts without adhesion after which a sequence is given up."""
 
@@ -49,16 +52,22 @@ class Adhesive:
         pull = interface.pull(np.broadcast_to(last - heights, heights.shape))
         assert pull is not None
         slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
+        rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
+        wanted = rough
         for _ in range(TUNING.most_rounds):
             load = problem.spectral().load
             if load is not None and load - float(pull.sum()) <= 0:
                 raise PulledOff
-            found = self.solver.solve(problem.beside(pull), guess, accuracy)
+            found = self.solver.solve(problem.beside(pull), guess, wanted)
             iterations, revisions = iterations + found.iterations, revisions + found.set_changes
             before, pull = pull, interface.pull(found.u - heights)
             assert pull is not None
-            if np.abs(pull - before).max() <= slack:
+            if np.abs(pull - before).max() > slack:
+                wanted = rough
+            elif wanted == accuracy:
                 return replace(found, iterations=iterations, set_changes=revisions)
+            else:
+                wanted = accuracy
             guess = Guess(found.u, found.in_contact, disposable=True)
         raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
 
