@@ -21,6 +21,9 @@ class Tuning:
     first: float = 0.1
     """First step of a separation, in units of the reach of adhesion."""
 
+    longest: float = 0.25
+    """Longest step of a separation, in units of that reach."""
+
     least: float = 2**-9
     """Least step: of a separation in units of that reach, of a load in those of the usual step."""
 
@@ -84,4 +87,4 @@ def _through_separation(
             continue
         state = tried
         yield state
-        step *= 2.0 if by < TUNING.little else 1.0
+        step = min(2 * step if by < TUNING.little else step, TUNING.longest * law.reach)
