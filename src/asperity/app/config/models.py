@@ -302,18 +302,19 @@ class RunConfig(Section):
 
     @model_validator(mode="after")
     def _check_loads(self) -> Self:
-        told = [("[contact] load", self.contact.load), ("[contact] pressure", self.contact.pressure or None)]
-        told += [
-            (f"[protocol] {leg.target}", leg.value(leg.duration, 0.0))
-            for leg in self.written_out
+        if "adhesion" in self.solid.laws:
+            return self
+        pressing = [("[contact] load", self.contact.load), ("[contact] pressure", self.contact.pressure)]
+        pressing += [
+            (f"protocol[{number}] {leg.target}", leg.value(leg.duration, 0.0))
+            for number, section in enumerate(self.protocol)
+            for leg in section.leg.written_out()
             if leg.target in ("load", "pressure")
         ]
-        for where, load in told:
-            if load is not None and load < 0 and "adhesion" not in self.solid.laws:
-                advice = "adhesion = 'dugdale' (--adhesion dugdale)"
-                raise ValueError(
-                    f"{where}: expected 0 or more where nothing sticks, got {load:g}; try {advice}"
-                )
+        for where, load in pressing:
+            if load is not None and (load < 0 or (load == 0 and where != "[contact] load")):
+                advice = "adhesion = 'dugdale' (--adhesion dugdale) for loads that pull"
+                raise ValueError(f"{where}: expected more than 0, got {load:g}; try {advice}")
         return self
 
     @property
