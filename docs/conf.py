@@ -42,7 +42,7 @@ intersphinx_mapping = {
     "scipy": ("https://docs.scipy.org/doc/scipy", None),
     "xarray": ("https://docs.xarray.dev/en/stable", None),
 }
-exclude_patterns = ["_build", "_ext", "gallery/*"]
+exclude_patterns = ["_build", "_ext", "data", "gallery/*"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 default_role = "py:obj"

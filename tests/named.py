@@ -65,6 +65,12 @@ COMPOSED = r"_(mean|count|history|paper|s|m|m2|N|Hz)$|^(final|relaxed|surface|fi
 FILE = r"[\w.{}-]+\.(csv|gif|html|json|md|mi|mp4|nc|npy|npz|opd|png|py|toml|txt|xlook|yaml|zarr)"
 
 
+LOOSE = (
+    r"(?<![\w/.-])(--[a-z][\w-]+|[A-Z]{3}[A-Z0-9]*_[A-Z0-9_]+|(?:[\w-]+/)+[\w-]+\.(?:py|md|toml|csv))(?!\w)"
+)
+"""Flags, constants and files that stand in a text without being marked as code."""
+
+
 def docstrings(tree):
     """Expressions that are nothing but text: docstrings, of attributes too."""
     for node in ast.walk(tree):
@@ -73,17 +79,20 @@ def docstrings(tree):
 
 
 def in_pages(page):
-    """Code within the sentences of a page."""
+    """Code within the sentences of a page, and what is code although not marked."""
     text = re.sub(r"^```.*\n(?:.*\n)*?```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    return dict.fromkeys(re.findall(r"`([^`\n]+)`", text))
+    marked = re.findall(r"`([^`\n]+)`", text)
+    return dict.fromkeys(marked + re.findall(LOOSE, re.sub(r"`[^`\n]+`|\]\([^)]*\)|https?:\S+", "", text)))
 
 
 def in_docstrings(file):
     """Code within the docstrings of a module."""
     for text in docstrings(ast.parse(file.read_text(encoding="utf-8"))):
         formulas = re.sub(r":math:`[^`]*`", "", text.value)
-        for code, name in re.findall(r"``([^`]+)``|(?<!`)`([^`]+)`", formulas):
+        marked = r"``([^`]+)``|(?<!`)`([^`]+)`"
+        for code, name in re.findall(marked, formulas):
             yield " ".join((code or name).split())
+        yield from re.findall(LOOSE, re.sub(rf"{marked}|https?:\S+", "", formulas))
 
 
 class Source:

@@ -55,7 +55,7 @@ class Lattice:
     spacing
         Distance between sites along each axis, in any unit of length; by default 1.
     edges
-        Whether the lattice is periodic, its edges reflect, or nothing lies beyond them.
+        Periodic, reflecting (mirror image beyond the edges) or free (the body ends).
     body
         Of an `embedding`: number of sites along each axis, from the first, that a body with free edges has.
     """
@@ -249,8 +249,8 @@ class Lattice:
     def shifted(self, field: Field, shift: Sequence[Fraction | float]) -> Field:
         """A field that has moved by a number of sites along each axis, around the periodic edges.
 
-        Whole sites are a permutation. For the rest each Fourier mode turns by its phase; the shortest wave of
-        an axis of even length, of which sites know the cosine alone, is multiplied by the cosine of it.
+        Whole sites are a permutation. A shift by a part of a site turns the phase of each Fourier mode. The
+        shortest wave of an axis of even length is multiplied by the cosine of its phase.
         """
         whole = [round(sites) for sites in shift]
         moved = np.roll(field, whole, axis=tuple(range(-self.dimension, 0)))

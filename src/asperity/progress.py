@@ -166,8 +166,8 @@ class _InNotebook(Progress):
         self._inside = inside
         if now or clock.monotonic() - self._changed > _EVERY:
             self._changed = clock.monotonic()
-            told = f"<div>{escape(self._name)} {inside}</div>{''.join(self._remarks)}"
-            self._handle.update(self._display.HTML(told))
+            html = f"<div>{escape(self._name)} {inside}</div>{''.join(self._remarks)}"
+            self._handle.update(self._display.HTML(html))
 
 
 def _notebook() -> ModuleType | None:

@@ -101,8 +101,8 @@ class Leg(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        known = parameters_of(type(self))
-        for name in vars(self).keys() - known:
+        parameters = parameters_of(type(self))
+        for name in vars(self).keys() - parameters:
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
         if self.target not in _TARGETS and (self.target or type(self).value is not Leg.value):
@@ -110,7 +110,7 @@ class Leg(Checked):
             raise InputError("target", expected=expected, got=repr(self.target))
         if self.target and self.duration > 0:
             checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
-        for name, parameter in known.items():
+        for name, parameter in parameters.items():
             value = getattr(self, name)
             if parameter.bounds.get("above") == 0 and value is not None and value < 1 / LARGEST:
                 raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")
@@ -165,8 +165,8 @@ class Leg(Checked):
     @property
     def arguments(self) -> dict[str, object]:
         """What made it, but for what is usual."""
-        known = parameters_of(type(self))
-        return {name: value for name, value in vars(self).items() if value != known[name].default}
+        parameters = parameters_of(type(self))
+        return {name: value for name, value in vars(self).items() if value != parameters[name].default}
 
 
 @dataclass(frozen=True)
@@ -193,8 +193,8 @@ class Hold(Leg):
 
     def words(self, say: Say) -> str:
         """See `Leg`."""
-        what = f"hold {self.hold} for" if self.hold else "hold for"
-        return f"{what} {say('time', self.duration)}{_faster(self)}"
+        verb = f"hold {self.hold} for" if self.hold else "hold for"
+        return f"{verb} {say('time', self.duration)}{_faster(self)}"
 
 
 class Change(Leg):
@@ -376,8 +376,8 @@ def checked_direction(direction: object) -> str | tuple[int, ...]:
     if isinstance(direction, str) and direction in _AXES:
         return direction
     expected = "'x', '-x', 'y', '-y', or whole numbers of sites along the axes"
-    given = direction if isinstance(direction, tuple | list) else [direction]
-    sites = [checks.integer("direction", n, least=-(2**31), expected=expected) for n in given]
+    components = direction if isinstance(direction, tuple | list) else [direction]
+    sites = [checks.integer("direction", n, least=-(2**31), expected=expected) for n in components]
     if len(sites) not in (1, 2) or not any(sites):
         raise InputError("direction", expected=expected, got=checks.shown(direction))
     return tuple(n // math.gcd(*sites) for n in sites)
@@ -466,15 +466,15 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
     words = []
     for leg in legs:
         usual = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-        said, named = [leg["kind"]], []
+        described, named = [leg["kind"]], []
         for key, value in leg.items():
             short = f"{value:g}" if isinstance(value, float | int) else str(value)
             if key in ("duration", "count"):
-                said.append(short)
+                described.append(short)
             elif key not in ("kind", "legs") and not (key in usual and value == usual[key].default):
                 named.append(f"{key}={short}")
         nested = [f"({in_words(leg['legs'])})"] if "legs" in leg else []
-        words.append(" ".join(said + named + nested))
+        words.append(" ".join(described + named + nested))
     return ", ".join(words)
 
 
@@ -489,10 +489,10 @@ def leg_of(values: Mapping[str, Any]) -> Leg:
         arguments["legs"] = [leg_of(part) for part in arguments["legs"]]
     kind, keys = values["kind"], set(arguments)
     named = [leg for leg in (*Leg.__subclasses__(), *Change.__subclasses__()) if leg.__name__.lower() == kind]
-    found = [KINDS[kind]] if kind in KINDS else [leg for leg in named if keys <= set(parameters_of(leg))]
-    if not found:
+    matching = [KINDS[kind]] if kind in KINDS else [leg for leg in named if keys <= set(parameters_of(leg))]
+    if not matching:
         raise InputError("protocol", expected="legs whose classes are imported", got=repr(kind))
-    return found[-1](**arguments)
+    return matching[-1](**arguments)
 
 
 @dataclass(frozen=True)

@@ -213,6 +213,16 @@ def test_a_false_name_is_found(source, code):
     assert [*source.unknown(code, DOCS / "start.md")]
 
 
+def test_names_that_are_not_marked_as_code_are_looked_up_too(tmp_path, source):
+    page = tmp_path / "page.md"
+    page.write_text(
+        "Set STEP_TOLERANCE, or --poison, as aging/marches.py does; --out and RATE_9 of [x](a/b.md)."
+    )
+    assert [code for code in in_pages(page) if [*source.unknown(code, DOCS / "start.md")]] == [
+        *("STEP_TOLERANCE", "--poison", "aging/marches.py", "RATE_9")
+    ]
+
+
 def test_rooms_of_contributing_are_those_of_the_house():
     text = (ROOT / "CONTRIBUTING.md").read_text("utf-8").split("so do imports:")[1].split("Each folder")[0]
     library, app, research = re.split(r"app:|research:", text)

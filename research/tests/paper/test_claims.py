@@ -30,7 +30,7 @@ from asperity_research.studies.typeset import plain
 
 pytestmark = pytest.mark.xdist_group("reproduction")  # one process computes it
 
-DOCUMENTED = Path(__file__).parents[3] / "docs" / "reproduction.md"
+DOCUMENTED = Path(__file__).parents[3] / "docs" / "data" / "paper" / "ledger.md"
 EXACT = {"a0", "a1", "relaxed-full", "compliance-engine", "mean-u0", "exponential-dip", "line", "b-mobility"}
 
 

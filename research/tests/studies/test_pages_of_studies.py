@@ -45,8 +45,7 @@ def test_the_tables_of_a_page_can_be_made_and_their_numbers_have_an_origin(name,
     assert origin["command"].startswith(f"asperity study {study.name}")
     listed = f"| [`{study.name}`](studies/{name}.md) | {study.question}"
     assert listed in (DOCS / "studies.md").read_text(encoding="utf-8")
-    if name == "unloading":
-        assert "{runs} runs (Asperity {version}, {date})".format_map(origin) in page
+    assert "{runs} runs (Asperity {version}, {date})".format_map(origin) in page
 
 
 def test_a_number_has_its_interval_and_a_dash_where_it_is_not_determined(numbers):

@@ -46,8 +46,8 @@ def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
             namespace[name] = home[thing.__name__] = _answering(home[thing.__name__])
         elif isinstance(thing, type) and not issubclass(thing, BaseException):
             for key, member in list(vars(thing).items()):
-                if (key == "__init__" or key[0] != "_") and (made := _answering(member)) is not member:
-                    setattr(thing, key, made)
+                if (key == "__init__" or key[0] != "_") and (answering := _answering(member)) is not member:
+                    setattr(thing, key, answering)
     return names.copy
 
 
@@ -84,15 +84,15 @@ def _answering(member: Any) -> Any:
 
 def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str, Any]) -> None:
     signature = inspect.signature(function)
-    known = [name for name in signature.parameters if name not in ("self", "cls")]
-    by_name = [one.name for one in signature.parameters.values() if one.kind is one.KEYWORD_ONLY]
+    names = [name for name in signature.parameters if name not in ("self", "cls")]
+    by_name = [each.name for each in signature.parameters.values() if each.kind is each.KEYWORD_ONLY]
     *_, owner, name = f".{function.__qualname__}".split(".")
-    name, listed = owner if name == "__init__" else name, shortened(", ".join(known), 120)
+    name, listed = owner if name == "__init__" else name, shortened(", ".join(names), 120)
     try:
         signature.bind(*args, **given)
     except TypeError as error:
-        if word := next((word for word in given if word not in known), None):
-            meant = MEANT.get(word) if MEANT.get(word) in known else closest(word, known)
+        if word := next((word for word in given if word not in names), None):
+            meant = MEANT.get(word) if MEANT.get(word) in names else closest(word, names)
             advice = f"{meant}=..." if meant else ""
             if name == "predict":
                 advice = _MOVED.get(word, advice)

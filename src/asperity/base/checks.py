@@ -42,8 +42,8 @@ def number(
     It is at most 1e100 in magnitude in any case. `InputError`, by default in words of the bounds, for a truth
     value, a text, a complex number, an array, a quantity with a unit, NaN, and what is out of bounds.
     """
-    found = _real(value)
-    if found is None or not (least <= found <= most and above < found < below):
+    real = _real(value)
+    if real is None or not (least <= real <= most and above < real < below):
         signs = (
             (">=", least, -LARGEST),
             (">", above, -math.inf),
@@ -53,7 +53,7 @@ def number(
         bounds = " and ".join(f"{sign} {bound:g}" for sign, bound, none in signs if bound != none)
         wanted = expected or f"a finite number {bounds}".rstrip()
         raise InputError(name, expected=wanted, got=shown(value), advice=advice or _hint(name, value))
-    return found
+    return real
 
 
 def integer(
@@ -311,9 +311,9 @@ def _as_floats(name: str, value: object, expected: str, advice: str = "", *, cop
         got = f"{type(value).__name__} ({error})"
         raise InputError(name, expected=expected, got=got, advice=advice) from error
     if array.dtype.kind == "O":  # of Python's own numbers, perhaps
-        found = [_real(item) for item in array.flat]
-        if None not in found:
-            return np.array(found, dtype=np.float64).reshape(array.shape)
+        reals = [_real(item) for item in array.flat]
+        if None not in reals:
+            return np.array(reals, dtype=np.float64).reshape(array.shape)
     if array.dtype.kind not in "iuf":
         got = shown(value) if array.ndim == 0 else f"{type(value).__name__} of type {array.dtype}"
         raise InputError(name, expected=expected, got=got, advice=_hint(name, array) or advice)

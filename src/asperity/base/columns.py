@@ -66,11 +66,11 @@ class Columns:
     ) -> None:
         self.table = path if isinstance(path, Table) else read_table(Path(path))
         self._wanted = {role.name: role for role in roles}
-        found = [self._meaning(name) for name in self.table.names]
-        self._parts = [parts for _, parts in found]
-        numbers = {role for role, parts in found if parts.base is None}
+        meanings = [self._meaning(name) for name in self.table.names]
+        self._parts = [parts for _, parts in meanings]
+        numbers = {role for role, parts in meanings if parts.base is None}
         # Logarithms beside their numbers are left alone.
-        self.roles = ["" if parts.base is not None and role in numbers else role for role, parts in found]
+        self.roles = ["" if parts.base is not None and role in numbers else role for role, parts in meanings]
         everything = range(len(self.roles))
         self.chosen = list(everything) if columns is None else positions(self.table, columns)
         self._stated = self._by_column(units)
@@ -79,14 +79,14 @@ class Columns:
     @cached_property
     def by_role(self) -> dict[str, int]:
         """Where the column of each role stands; `InputError` where two have one role."""
-        found: dict[str, int] = {}
+        columns: dict[str, int] = {}
         for at in self.chosen:
-            if (role := self.roles[at]) in found:
-                got = f"{self.table.names[found[role]]!r} and {self.table.names[at]!r}"
-                advice = f'columns="{found[role]} ..." to choose'
+            if (role := self.roles[at]) in columns:
+                got = f"{self.table.names[columns[role]]!r} and {self.table.names[at]!r}"
+                advice = f'columns="{columns[role]} ..." to choose'
                 raise InputError(self.table.name, expected=f"one column of {role}", got=got, advice=advice)
-            found |= {role: at} if role else {}
-        return found
+            columns |= {role: at} if role else {}
+        return columns
 
     @property
     def read(self) -> str:
@@ -137,8 +137,8 @@ class Columns:
         """The role that a name says, and its parts: the first that have a role."""
         every = _parts(name)
         for parts in every:
-            found = (role for role in self._wanted.values() if re.search(role.words, normal(parts.label)))
-            if parts.label.strip() != "T" and (role := next(found, None)):  # T is a temperature
+            roles = (role for role in self._wanted.values() if re.search(role.words, normal(parts.label)))
+            if parts.label.strip() != "T" and (role := next(roles, None)):  # T is a temperature
                 return role.name, parts
         return "", every[0]
 
@@ -181,12 +181,12 @@ class Columns:
             if wrong := [pair for pair in pairs if "=" not in str(pair)]:
                 raise InputError("units", expected="a column and its unit, such as 1=MPa", got=repr(wrong[0]))
             units = dict(str(pair).rpartition("=")[::2] for pair in pairs)
-        found = {}
+        roles = {}
         for column, unit in units.items():
             is_role = str(column) not in self.table.names and self.roles.count(str(column)) == 1
             at = self.roles.index(str(column)) if is_role else position(self.table, column)
-            found[at] = str(unit).strip()
-        return found
+            roles[at] = str(unit).strip()
+        return roles
 
 
 def normal(text: str) -> str:
@@ -210,9 +210,9 @@ class _Parts:
 
 
 def _parts(name: str) -> list[_Parts]:
-    if found := _LOGARITHM.fullmatch(name):
-        base = {"log": 0.0, "ln": math.e}.get(found[1].lower(), 10.0)
-        inner = f"{found[2]}{found[3]}" if found[2] else found[4]
+    if logarithm := _LOGARITHM.fullmatch(name):
+        base = {"log": 0.0, "ln": math.e}.get(logarithm[1].lower(), 10.0)
+        inner = f"{logarithm[2]}{logarithm[3]}" if logarithm[2] else logarithm[4]
         return [replace(parts, base=base) for parts in _parts(inner)]
     bracket = _BRACKETS.fullmatch(name)
     if bracket and not re.fullmatch(_ARGUMENT, bracket[2].lower()):
@@ -245,13 +245,13 @@ def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False
 def _finite(table: Table, at: int, role: str) -> Floats:
     """Numbers of a column; `InputError` with the line where one is missing."""
     values = table.values[:, at]
-    if (known := np.isfinite(values)).all():
+    if (finite := np.isfinite(values)).all():
         return values
-    row, advice = int(np.argmin(known)), _LEAVE_OUT
+    row, advice = int(np.argmin(finite)), _LEAVE_OUT
     cell = table.cell(row, at)
     if GROUPED.fullmatch(cell):
         advice = "numbers without separators between thousands"
-    elif not known.any():
+    elif not finite.any():
         numeric = np.flatnonzero(np.isfinite(table.values).any(axis=0))
         names = ", ".join(repr(table.names[i]) if table.names[i] else str(i) for i in numeric)
         advice = f"to choose columns of numbers ({names})"
@@ -276,14 +276,14 @@ def named(table: Table) -> str:
 
 def positions(table: Table, columns: Chosen) -> list[int]:
     """Where columns stand, by names and numbers from 0, also several in one text."""
-    found = []
+    places = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
         words = [word for word in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if word]
         if text in table.names or not all(word in table.names or word.isdecimal() for word in words):
             words = [text]
-        found += [position(table, word) for word in words or [text]]
-    return found
+        places += [position(table, word) for word in words or [text]]
+    return places
 
 
 def position(table: Table, column: int | str) -> int:
@@ -293,6 +293,6 @@ def position(table: Table, column: int | str) -> int:
         return table.names.index(name)
     if name.isdecimal() and int(name) < len(table.names):
         return int(name)
-    known = f"one of {named(table).removeprefix('columns ')}, or " if any(table.names) else ""
-    expected = f"{known}a number from 0 to {len(table.names) - 1}"
+    choices = f"one of {named(table).removeprefix('columns ')}, or " if any(table.names) else ""
+    expected = f"{choices}a number from 0 to {len(table.names) - 1}"
     raise InputError(f"column {column!r} of {table.name}", expected=expected, got="no such column")

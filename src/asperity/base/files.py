@@ -49,19 +49,19 @@ def content_of(path: Path) -> bytes:
         facts = os.fstat(file.fileno())
         if stat.S_ISFIFO(facts.st_mode):
             mark = facts.st_dev, facts.st_ino
-            found = _pipes[mark] if mark in _pipes else _piped(file.fileno(), most)
-            if not found:
+            content = _pipes[mark] if mark in _pipes else _piped(file.fileno(), most)
+            if not content:
                 expected = "a pipe into which something is written"
                 raise InputError(str(path), expected=expected, got="none for 5 s")
             if _commands or path.parts[1:2] in (("dev",), ("proc",)):
-                _pipes[mark] = found
+                _pipes[mark] = content
         elif stat.S_ISREG(facts.st_mode):
-            found = file.read(most + 1)
+            content = file.read(most + 1)
         else:
             raise InputError(str(path), expected="a file or a pipe", got="a device")
-    if len(found) > most:
+    if len(content) > most:
         raise TooLargeError(f"{path}: expected a text of at most {data_size(most)}, got a longer one")
-    return found
+    return content
 
 
 @contextmanager
@@ -77,18 +77,18 @@ def command_running() -> Iterator[None]:
 
 def _piped(handle: int, most: int) -> bytes:
     """What is written into a pipe, and no more than is asked for."""
-    found, begin = bytearray(), time.monotonic()
-    while len(found) <= most:
+    content, begin = bytearray(), time.monotonic()
+    while len(content) <= most:
         try:
             if piece := os.read(handle, 1 << 26):
-                found += piece
-            elif found or time.monotonic() - begin > _PATIENCE:
+                content += piece
+            elif content or time.monotonic() - begin > _PATIENCE:
                 break
             else:
                 time.sleep(0.02)
         except BlockingIOError:  # its writer has nothing yet
             select.select([handle], [], [])
-    return bytes(found)
+    return bytes(content)
 
 
 def beside(path: Path, ending: str) -> Path:
@@ -106,17 +106,17 @@ MARKER = "asperity.json"
 
 def mark(file: Path, kind: str, names: Iterable[str], **facts: object) -> None:
     """Write the marker of a folder that holds these names."""
-    said = {"kind": kind, "version": __version__, "files": sorted(names), **facts}
-    file.write_text(f"{json.dumps(said, indent=1)}\n", encoding="utf-8")
+    marker = {"kind": kind, "version": __version__, "files": sorted(names), **facts}
+    file.write_text(f"{json.dumps(marker, indent=1)}\n", encoding="utf-8")
 
 
 def marker_of(folder: Path) -> dict[str, Any]:
     """What the marker of a folder says; empty without one."""
     try:
-        found = json.loads((folder / MARKER).read_text(encoding="utf-8"))
+        marker = json.loads((folder / MARKER).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) and isinstance(found.get("kind"), str) else {}
+    return marker if isinstance(marker, dict) and isinstance(marker.get("kind"), str) else {}
 
 
 def kind_of(folder: Path) -> str:
@@ -124,8 +124,8 @@ def kind_of(folder: Path) -> str:
 
     Versions up to 0.4.16 wrote no markers: their runs, predictions and campaigns are known by a file.
     """
-    if found := marker_of(folder):
-        return str(found["kind"])
+    if marker := marker_of(folder):
+        return str(marker["kind"])
     signs = {"plan.json": "campaign", "prediction.html": "prediction", "history.zarr": "run"}
     return next((kind for name, kind in signs.items() if (folder / name).exists()), "")
 
@@ -141,11 +141,11 @@ Standing = frozenset[tuple[str, int, int, int]]
 
 def standing(path: Path) -> Standing:
     """What stands under a name; nothing for an empty folder, which may always be replaced."""
-    path, found = path.resolve(), set()
+    path, visited = path.resolve(), set()
     for entry in path.rglob("*") if path.is_dir() else [path]:
         with suppress(OSError):  # it has gone
             facts = entry.lstat()
             is_folder = stat.S_ISDIR(facts.st_mode)
             marks = (0, 0, 0) if is_folder else (facts.st_ino, facts.st_size, facts.st_mtime_ns)
-            found.add((entry.relative_to(path).as_posix(), *marks))
-    return frozenset(found)
+            visited.add((entry.relative_to(path).as_posix(), *marks))
+    return frozenset(visited)

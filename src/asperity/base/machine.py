@@ -60,17 +60,17 @@ def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) 
 
     `TooLargeError` says the largest lattice with equal sides that would fit, or of a power of two.
     """
-    there = available()
+    free = available()
     total = needed * math.prod(shape)
-    if total <= there:
+    if total <= free:
         return
-    side = math.floor(there / needed) if len(shape) == 1 else math.isqrt(math.floor(there / needed))
+    side = math.floor(free / needed) if len(shape) == 1 else math.isqrt(math.floor(free / needed))
     if power_of_two and side > 0:
         side = 1 << (side.bit_length() - 1)
     sites, fits = (" x ".join(map(str, sides)) for sides in (shape, [side] * len(shape)))
     raise TooLargeError(
         f"{sites} sites: expected a lattice that fits into the memory, got one that needs "
-        f"{data_size(total)} where {data_size(there)} are available; try at most {fits} sites"
+        f"{data_size(total)} where {data_size(free)} are available; try at most {fits} sites"
     )
 
 

@@ -87,9 +87,9 @@ class Parameter:
     @property
     def recorded(self) -> tuple[str, str]:
         """Long name and dimension of its records; words have none."""
-        what, plain = self.quantity, not any(part in str(self.hint) for part in ("float", "int"))
-        dimension = "" if plain else _DIMENSIONS.get(what.unit, what.unit or "1")
-        return what.meaning, what.dimension or dimension
+        stated, plain = self.quantity, not any(part in str(self.hint) for part in ("float", "int"))
+        dimension = "" if plain else _DIMENSIONS.get(stated.unit, stated.unit or "1")
+        return stated.meaning, stated.dimension or dimension
 
     @property
     def bounds(self) -> dict[str, float]:
@@ -135,13 +135,13 @@ def _read(kind: Any) -> dict[str, Parameter]:
     fields: dict[str, Any] = dict(inspect.signature(kind).parameters)
     if isinstance(kind, type):
         fields = {field.name: field for field in dataclasses.fields(kind)}
-    found = {}
+    parameters = {}
     for name, field in fields.items():
         hint, *facts = _apart(hints.get(name))
         if any(isinstance(fact, Quantity) for fact in facts):
             default = dataclasses.MISSING if field.default is inspect.Parameter.empty else field.default
-            found[name] = Parameter(hint, tuple(facts), default)
-    return found
+            parameters[name] = Parameter(hint, tuple(facts), default)
+    return parameters
 
 
 def _apart(hint: Any) -> tuple[Any, ...]:

@@ -99,8 +99,8 @@ def read_table(
     # A line of nothing but tabs is a row of missing cells where tabs separate; of nothing but blanks, no row.
     lines = [(number, line) for number, line in lines if line.strip() or (separator == "\t" and "\t" in line)]
     if not lines:
-        what, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
-        raise fail(expected=f"{what} of numbers", got=got)
+        wanted, got = ("a matrix", "no number at all") if matrix else ("a table", "no line besides comments")
+        raise fail(expected=f"{wanted} of numbers", got=got)
     first, header, width = 0, -1, 0
     if not matrix:
         if shares[best] <= _ONE_COLUMN:
@@ -146,9 +146,9 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
         is_row_of_units = bool(others) and all(map(is_usual, others))
         return len(cells), 0.0 if is_row_of_units else _share(cells, decimal)
 
-    found = [(cells, share) for cells, share in map(shape, rows) if share]
-    width = Counter(cells for cells, _ in found).most_common(1)[0][0]
-    usual = float(np.median([share for cells, share in found if cells == width]))
+    numeric = [(cells, share) for cells, share in map(shape, rows) if share]
+    width = Counter(cells for cells, _ in numeric).most_common(1)[0][0]
+    usual = float(np.median([share for cells, share in numeric if cells == width]))
     shapes = []
     for line in lines:
         shapes.append(shape(line))

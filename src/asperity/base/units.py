@@ -66,9 +66,9 @@ def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> f
     """Make a number of a text with a unit, and refuse it without `si`; leave anything else to its checks."""
     if not has_unit(value):
         return value  # type: ignore[return-value]
-    found = number(name, value, unit)
-    check_units(found, si=si)
-    return found
+    value_in_unit = number(name, value, unit)
+    check_units(value_in_unit, si=si)
+    return value_in_unit
 
 
 def numbers(name: str, values: object, unit: str) -> object:
@@ -92,17 +92,17 @@ def check_units(*tables: object, si: bool, line: bool = False) -> None:
 
     With `si` all is in SI, forces on a line contact for each metre of its length.
     """
-    for found in written_with_units(tables):
+    for written in written_with_units(tables):
         if not si:
             raise InputError(
                 "units",
                 expected="plain numbers, as the surface or the solid has no units",
-                got=repr(found.written),
+                got=repr(written.written),
                 advice="half_space under Surface(heights, unit='um', pixel_size=..., length_unit='um')",
             )
-        if line and found.unit == "N":
+        if line and written.unit == "N":
             expected = "a force for each metre of the profile's length"
-            raise InputError("load", expected=expected, got=repr(found.written), advice="load=5.0, in N/m")
+            raise InputError("load", expected=expected, got=repr(written.written), advice="load=5.0, in N/m")
 
 
 def quantity(value: object, unit: str, name: str = "quantity") -> float:
@@ -115,14 +115,14 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     if not isinstance(value, str):
         return checks.number(name, value)
     kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
-    found = _NUMBER.fullmatch(value)
+    match = _NUMBER.fullmatch(value)
     wrong = InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(value))
-    if found is None:
+    if match is None:
         raise wrong
-    amount = checks.number(name, float(found[1]), expected=f"{kind}, such as {example}")
-    if not found[2]:
+    amount = checks.number(name, float(match[1]), expected=f"{kind}, such as {example}")
+    if not match[2]:
         return amount
-    converted = _converted(amount, found[2], unit)
+    converted = _converted(amount, match[2], unit)
     if converted is None:
         raise wrong
     return checks.number(name, converted, expected=f"{kind}, such as {example}")

@@ -35,8 +35,8 @@ class Brief:
 
     def __repr__(self) -> str:
         names = (field.name for field in fields(self) if field.repr)  # type: ignore[arg-type]
-        said = ", ".join(f"{name} {_brief(getattr(self, name))}" for name in names)
-        return f"<{type(self).__name__}: {said}>"
+        text = ", ".join(f"{name} {_brief(getattr(self, name))}" for name in names)
+        return f"<{type(self).__name__}: {text}>"
 
 
 def _brief(value: object) -> str:

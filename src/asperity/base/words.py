@@ -61,14 +61,14 @@ def numbers(words: Iterable[str], *, whole: bool) -> list[object]:
     words = list(words)
     if not whole and any(map(has_unit, words)):
         return [number(word.strip()) for word in words]
-    found: list[object] = []
+    values: list[object] = []
     for word in " ".join(words).split():
         if not whole and has_decimal_comma(word):
-            found.append(word)
+            values.append(word)
         else:
             separated = word.replace("x", ",") if whole else word
-            found += [number(part) for part in separated.split(",") if part]
-    return found
+            values += [number(part) for part in separated.split(",") if part]
+    return values
 
 
 def as_text(value: Any) -> Any:

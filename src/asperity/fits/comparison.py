@@ -5,19 +5,19 @@ doi:10.1080/03610927808827599) for n values and k parameters, the variance among
 
     AICc = n ln(squares/n) + 2 k + 2 k (k + 1)/(n - k - 1),
 
-or, with standard errors given, chi-squared in place of the logarithm's term. It takes the errors of the
-values for independent. Along a run of a simulation they are not, and the likelihood then counts the same
-evidence many times. So the verdict rests on a second difference, in which the likelihood counts
+or, with standard errors given, chi-squared in place of the logarithm's term. It assumes independent errors.
+Along a run of a simulation they are correlated, and the likelihood counts the same evidence many times. So
+the verdict rests on a second difference, in which the likelihood counts
 
     n_eff = n (1 - rho)/(1 + rho)
 
 values, rho being the correlation of neighboring residuals (of the law that saturates, which contains the
-other). That is the number of independent values for the mean of an autoregressive series of first order: a
-rough measure, honest where the plain criterion is overconfident.
+other). This is the number of independent values for the mean of an autoregressive series of first order: a
+rough measure, but a cautious one.
 
-The logarithm is the limit q -> 0 of the law that saturates: it can never fit better, and the criterion can
-favor it by the price of one parameter only. Its verdict therefore asks for more: that a saturation that
-halves the slope within the data is excluded.
+The logarithm is the limit q -> 0 of the law that saturates. So it never fits better, and the criterion favors
+it by the price of one parameter at most. For the verdict ``"logarithm"`` the data must also exclude a
+saturation that halves the slope within them.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ class Comparison(views.Brief):
     ----------
     verdict
         ``"saturation"`` if the logarithm's relative likelihood is below 0.05; ``"logarithm"`` if the other
-        law does not pay for its parameter and a slope that halves within the data is outside its 95 %
-        interval; else ``"undecided"``. All of this with `effective_points`.
+        law does not pay for its parameter, and its 95 % interval excludes a slope that halves within the
+        data; else ``"undecided"``. All with `effective_points`.
     logarithm, saturation
         The fits.
     delta_aicc
@@ -83,9 +83,9 @@ def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | 
 
 def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Comparison:
     """Say which of two fits of this curve the data prefer."""
-    given = curve.points.stderr is not None
+    weighted = curve.points.stderr is not None
     # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
-    n, extra = curve.points.x.size, (not curve.initial_known) + (not given)
+    n, extra = curve.points.x.size, (not curve.initial_known) + (not weighted)
     if n < extra + 5:
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
     of_log, of_power = _residual(curve, log), _residual(curve, power)
@@ -93,7 +93,7 @@ def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Compariso
     effective = n * worth
     penalty = price_of(n, 2 + extra) - price_of(n, 3 + extra)
     # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
-    evidence = max(0.0, lack_of(of_log, given=given) - lack_of(of_power, given=given))
+    evidence = max(0.0, lack_of(of_log, given=weighted) - lack_of(of_power, given=weighted))
     delta = effective * evidence + penalty
     return Comparison(
         verdict=_verdict(delta, power, float(curve.points.x[-1]) * curve.time_unit, 1 / worth),

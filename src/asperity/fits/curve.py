@@ -1,4 +1,4 @@
-"""What is fitted: values against time or another variable, checked, sorted, and in units of their own."""
+"""Curves for a fit: values against time or another variable, checked, sorted and scaled."""
 
 from __future__ import annotations
 
@@ -101,31 +101,31 @@ class Curve:
                     "area", expected=expected, got=f"{kind_of(area)} alone", advice="history.area"
                 )
             time = labels["time"]
-        given = Series.checked(time, area, stderr)
-        for name, values in (("time", given.x), ("area", given.y), ("stderr", given.stderr)):
+        series = Series.checked(time, area, stderr)
+        for name, values in (("time", series.x), ("area", series.y), ("stderr", series.stderr)):
             # Squares and ratios of others would leave the range of numbers.
             numbers = np.zeros(0) if values is None else values
             beyond = numbers[(numbers > LARGEST) | ((numbers > 0) & (numbers < 1 / LARGEST))]
             if len(beyond):
                 expected = f"numbers up to {LARGEST:g} (0, or from {1 / LARGEST:g})"
                 raise InputError(name, expected=expected, got=float(beyond[0]))
-        zeros = int(np.searchsorted(given.x, 0.0, side="right"))
-        known = zeros == 1 and stderr is None
-        parameters += not known
-        fitted = given.where(np.arange(given.x.size) >= known)
+        zeros = int(np.searchsorted(series.x, 0.0, side="right"))
+        exact_start = zeros == 1 and stderr is None
+        parameters += not exact_start
+        fitted = series.where(np.arange(series.x.size) >= exact_start)
         if fitted.x.size <= parameters:
             expected = f"at least {parameters + 1} values to fit, one more than there are parameters"
-            got = f"{fitted.x.size} besides the one at time 0" if known else fitted.x.size
+            got = f"{fitted.x.size} besides the one at time 0" if exact_start else fitted.x.size
             raise InputError("time", expected=expected, got=got, advice="a curve of more points")
         different = np.unique(fitted.x).size
         if different < parameters:
             expected = f"at least {parameters} different times, as many as there are parameters"
             raise InputError("time", expected=expected, got=different)
-        refuse_decline(given)
-        time_unit, area_unit = float(given.x[zeros]), float(given.y[: max(zeros, 1)].mean())
+        refuse_decline(series)
+        time_unit, area_unit = float(series.x[zeros]), float(series.y[: max(zeros, 1)].mean())
         sigma = None if fitted.stderr is None else fitted.stderr / area_unit
         points = Series(fitted.x / time_unit, fitted.y / area_unit, sigma)
-        return cls(points, time_unit, area_unit, known)
+        return cls(points, time_unit, area_unit, exact_start)
 
     def time_scales(self) -> Floats:
         """Values of t0 to start from."""

@@ -3,29 +3,29 @@ r"""Laws of the growth of the contact area, fitted with uncertainties.
     saturation   A(t)/A(0) = a - (a - 1) / (1 + t/t0)^q          paper, Eq. (a)
     logarithm    A(t)/A(0) = 1 + C ln(1 + t/t0)                  paper, Eq. (log)
 
-Source: E. A. Jagla, *Towards a modeling of the time dependence of contact area between solid bodies*.
-The second is the first for q -> 0 at fixed C = (a - 1) q, and there a and q alone mean nothing any more. So
+Source: E. A. Jagla, *Towards a modeling of the time dependence of contact area between solid bodies*. The
+second is the limit q -> 0 of the first at fixed C = (a - 1) q, where the data do not determine a and q. So
 the first is fitted as
 
     A(t) = A(0) + K [1 - (1 + t/t0)^(-q)] / q,
 
 in ln K, ln t0, ln q, which is regular there; C = K/A(0) and a = 1 + C/q come after, by the delta method. A(0)
-is fitted as it is, not as a logarithm: where no time lies below t0 it can be traded against t0, and along
-dA(0) = K d ln t0 that valley is straight. Where A(0) and the final area are known, K = (a - 1) q A(0) and
-ln t0 and ln q are left. The q of these laws is an exponent of time; the paper has the same
-letter for a wave vector and for an exponent of the area.
+is not fitted as a logarithm. Where no time lies below t0, the fit hardly changes along dA(0) = K d ln t0, and
+this valley is straight in A(0). Where A(0) and the final area are known, K = (a - 1) q A(0), and ln t0 and ln
+q are fitted. The q of these laws is an exponent of time; the paper has the same letter for a wave vector and
+for an exponent of the area.
 
-What to hold C against: the dilute theory of exponential heights has the late slope dA/A(0)/d ln t =
-k_eff/(8 pi k0), k_eff/k0 being `asperity.theory.site_stiffness`. The paper's Eq. (ndet2) puts k1 for k_eff.
+Compare C with the dilute theory of exponential heights, whose late slope is dA/A(0)/d ln t = k_eff/(8 pi k0),
+with k_eff/k0 from `asperity.theory.site_stiffness`. The paper's Eq. (ndet2) puts k1 for k_eff.
 
 Least squares of the residuals of the area, all of one weight, or weighted with standard errors that are
-given. Covariance: (J^T J)^-1 times the variance of the residuals; where standard errors are given, they are
-believed, and the variance of the residuals is reported (`reduced_chi_squared`) and not used. The errors of
-A(t) along one run of a simulation are correlated: the standard errors tell how well this curve pins the law
-then, not how the law scatters from surface to surface; for that see `asperity.fits.ensemble`.
+given. The covariance is the inverse of J^T J times the variance of the residuals. With standard errors this
+factor is 1, and `reduced_chi_squared` has the variance. Errors of A(t) along one run of a simulation are
+correlated. The standard errors then say how well this curve determines the law. For the scatter from surface
+to surface, take `asperity.fits.ensemble`.
 
-The laws serve measured data as well: areas, or coefficients of static friction, against hold times in any
-order, any number of values at a time.
+Measured data can be areas or coefficients of static friction, against hold times in any order, any number of
+values at a time.
 """
 
 from __future__ import annotations
@@ -179,14 +179,14 @@ def _fit_below(limit: float, curve: Curve, starts: list[Floats]) -> Optimum:
         got = f"{limit:g}" if curve.initial_known else "areas of which A(0) must be fitted too"
         raise InputError("limit", expected="a final area above the one area at time 0", got=got)
     whole = np.array([[0.0, 1.0], [1.0, 0.0], [0.0, 1.0]])  # (ln K, ln t0, ln q) of (ln t0, ln q)
-    known = np.array([np.log(growth), 0.0, 0.0])
+    start = np.array([np.log(growth), 0.0, 0.0])
 
     def law(theta: Floats, time: Floats) -> tuple[Floats, Floats]:
-        value, slopes = _saturating(known + whole @ theta, time)
+        value, slopes = _saturating(start + whole @ theta, time)
         return value, slopes @ whole
 
     best = fit_law(law, curve, starts, [EXPONENT_RANGE], K_known=True)
-    return replace(best, theta=known + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
+    return replace(best, theta=start + whole @ best.theta, covariance=whole @ best.covariance @ whole.T)
 
 
 def logarithm(

@@ -81,27 +81,27 @@ def read_measurements(
         There is no such column, or a cell is not a finite number, a time below 0, a value or standard error
         not above 0; with the number of its line.
     """
-    found = Columns(path, _ROLES, columns, units)
-    table, indexed = found.table, _begins_with_index(found.table)
+    columns_read = Columns(path, _ROLES, columns, units)
+    table, indexed = columns_read.table, _begins_with_index(columns_read.table)
     asked: dict[str, int | str | None] = {"time": time, "value": value, "stderr": stderr}
     if columns is not None:
-        if asked != dict.fromkeys(asked) or len(found.chosen) not in (2, 3):
+        if asked != dict.fromkeys(asked) or len(columns_read.chosen) not in (2, 3):
             expected = "time, value and perhaps stderr, and no other choice"
-            raise InputError("columns", expected=expected, got=" ".join(map(str, found.chosen)))
-        asked |= zip(asked, found.chosen, strict=False)
+            raise InputError("columns", expected=expected, got=" ".join(map(str, columns_read.chosen)))
+        asked |= zip(asked, columns_read.chosen, strict=False)
     usual = {"time": int(indexed), "value": 1 + int(indexed), "stderr": None}
     chosen = {name: usual[name] if column is None else column for name, column in asked.items()}
     places = {name: position(table, column) for name, column in chosen.items() if column is not None}
     if len(set(places.values())) < len(places):
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
-    called = [at for at, role in enumerate(found.roles) if role == "time"]
+    called = [at for at, role in enumerate(columns_read.roles) if role == "time"]
     if time is columns is None and len(called) == 1 and called[0] != places["time"] and table.names[0]:
         expected = f"hold times in column {places['time']}, or a choice of columns"
         got = f"{table.names[called[0]]!r} in column {called[0]}"
         raise InputError(str(path), expected=expected, got=got, advice=f'columns="{called[0]} ..." to choose')
-    read = {name: _checked(found, at, name) for name, at in places.items()}
-    of_values, of_errors = (found.unit(name, places[name]) for name in ("value", list(places)[-1]))
+    read = {name: _checked(columns_read, at, name) for name, at in places.items()}
+    of_values, of_errors = (columns_read.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):
         about = f"column {table.names[places['stderr']]!r} of {path}"
         raise InputError(about, expected=f"the unit of the values, {of_values or 'none'}", got=of_errors)
@@ -114,9 +114,9 @@ def read_measurements(
         time_name=time_name,
         value_name=value_name,
         remarks=(remark,) if indexed and asked["time"] is None else (),
-        time_unit=found.unit("time", places["time"]),
+        time_unit=columns_read.unit("time", places["time"]),
         value_unit=of_values,
-        source=found.read,
+        source=columns_read.read,
     )
 
 

@@ -1,7 +1,7 @@
 """Power laws y = prefactor x^exponent by least squares of the logarithms; the exponent from point to point.
 
-The paper has one for the area against the load, and calls its exponent q, which is another q than that of
-the law of saturation (see docs/notation.md).
+The paper has one for the area against the load. It calls the exponent q, like that of the law of saturation
+(see docs/notation.md).
 """
 
 from __future__ import annotations

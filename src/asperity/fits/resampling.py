@@ -129,6 +129,6 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
         result = fit(times, sample.mean(axis=0))
         return np.array([float(getattr(result, name)) for name in names])
 
-    found = jackknife(parameters, runs)
-    estimates = {name: found.part(i) for i, name in enumerate(names)}
-    return EnsembleFit(mean, estimates, found.runs)
+    estimate = jackknife(parameters, runs)
+    estimates = {name: estimate.part(i) for i, name in enumerate(names)}
+    return EnsembleFit(mean, estimates, estimate.runs)

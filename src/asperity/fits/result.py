@@ -55,12 +55,12 @@ class FitResult(views.InNotebooks):
     """Parameters that may be wrong by a factor rather than a difference."""
 
     def __repr__(self) -> str:
-        said = []
+        parts = []
         for name in parameters_of(self):
             value, error = self.known(name)
-            said.append(f"{name} = {value:.4g}" + (f" ± {error:.2g}" if error != 0 else ""))
-        said += [f"{self.points} points", f"misfit {100 * self.rms_residual:.2g} % rms"]
-        return f"<{type(self).__name__}: {', '.join(said)}>"
+            parts.append(f"{name} = {value:.4g}" + (f" ± {error:.2g}" if error != 0 else ""))
+        parts += [f"{self.points} points", f"misfit {100 * self.rms_residual:.2g} % rms"]
+        return f"<{type(self).__name__}: {', '.join(parts)}>"
 
     def known(self, name: str) -> tuple[float, float]:
         """Value and standard error of a parameter."""

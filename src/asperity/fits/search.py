@@ -79,7 +79,7 @@ class Misfit:
         low, high = bounds
         margin = 1e-6 * (high - low)  # the search wants to begin inside
         for change, steps in STOP:
-            found = least_squares(
+            minimum = least_squares(
                 self.residual,
                 np.clip(start, low + margin, high - margin),
                 jac=self.jacobian,
@@ -90,9 +90,9 @@ class Misfit:
                 x_scale="jac",
                 max_nfev=steps,
             )
-            if found.success:
-                return float(found.cost), np.asarray(found.x)
-            start = found.x
+            if minimum.success:
+                return float(minimum.cost), np.asarray(minimum.x)
+            start = minimum.x
         return None
 
 
@@ -147,8 +147,8 @@ def fit_law(
     if not starts:
         raise InputError("area", expected="an area that grows with time", got="no growing law near the data")
     starts.sort(key=rough.cost)
-    minima = [found for start in starts[:POLISHED_STARTS] if (found := rough.polished(start, bounds.T))]
-    best = min(minima, key=lambda found: found[0], default=None)
+    minima = [minimum for start in starts[:POLISHED_STARTS] if (minimum := rough.polished(start, bounds.T))]
+    best = min(minima, key=lambda minimum: minimum[0], default=None)
     if best and many:
         best = whole.polished(best[1], bounds.T)
     if not best:

@@ -1,8 +1,7 @@
 """Aging law against slip law on the same records, of one surface or of several.
 
-Both laws have the same number of parameters, so that AICc differs by n ln(squares of one / squares of the
-other), n being the number of effective values. Of several surfaces, the jackknife says how sure the
-logarithm of this ratio is.
+Both laws have as many parameters, so AICc differs by n ln(squares of one / squares of the other), with n
+effective values. Of several surfaces, the jackknife says how sure the logarithm of this ratio is.
 """
 
 from __future__ import annotations
@@ -90,10 +89,10 @@ class StateLaws(views.Brief):
 
         None where a fit leaves it open, as its error is above its value.
         """
-        found = [fit.estimates[name] for fit in self.suiting]
-        values = [float(one.value) for one in found]
-        moves = max(values) - min(values) > max(float(one.high - one.low) for one in found)
-        is_open = any(one.stderr > abs(one.value) for one in found)
+        estimates = [fit.estimates[name] for fit in self.suiting]
+        values = [float(one.value) for one in estimates]
+        moves = max(values) - min(values) > max(float(one.high - one.low) for one in estimates)
+        is_open = any(one.stderr > abs(one.value) for one in estimates)
         return min(values), max(values), None if is_open else moves
 
     @property
@@ -184,9 +183,11 @@ def compare_state_laws(
 
 def _check_same(first: Record, other: Record) -> None:
     for name in ("time", "velocity"):
-        one, two = getattr(first, name), getattr(other, name)
-        if one.size != two.size or not np.allclose(one, two, rtol=_SAME, atol=_SAME * np.abs(one).max()):
-            got = f"{two.size} and {one.size} times" if one.size != two.size else f"another {name}"
+        mine, theirs = getattr(first, name), getattr(other, name)
+        if mine.size != theirs.size or not np.allclose(
+            mine, theirs, rtol=_SAME, atol=_SAME * np.abs(mine).max()
+        ):
+            got = f"{theirs.size} and {mine.size} times" if mine.size != theirs.size else f"another {name}"
             raise InputError(
                 "records",
                 expected="records of one protocol, at the same times and velocities",

@@ -28,8 +28,8 @@ _SHORT, _FEW = 2, 10
 class Event(NamedTuple):
     """A hold from `time` to `end`, or a step of the velocity of the load point, numbered from 1.
 
-    `before` and `after` are its velocities, `start` and `stop` the window of a fit: from half of the slide
-    before, to the end of the slide after.
+    `before` and `after` are its velocities. `start` and `stop` are the window of a fit, from half of the
+    slide before to the end of the slide after.
     """
 
     number: int
@@ -48,7 +48,7 @@ def events_of(record: Record) -> list[Event]:
     if record.drive is None:
         return []
     speeds, edges = record.drive.velocity.tolist(), record.drive.edges(record.time).tolist()
-    found: list[Event] = []
+    events: list[Event] = []
     for n in range(1, len(speeds)):
         rests = speeds[n] == 0
         if speeds[n - 1] == 0 or (rests and n + 1 == len(speeds)):
@@ -56,8 +56,8 @@ def events_of(record: Record) -> list[Event]:
         last, start = n + rests, (edges[n - 1] + edges[n]) / 2
         kind: Literal["hold", "step"] = "hold" if rests else "step"
         times = edges[n], edges[last], speeds[n - 1], speeds[last], start, edges[last + 1]
-        found.append(Event(len(found) + 1, kind, *times))
-    return found
+        events.append(Event(len(events) + 1, kind, *times))
+    return events
 
 
 def rows_of(record: Record, events: object) -> NDArray[np.bool_]:

@@ -49,15 +49,15 @@ def slide_hold_slide(
     list of Leg
         For `asperity.age`.
     """
-    given = units.numbers("holds", holds, "s")
-    times = checks.positive("holds", checks.line("holds", given)).tolist()
+    durations = units.numbers("holds", holds, "s")
+    times = checks.positive("holds", checks.line("holds", durations)).tolist()
     if not times:
         raise InputError("holds", expected="one time or more", got="none")
     velocity = units.number("velocity", velocity, "m/s", above=0.0)  # finite: nothing ages in no time
     first = Slide(distance if run_in is None else run_in, velocity, direction)
     again = Slide(distance, velocity, direction)
-    if isinstance(given, list):  # texts with units stay known as such
-        times = given
+    if isinstance(durations, list):  # texts with units stay known as such
+        times = durations
     return [first, *(leg for time in times for leg in (Hold(time), again))]
 
 
@@ -75,8 +75,8 @@ def velocity_steps(
 
     The direction and result are those of `slide_hold_slide`.
     """
-    given = units.numbers("velocities", velocities, "m/s")
-    speeds = checks.positive("velocities", checks.line("velocities", given)).tolist()
+    stated = units.numbers("velocities", velocities, "m/s")
+    speeds = checks.positive("velocities", checks.line("velocities", stated)).tolist()
     differ = [max(one, two) > STEP * min(one, two) for one, two in pairwise(speeds)]
     if not differ or not all(differ):
         got = ", ".join(f"{speed:g}" for speed in speeds)

@@ -1,15 +1,14 @@
 r"""Parameters of rate-and-state friction from records, with uncertainties.
 
-The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at
-the first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer.
-Anal. 10, 413 (1973), doi:10.1137/0710036), from many starts; the state at the first time is a parameter
-too, because no record begins long enough after the beginning for certain.
+The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
+first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal.
+10, 413 (1973), doi:10.1137/0710036), from many starts. The state at the first time is a parameter too,
+because a record may begin soon after the machine started.
 
-Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for
-white noise. Where neighboring residuals correlate by more than white noise would make them, rho >
-2/sqrt(n), the n values count as n (1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough
-measure. The records of several surfaces under one protocol give better ones: the jackknife over surfaces,
-which assumes nothing about the residuals.
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white
+noise. If neighboring residuals correlate by more than white noise, rho > 2/sqrt(n), the n values count as n
+(1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of several surfaces
+under one protocol give better ones: the jackknife over surfaces, which assumes nothing about the residuals.
 """
 
 from __future__ import annotations
@@ -77,20 +76,20 @@ def rate_and_state(
     law
         How the state evolves: ``"aging"`` or ``"slip"``.
     a
-        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record, which is 0
-        for simulated contacts of constant shear strength, and fitted where the record does not know it.
+        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record (0 for
+        simulated contacts of constant shear strength), fitted if it has none.
     V_0
         Reference velocity (length/time; for a record in SI also ``"1 um/s"``), of which mu_0 is the steady
         friction; by default the first velocity of the record.
     events
-        What of the record to fit besides the run-in: ``"holds"``, which are rests and the slip after them
-        until the velocity steps, ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is
-        followed through the whole record in any case.
+        Parts to fit besides the run-in: ``"holds"`` (rests, and the slip after them until the velocity
+        steps), ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is followed through the
+        whole record in any case.
     stiffness
-        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of
-        the shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
-        infinity, where the load point is the slip. By default it is fitted where the velocity is not that
-        of slip, and not needed where it is. With one, the result is a `MachineFit`.
+        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of the
+        shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
+        infinity, where the load point is the slip. By default it is fitted if the record has the velocity of
+        the load point, and not needed if it has that of slip. With a stiffness, the result is a `MachineFit`.
 
     Raises
     ------
@@ -98,8 +97,8 @@ def rate_and_state(
         There are no such events, too few values, or velocities that do not differ to fit a; the stiffness
         has no unit, or slides at it are stick-slip.
     """
-    made = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
-    record = checks.instance("record", record, Record, made)
+    advice = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
+    record = checks.instance("record", record, Record, advice)
     k = stiffness_of(record, stiffness)
     if k != math.inf:
         reference = None if V_0 is None else _velocity(V_0, si=record.si)
@@ -114,16 +113,16 @@ def fit_events(
 
     A fit is None where there are too few rows, or none that a law fits.
     """
-    found: dict[Event, MachineFit | None] = {}
+    fits: dict[Event, MachineFit | None] = {}
     for event in events_of(record):
         try:
             fit = rate_and_state(record.between(event.start, event.stop), law=law, stiffness=stiffness)
-            found[event] = fit if isinstance(fit, MachineFit) else None
+            fits[event] = fit if isinstance(fit, MachineFit) else None
         except InputError as error:
             if error.name == "stiffness":
                 raise
-            found[event] = None
-    return found
+            fits[event] = None
+    return fits
 
 
 def _velocity(given: float | str, *, si: bool) -> float:
@@ -196,8 +195,8 @@ class _Problem:
     def linear(self, shape: Floats) -> tuple[Floats, Floats]:
         """mu_0, b and a that suit best, and the residuals."""
         columns, values = self.columns(shape), self.values
-        found = np.linalg.lstsq(columns, values)[0]
-        return np.asarray(found, dtype=np.float64), np.asarray(values - columns @ found)
+        solution = np.linalg.lstsq(columns, values)[0]
+        return np.asarray(solution, dtype=np.float64), np.asarray(values - columns @ solution)
 
     @cached_property
     def reach(self) -> tuple[float, float]:

@@ -14,11 +14,11 @@ solutions:
     aging   theta = theta_start exp(-x) + (x D_c/V_end) (1 - exp(-z))/z,  z = x - 2 c
     slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) (ln(D_c/V_end) + 2 c (1/x - 1/(exp(x) - 1)))
 
-A record is a chain of such times, so that no error of an integrator enters. Of each it knows the slip, and so
-the mean velocity x D_c/t, which is V_end c/(sinh(c) exp(c)); c is that of neighboring means, limited so that
+A record is a chain of such times, so that no error of an integrator enters. The slip of each interval gives
+its mean velocity x D_c/t = V_end c/(sinh(c) exp(c)). Here c follows from neighboring means, limited so that
 it is 0 beside a jump (`half_changes`). Both chains are sums of terms above 0, which are added in the
-logarithm: no number overflows, however far a contact slides. At rest the aging law gives theta_start + t,
-and the slip law, in which only slip changes the state, theta_start.
+logarithm: no number overflows, however far a contact slides. At rest the aging law gives theta_start + t, and
+the slip law, in which only slip changes the state, theta_start.
 
 Here V is the velocity of slip; `asperity.friction.slider` has a machine whose load point pulls by a spring.
 """

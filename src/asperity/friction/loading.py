@@ -1,8 +1,8 @@
 """The load point of a machine as straight segments of time: what it rests and moves at, found under noise.
 
-A segment is split where two lines fit much better than one, judged by the noise, and neighbors whose
-velocities hardly differ are joined again. Where only slip was measured, the load point is slip + friction/k:
-of many k, that counts whose segments are the fewest for the noise.
+A segment is split where two lines fit much better than one, judged by the noise. Neighbors of nearly one
+velocity are joined again. If only slip was measured, the load point is slip + friction/k, with the k that
+needs the fewest segments for the noise.
 """
 
 from __future__ import annotations
@@ -107,17 +107,17 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
         root = math.hypot(half, B * math.sqrt(noises[0] * noises[1]))
         return max(0.0, -B * noises[0] / (half + root) if half + root > 0 else 0.0)
 
-    found = [(*attempt(0.0), 0.0)]
+    trials = [(*attempt(0.0), 0.0)]
     for compliance in np.geomspace(1e-3, 0.3, _COMPLIANCES) * most:
         for _ in range(_ROUNDS):
             cost, pieces = attempt(compliance)
-            found.append((cost, pieces, compliance))
+            trials.append((cost, pieces, compliance))
             last, compliance = compliance, best(pieces)
             if abs(compliance - last) < _SETTLED * last:
                 break
-    cost, pieces, compliance = min(found, key=lambda one: one[0])
-    if found[0][0] < cost + _GAIN:
-        _, pieces, compliance = found[0]
+    cost, pieces, compliance = min(trials, key=lambda one: one[0])
+    if trials[0][0] < cost + _GAIN:
+        _, pieces, compliance = trials[0]
     return pieces.drive(), float(compliance)
 
 
@@ -167,13 +167,13 @@ class _Pieces:
         fastest = max(abs(line[1]) for line in lines)
 
         def worth(n: int) -> float:
-            one, two = lines[n : n + 2]
-            rests = max(abs(one[1]), abs(two[1])) < SLOW * fastest
-            if rests or (one[1] * two[1] > 0 and 1 / STEP < one[1] / two[1] < STEP):
+            first, second = lines[n : n + 2]
+            rests = max(abs(first[1]), abs(second[1])) < SLOW * fastest
+            if rests or (first[1] * second[1] > 0 and 1 / STEP < first[1] / second[1] < STEP):
                 return 0.0
             together = self._line(edges[n], edges[n + 2])[2]
-            noise = max(self.noise, (one[2] + two[2]) / (edges[n + 2] - edges[n]))
-            return (together - one[2] - two[2]) / noise
+            noise = max(self.noise, (first[2] + second[2]) / (edges[n + 2] - edges[n]))
+            return (together - first[2] - second[2]) / noise
 
         kinks = [worth(n) for n in range(len(lines) - 1)]
         while kinks and min(kinks) < _GAIN:
@@ -239,8 +239,8 @@ def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -
     y = y - t * (float(t @ y) / float(t @ t))
     sums = [np.cumsum(values) for values in (np.ones(n), t, y, t * t, t * y, y * y)]
     rows = np.arange(_LEAST - 1, n - _LEAST)
-    left = _squares(*(one[rows] for one in sums))
-    both = left + _squares(*(one[-1] - one[rows] for one in sums))
+    before = _squares(*(one[rows] for one in sums))
+    both = before + _squares(*(one[-1] - one[rows] for one in sums))
     at = int(np.argmin(both))
     gain = float(sums[5][-1] - both[at])
     return int(rows[at]) + 1 if always or gain > _GAIN * max(noise, float(both[at]) / n) else 0

@@ -33,10 +33,10 @@ _BESIDE = 2
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """What is measured and searched.
+    """A fit of a machine: measurements, and parameters to search.
 
-    `used` are the rows whose friction counts, `measured` the kinks that a load point was measured at, `noise`
-    the standard deviations of friction and slip. `a` and `k` are None where they are searched.
+    `used` are the rows whose friction counts, `measured` the kinks of a measured load point, `noise` the
+    standard deviations of friction and slip. `a` and `k` are None where they are searched.
     """
 
     law: StateLaw
@@ -52,17 +52,17 @@ class Machine:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """What is searched before the kinks: a, D_c and k in the logarithm."""
+        """Parameters to search before the kinks: a, D_c and k in the logarithm."""
         fixed = {"a": self.a, "k": self.k}
         return tuple(name for name in Shape._fields if fixed.get(name) is None)
 
     def shape(self, point: Floats) -> Shape:
         """The numbers at a point of the search."""
-        found = {
+        sizes = {
             name: float(value) if name == "b" else math.exp(value)
             for name, value in zip(self.names, point, strict=False)
         }
-        return Shape(**{"a": self.a, "k": self.k} | found)  # type: ignore[arg-type]
+        return Shape(**{"a": self.a, "k": self.k} | sizes)  # type: ignore[arg-type]
 
     def moved(self, point: Floats) -> Drive:
         """The drive with the kinks of a point."""
@@ -86,14 +86,14 @@ class Machine:
     def pieces(self) -> list[tuple[int, NDArray[np.intp], Floats]]:
         """Segments, their rows of slip, and an orthonormal basis of lines; constant at rest."""
         edges = np.concatenate([[0], np.searchsorted(self.time, self.drive.kinks), [self.time.size]])
-        found = []
+        pieces = []
         for n, speed in enumerate(self.drive.velocity):
             rows = np.arange(edges[n] + _BESIDE * (n > 0), edges[n + 1] - _BESIDE)
             if self.slip is not None and rows.size > 2 * _BESIDE:
                 times = self.time[rows] - self.time[rows].mean()
                 line = np.column_stack([np.ones(rows.size), times])[:, : 1 + (speed > 0)]
-                found.append((n, rows, np.linalg.qr(line)[0]))
-        return found
+                pieces.append((n, rows, np.linalg.qr(line)[0]))
+        return pieces
 
     def compared(self, point: Floats, course: Course) -> tuple[Floats, list[Floats]]:
         """mu_0 and the drift; and residuals over their noises, of friction, of segments of slip, of kinks."""
@@ -166,7 +166,7 @@ class Machine:
         return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
 
     def at_edge(self, point: Floats) -> frozenset[str]:
-        """What ended at the end of its range, and is not determined."""
+        """Parameters at the end of their range, which are not determined."""
         ends = np.abs(np.array(self.bounds) - point).min(axis=0)
         return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
 
@@ -185,14 +185,14 @@ class Machine:
         Where neighbors correlate, the noise is that of independent values that say as little.
         """
         friction, *places, _ = self.compared(point, self.course(point))[1]
-        found, about = list(self.noise), [(0.0, 1.0), (0.0, 1.0)]
+        statistics, about = list(self.noise), [(0.0, 1.0), (0.0, 1.0)]
         for kind, part in enumerate((friction, np.concatenate([[], *places]))):
             if part.size > point.size + 2:
                 rho, worth = neighbors(part)
                 about[kind] = rho, worth if rho > 2 / math.sqrt(part.size) else 1.0
                 mean = float(part @ part) / (part.size - point.size - 2) / about[kind][1]
-                found[kind] *= max(math.sqrt(mean), 1e-6)
-        return replace(self, noise=(found[0], found[1])), *about[0]
+                statistics[kind] *= max(math.sqrt(mean), 1e-6)
+        return replace(self, noise=(statistics[0], statistics[1])), *about[0]
 
     def straightened(self, point: Floats) -> Machine:
         """The machine with the velocities of a load point that is known by slip and friction alone."""

@@ -86,12 +86,12 @@ class RateAndStateFit(FitResult):
 
     @property
     def estimates(self) -> dict[str, Estimate]:
-        """What is estimated, by name, with its standard error and 95 % interval."""
-        found = {}
+        """Estimates by name, with standard errors and 95 % intervals."""
+        estimates = {}
         for name in parameters_of(self):
             value, stderr, low, high = np.array([*self.known(name), *self.interval(name)])
-            found[name] = Estimate(value, stderr, low, high, 1)
-        return found
+            estimates[name] = Estimate(value, stderr, low, high, 1)
+        return estimates
 
     @property
     def determined(self) -> bool:

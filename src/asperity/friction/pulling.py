@@ -52,8 +52,8 @@ def stiffness_of(record: Record, given: object) -> float | None:
         if (factor := units.factor(unit, base)) is None:
             continue
         if normal is None:
-            what = "stress" if base == "Pa/m" else "force"
-            expected = f"a normal {what} in the record, or a stiffness over it, such as 1.6e-3 / um"
+            quantity = "stress" if base == "Pa/m" else "force"
+            expected = f"a normal {quantity} in the record, or a stiffness over it, such as 1.6e-3 / um"
             raise InputError("stiffness", expected=expected, got=checks.shown(given))
         return checks.number("stiffness", float(text[1]) * factor / normal, above=0.0)
     raise InputError("stiffness", expected=_EXAMPLE, got=checks.shown(given))
@@ -82,10 +82,10 @@ def pulled_fit(
     measured = np.full(drive.kinks.size, record.load_point is not None)
     machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise)
     try:
-        found = solve(machine)
+        solution = solve(machine)
     except RunsAwayError:
         raise _stick_slip("at every a, b and D_c tried friction falls faster than the spring") from None
-    return _result(record, *found, rows - time.size, V_0)
+    return _result(record, *solution, rows - time.size, V_0)
 
 
 def _refuse_oscillation(record: Record, drive: Drive) -> None:

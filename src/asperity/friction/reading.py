@@ -101,15 +101,15 @@ def read_record(
         raise InputError("calibration", expected="none, as a table states its units", got=str(calibration))
     else:
         table = path
-    found = Columns(table, ROLES, columns, units)
-    by_role, name = found.by_role, found.table.name
+    columns_read = Columns(table, ROLES, columns, units)
+    by_role, name = columns_read.by_role, columns_read.table.name
     ratios = [kind for kind in ("stress", "force") if {f"shear {kind}", f"normal {kind}"} <= set(by_role)]
     motions = [role for role in _MOTIONS if role in by_role]
     if "time" not in by_role or not motions or not ("friction" in by_role or ratios):
         raise InputError(
             name,
             expected="columns of time, of load point, velocity or displacement, and of friction or stresses",
-            got=named(found.table),
+            got=named(columns_read.table),
             advice=f"a first line that names them with their units, such as {_EXAMPLES}",
         )
     if "load point" in motions or "velocity" not in motions:
@@ -117,26 +117,26 @@ def read_record(
     else:
         motions = ["velocity"]
     # Of what is divided, or goes together, each has a unit or none has.
-    has_units = any(found.unit(role) for role in ("time", *motions))
-    time = found.values("time", bare=not has_units)
-    kept = _window(time, start, stop, found.unit("time"))
-    moved = {role: found.values(role, bare=not has_units)[kept] for role in motions}
+    has_units = any(columns_read.unit(role) for role in ("time", *motions))
+    time = columns_read.values("time", bare=not has_units)
+    kept = _window(time, start, stop, columns_read.unit("time"))
+    moved = {role: columns_read.values(role, bare=not has_units)[kept] for role in motions}
     if "friction" in by_role:
-        friction = found.values("friction")[kept]
+        friction = columns_read.values("friction")[kept]
     else:
         parts = [f"{kind} {ratios[0]}" for kind in ("shear", "normal")]
-        bare = not any(map(found.unit, parts))
-        shear, normal = (found.values(part, bare=bare)[kept] for part in parts)
-        _refuse_change(time[kept], normal, parts[1], found.unit(parts[1]), name)
+        bare = not any(map(columns_read.unit, parts))
+        shear, normal = (columns_read.values(part, bare=bare)[kept] for part in parts)
+        _refuse_change(time[kept], normal, parts[1], columns_read.unit(parts[1]), name)
         friction = shear / normal
     how: dict[str, Any] = {"strength_at_rest": strength_at_rest, "si": has_units, "source": name}
     for part in ("normal stress", "normal force"):
-        if part in by_role and found.unit(part):
-            values = found.values(part)[kept]
-            _refuse_change(time[kept], values, part, found.unit(part), name)
+        if part in by_role and columns_read.unit(part):
+            values = columns_read.values(part)[kept]
+            _refuse_change(time[kept], values, part, columns_read.unit(part), name)
             how[part.replace(" ", "_")] = float(values.mean())
-    lengths = [found.unit(role).partition("/")[0] for role in motions]
-    how |= {"read": found.read, "units": (found.unit("time"), lengths[0])}
+    lengths = [columns_read.unit(role).partition("/")[0] for role in motions]
+    how |= {"read": columns_read.read, "units": (columns_read.unit("time"), lengths[0])}
     try:
         return _made(time[kept], moved, friction, how)
     except InputError as error:

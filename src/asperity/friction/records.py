@@ -34,7 +34,7 @@ class About(TypedDict, total=False):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(views.Brief):
-    """How friction went while a contact slid and rested.
+    """Friction of a contact that slides and rests.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ class Record(views.Brief):
     friction
         Friction coefficients above 0, shape (n,).
     strength_at_rest
-        Whether friction at rest is the strength that a slip would meet, as in simulations. In an
-        experiment it is the force that the machine holds, and a fit leaves it out.
+        Whether friction at rest is the strength that a slip would meet, as in simulations. In an experiment
+        it is the force of the machine, which a fit leaves out.
     a
         The direct effect, if it is known: 0 for a simulation with a constant shear strength.
     si
@@ -59,8 +59,8 @@ class Record(views.Brief):
         Measured displacements, with their noise, of the load point of a machine and of the slider, shape
         (n,); None where they are not.
     drive
-        The load point as straight segments. Where there is one, `velocity` is that of the load point: what
-        rests is the machine, and a fit needs its stiffness.
+        The load point as straight segments. If there is one, velocity and rests are those of the load point,
+        and a fit needs the stiffness of the machine.
     source, read, units
         Where the record comes from; what was read of which columns; units of time and length of messages.
     """
@@ -103,8 +103,7 @@ class Record(views.Brief):
 
         The velocity of an interval is its displacement over its duration. Of entries at one time between
         which the contact slipped the first one counts: that before the slip. Simulated contacts are oldest
-        there: with shifts by whole sites mu_0 was up to 1 % above that of short shifts
-        (docs/rate_and_state.md, which has b and D_c too).
+        there: docs/rate_and_state.md says by how much whole sites change mu_0, b and D_c.
 
         The three have shape (n,), and the displacement never falls; `about` are other facts of a record.
         """
@@ -119,11 +118,11 @@ class Record(views.Brief):
         if falls.any():
             at = int(np.argmax(falls))
             names = about.get("units", ("s", "m")) if about.get("si", True) else ("", "")
-            one, two = places[at : at + 2] / _scales(names)[1]
+            lower, upper = places[at : at + 2] / _scales(names)[1]
             raise InputError(
                 "displacement",
                 expected="a displacement that never falls, as the record slides in one direction",
-                got=f"{two:.6g} after {one:.6g} {names[1]}".rstrip(),
+                got=f"{upper:.6g} after {lower:.6g} {names[1]}".rstrip(),
                 advice="Record.of_machine, which allows for noise; or cutting the record at the reversal",
             )
         durations = np.diff(times)
@@ -146,8 +145,8 @@ class Record(views.Brief):
     ) -> Record:
         """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
 
-        What rests is the load point. Where only slip is measured, it is slip + friction/k, for the k that
-        makes it straight between its kinks.
+        Rests are those of the load point. Where only slip is measured, it is slip + friction/k, for the k
+        that makes it straight between its kinks.
 
         Displacements have shape (n,), and may fall by their noise; one of them is needed. `about` are other
         facts of a record. `InputError` for a load point that goes back.

@@ -40,12 +40,12 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
     count, starts = len(machine.names), _starts(machine)[:_POLISHED]
     # First with the kinks where they were seen, as friction of a stiff machine jumps there from row to row;
     # and with free kinks, which may have been seen at wrong times.
-    tried = [one for start in starts if (one := _polished(machine, start, _FIRST, count))]
-    points = [point for _, point in sorted(tried, key=lambda one: one[0])[:1]] + starts[:1]
-    tried = [one for point in points if (one := _polished(machine, point, _FREE, point.size))]
+    tried = [minimum for start in starts if (minimum := _polished(machine, start, _FIRST, count))]
+    points = [point for _, point in sorted(tried, key=lambda minimum: minimum[0])[:1]] + starts[:1]
+    tried = [minimum for point in points if (minimum := _polished(machine, point, _FREE, point.size))]
     if not tried:
         raise RunsAwayError
-    point, released = min(tried, key=lambda one: one[0])[1], set[int]()
+    point, released = min(tried, key=lambda minimum: minimum[0])[1], set[int]()
     for _ in range(_ROUNDS):
         off = np.abs(point[count:] - machine.drive.kinks) / machine.drive.spread > _RELEASED
         released |= set(np.flatnonzero(machine.measured & off).tolist())
@@ -55,8 +55,8 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
         except RunsAwayError:  # a law that does not suit, at the edge of what is stable
             break
         machine = replace(machine, measured=machine.measured & ~off)
-        found = _polished(machine, point, _LAST, point.size)
-        point = point if found is None else found[1]
+        best = _polished(machine, point, _LAST, point.size)
+        point = point if best is None else best[1]
         if np.allclose(last.noise, machine.noise, rtol=_SETTLED) and not off.any():
             break
     return machine, point, tuple(sorted(released))
@@ -68,7 +68,7 @@ def _starts(machine: Machine) -> list[Floats]:
     slides = rooms * machine.drive.velocity
     scales = {"a": size, "D_c": float(slides[slides > 0].min()), "k": _stiffness_seen(machine)}
     low, high = machine.bounds
-    found: list[tuple[float, int, Floats]] = []
+    starts: list[tuple[float, int, Floats]] = []
     for parts in product(*(_STARTS[name] for name in machine.names)):
         chosen = dict(zip(machine.names, parts, strict=True))
         numbers = {name: math.log(scales[name] * part) for name, part in chosen.items() if name != "b"}
@@ -77,8 +77,8 @@ def _starts(machine: Machine) -> list[Floats]:
         point = np.concatenate([[numbers[name] for name in machine.names], machine.drive.kinks])
         cost = float(np.sum(machine.residual(np.clip(point, low, high)) ** 2))
         if math.isfinite(cost):
-            found.append((cost, len(found), point))
-    return [point for _, _, point in sorted(found)]
+            starts.append((cost, len(starts), point))
+    return [point for _, _, point in sorted(starts)]
 
 
 def _stiffness_seen(machine: Machine) -> float:
@@ -114,7 +114,7 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
     if not np.isfinite(residual(start[:many])).all():
         return None
     try:
-        found = least_squares(
+        minimum = least_squares(
             residual,
             start[:many],
             jac=jacobian,
@@ -127,4 +127,4 @@ def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> t
         )
     except RunsAwayError:
         return None
-    return float(found.cost), np.concatenate([found.x, start[many:]])
+    return float(minimum.cost), np.concatenate([minimum.x, start[many:]])

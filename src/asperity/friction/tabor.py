@@ -93,8 +93,8 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     -------
     Dataset
         With ``friction_force`` and ``friction``, the force over the load. While the surface slides, they are
-        those of sliding; while it rests, those at which it would begin to slide, at the velocity of the
-        next slide leg, or of the last one. The area is ``contact_area_corrected``; on a solid that is
+        those of sliding. While it rests, they are those at which it would begin to slide, at the velocity of
+        the next slide leg, or of the last one. The area is ``contact_area_corrected``; on a solid that is
         defined on sites, their number.
 
     `InputError` for a strength that has units where the dataset has none, or depends on a velocity that the

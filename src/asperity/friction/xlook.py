@@ -41,9 +41,9 @@ def read_xlook(path: Path, calibration: Path | str | None) -> Table:
     values = values.astype(np.float64)
     if calibration is not None:
         lines = _lines(Path(calibration), names)
-        factors, stated, zeros, given = (list(part) for part in zip(*lines, strict=True))
+        factors, stated, zeros, headings = (list(part) for part in zip(*lines, strict=True))
         values = (values - np.array(zeros)) * np.array(factors)
-        names = [name or _called(old, unit) for old, unit, name in zip(names, stated, given, strict=True)]
+        names = [name or _called(old, unit) for old, unit, name in zip(names, stated, headings, strict=True)]
     elif "bits" in stated:
         got = ", ".join(f"{name} in {unit}" for name, unit in zip(names, stated, strict=True))
         raise InputError(str(path), expected=_CALIBRATION, got=got, advice="calibration=FILE")
@@ -58,7 +58,7 @@ def _text(content: bytes) -> str:
 
 
 def _called(name: str, unit: str) -> str:
-    """What a column holds by its name; a load is a stress or a force by its unit."""
+    """The quantity of a column by its name; a load is a stress or a force by its unit."""
     role = _ROLES.get(name.lower(), "")
     if role in ("shear", "normal"):
         role += " stress" if units.factor(unit, "Pa") else " force"

@@ -136,41 +136,45 @@ class Inference(views.Brief):
 
     @property
     def findings(self) -> list[tuple[str, str]]:
-        """What is determined, bounded, or not identified: verdicts with their parameters, in words."""
-        said: dict[str, list[str]] = {word: [] for word in WORDS}
+        """Verdicts (determined, bounded, not identified) with their parameters, in words."""
+        by_verdict: dict[str, list[str]] = {word: [] for word in WORDS}
         for name, one in self.verdicts.items():
-            known = " (as its prior)" * (not self.model.priors[name].bounded)
-            said[one.verdict].append(one.words if one.verdict != "not identified" else f"{name}{known}")
-        return [(word, ", ".join(names)) for word, names in said.items() if names]
+            as_prior = " (as its prior)" * (not self.model.priors[name].bounded)
+            by_verdict[one.verdict].append(
+                one.words if one.verdict != "not identified" else f"{name}{as_prior}"
+            )
+        return [(word, ", ".join(names)) for word, names in by_verdict.items() if names]
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """Where the model holds, the findings, what is known together, and what would tell more."""
-        said = parting(self.rivals)
-        said += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
+        lines = parting(self.rivals)
+        lines += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
         for one in self.combinations:
             low, high = told_apart(one.low, one.high)
-            said.append(
+            lines.append(
                 f"{one.name} lies between {low} and {high}, {one.tighter:.2g} times better known than any of "
                 "these alone"
             )
         useless = []
         for experiment in self.candidates:
-            told = {name: width for name, width in experiment.widths.items() if width < _TELLS}
-            of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in told.items())
-            if told:
-                said.append(f"Measuring {experiment.name} would narrow {of} of its present width, or further")
+            narrowed = {name: width for name, width in experiment.widths.items() if width < _TELLS}
+            of = ", ".join(f"{name} to {100 * width:.2g} %" for name, width in narrowed.items())
+            if narrowed:
+                lines.append(
+                    f"Measuring {experiment.name} would narrow {of} of its present width, or further"
+                )
             else:
                 useless.append(experiment.name)
         if useless:
-            said.append(f"Little is promised by measuring {', or '.join(useless)}")
-        return tuple(said)
+            lines.append(f"Little is promised by measuring {', or '.join(useless)}")
+        return tuple(lines)
 
     def predicted(self, time: ArrayLike) -> Floats:
         """The curve at any times: a 95 % band over all acceptable models, and the median of the chosen one.
 
-        Rows of shape (3, n) are the least of the 2.5 % quantiles of the posteriors, the median, and the
-        largest of the 97.5 % quantiles.
+        Shape (3, n): the least of the 2.5 % quantiles of the posteriors, the median, and the largest of the
+        97.5 % quantiles.
         """
         at = checks.not_negative("time", time)
         bands = np.array([one.band(at) for one in self.acceptable])
@@ -191,13 +195,13 @@ class Inference(views.Brief):
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
         problem, z = self.problem, self.draws.flat
         best = int(np.argmax(problem.posterior(z[:, problem.used])))
-        known = {name: x for name, x in problem.numbers(z[best]).items() if name not in self.unknown}
-        made = self.model.solid(known)
-        if "branches" not in made:
-            return made
+        identified = {name: x for name, x in problem.numbers(z[best]).items() if name not in self.unknown}
+        keys = self.model.solid(identified)
+        if "branches" not in keys:
+            return keys
         many = -(-_OF_SOLID // len(self.acceptable))
-        made |= {"data_first": f"{self.time[self.time > 0][0]:.6g} s", "data_last": f"{self.time[-1]:.6g} s"}
-        return made | {"draws": [solid["branches"] for one in self.acceptable for solid in one.solids(many)]}
+        keys |= {"data_first": f"{self.time[self.time > 0][0]:.6g} s", "data_last": f"{self.time[-1]:.6g} s"}
+        return keys | {"draws": [solid["branches"] for one in self.acceptable for solid in one.solids(many)]}
 
     @property
     def unknown(self) -> list[str]:
@@ -251,23 +255,23 @@ def infer(
         Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
         `absolute`.
     error
-        Standard errors, one or shape (n,). By default they are found from the scatter about the best fit,
-        widened by as much as neighbors may correlate, see `Problem.scatter`.
+        Standard errors, one or shape (n,). By default from the scatter about the best fit, widened for
+        correlated neighbors; see `Problem.scatter`.
     model
         ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"`` or
         ``"ball"``, see `asperity.inference.models`; or a function of the times, and of parameters by name.
     quantity
         Of a ball: whether its depth or the radius of its contact was measured.
     priors
-        Of any parameters: a pair of ends, between which ln is uniform, a table such as ``{"kind": "normal",
-        "mean": "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
+        Of any parameters: the ends of a range, uniform in ln, a table such as ``{"kind": "normal", "mean":
+        "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
     branches
         How many relaxation times, 1 to 3; by default as many as Akaike's criterion asks for.
     absolute
-        Areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m): then load, modulus and
-        roughness, or the radius of the ball, count.
+        Whether areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m). Load, modulus
+        and roughness, or the radius of the ball, then matter.
     ramp
-        Time, s, within which the load was put on in proportion to time; times count from its beginning.
+        Time, s, of a linear ramp of the load; times count from its beginning.
     seed, rng
         Seed of the random numbers; or a numpy generator, which draws one, or its seed.
     walkers, effective, workers
@@ -297,24 +301,26 @@ def infer(
             raise InputError("branches", expected=expected, got=checks.shown(model))
     if callable(model) and workers > 1:
         _check_importable(model)
-    own = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
-    made = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=measured)
-    given = functools.partial(made, model, priors=own, absolute=absolute)
-    least = max([branches or 1, *(int(key[-1]) for key in own if _NUMBERED.fullmatch(key))])
+    ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
+    model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=measured)
+    model_with_priors = functools.partial(model_of, model, priors=ranges, absolute=absolute)
+    least = max([branches or 1, *(int(key[-1]) for key in ranges if _NUMBERED.fullmatch(key))])
     most = MOST_BRANCHES if branches is None and model in ("relaxation", "ball") else least
-    given(branches=least)  # mistakes in priors first
+    model_with_priors(branches=least)  # mistakes in priors first
 
     def usual(name: object, branches: int, *, chosen: bool) -> Model:
         """With default priors, by which all are judged: what the user knows of parameters makes no errors."""
-        kept = own if chosen and callable(model) else None
-        return made(name, branches=branches, priors=kept, absolute=absolute and chosen)
+        kept = ranges if chosen and callable(model) else None
+        return model_of(name, branches=branches, priors=kept, absolute=absolute and chosen)
 
     with listener(progress) as listening:
         listening.stage("fitting models side by side")
         data = {"time": t, "value": v, "error": v if errors is None else errors}
         rivals = side_by_side(model, range(least, most + 1), usual, data, informed=errors is not None)
-        known = given(branches=rivals[0].times or least) if own and not callable(model) else None
-        problem, judged = _judged(rivals, known, informed=errors is not None)
+        stated = (
+            model_with_priors(branches=rivals[0].times or least) if ranges and not callable(model) else None
+        )
+        problem, judged = _judged(rivals, stated, informed=errors is not None)
         listening.stage(
             f"sampling {len(problem.used)} parameters of {rivals[0].name}, {4 * walkers:,} walkers"
         )
@@ -406,9 +412,9 @@ def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tupl
         scatter *= student(free) / student(math.inf)
         problem = replace(problem, error=max(scatter, LEAST_ERROR) * problem.value)
         misfit = misfit * problem.value / problem.error
-        found = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
-        found += f", whose neighbors correlate by {rho:.2f}"
-        remarks.append(f"no errors were given: they are taken as {found}")
+        origin = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
+        origin += f", whose neighbors correlate by {rho:.2f}"
+        remarks.append(f"no errors were given: they are taken as {origin}")
     if known is not None:
         before, problem = misfit, replace(problem, model=known)
         at, misfit = best_fit(problem)
@@ -455,7 +461,7 @@ def _checked(
         raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if error is None:
         return t, v, None
-    given = checks.positive("error", error)
-    if given.shape not in ((), t.shape):
-        raise InputError("error", expected=f"one, or one for each of {t.size} values", got=f"{given.size}")
-    return t, v, np.broadcast_to(given, t.shape).copy()
+    errors = checks.positive("error", error)
+    if errors.shape not in ((), t.shape):
+        raise InputError("error", expected=f"one, or one for each of {t.size} values", got=f"{errors.size}")
+    return t, v, np.broadcast_to(errors, t.shape).copy()

@@ -93,7 +93,7 @@ class Model:
     power: float = 1.0
 
     def curve(self, time: Floats, p: Values) -> Floats:
-        """What is observed, shape (m, n)."""
+        """Observed quantity, shape (m, n)."""
         grown = self.growth(time, p)
         if self.ramp:
             rule = zip(*np.polynomial.legendre.leggauss(_RAMP), strict=True)
@@ -127,29 +127,32 @@ def of_name(
         return _own(name, priors)
     checks.choice("model", name, (*MODELS, "ball", "a function of time and parameters"))
     ends = float(time[time > 0][0]), float(time[-1])
-    made = MODELS["relaxation" if name == "ball" else str(name)](*ends, branches)
+    built = MODELS["relaxation" if name == "ball" else str(name)](*ends, branches)
     if quantity in OF_BALL:
-        creep = {one: prior for one, prior in made.priors.items() if one not in _BODY}
+        creep = {key: prior for key, prior in built.priors.items() if key not in _BODY}
         size = functools.partial(_of_ball, quantity=quantity)
-        made = replace(made, name="ball", priors=_BALL | creep, size=size, power=OF_BALL[quantity])
-    known = made.priors
+        built = replace(built, name="ball", priors=_BALL | creep, size=size, power=OF_BALL[quantity])
+    ranges = built.priors
     if not absolute:
-        known = {"scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())), **known}
-    elif made.size is None:
+        ranges = {
+            "scale": Prior("log_uniform", _LEAST * float(value.min()), 2 * float(value.max())),
+            **ranges,
+        }
+    elif built.size is None:
         raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
-    for one, given in (priors or {}).items():
-        if one not in known:
-            expected = f"a parameter: {', '.join(known)}"
+    for key, stated in (priors or {}).items():
+        if key not in ranges:
+            expected = f"a parameter: {', '.join(ranges)}"
             raise InputError(
-                f"prior of {one}", expected=expected, got=one, advice=closest(str(one), known) or ""
+                f"prior of {key}", expected=expected, got=key, advice=closest(str(key), ranges) or ""
             )
-        known = known | {one: Prior.of(one, given, known[one].unit)}
-    if "x1" in known:
-        low, high = known["x1"].at(np.array(known["x1"].reach)) / _RATIOS
+        ranges = ranges | {key: Prior.of(key, stated, ranges[key].unit)}
+    if "x1" in ranges:
+        low, high = ranges["x1"].at(np.array(ranges["x1"].reach)) / _RATIOS
         if low < 1 - 1e-9 or high > 1 + 1e-9:
             expected = f"values from {_RATIOS[0]:g} to {_RATIOS[1]:g}, where the theory is tabulated"
-            raise InputError("prior of x1", expected=expected, got=str(known["x1"]))
-    return replace(made, priors=known, ramp=ramp, scaled=not absolute)
+            raise InputError("prior of x1", expected=expected, got=str(ranges["x1"]))
+    return replace(built, priors=ranges, ramp=ramp, scaled=not absolute)
 
 
 _BODY = {
@@ -170,8 +173,8 @@ OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
 
 
 def _of_ball(p: Values, *, quantity: str) -> Floats:
-    found = hertz(p["load"], modulus=p["modulus"], radius=p["radius"])
-    return found.approach if quantity == "depth" else found.contact_radius
+    contact = hertz(p["load"], modulus=p["modulus"], radius=p["radius"])
+    return contact.approach if quantity == "depth" else contact.contact_radius
 
 
 def _of_body(p: Values) -> Floats:
@@ -304,9 +307,9 @@ def _lattice(time: Floats, p: Values) -> Floats:
 
 def _lattice_solid(p: Mapping[str, float]) -> dict[str, object]:
     k0 = p.get("k0", 1.0)  # else it is the unit
-    made: dict[str, object] = {"kind": "spring_lattice", "k0": k0}
-    made |= {"k1": p["x1"] * k0} if "x1" in p else {}
-    return made | ({"R": p["rate"] / k0} if "rate" in p else {})
+    keys: dict[str, object] = {"kind": "spring_lattice", "k0": k0}
+    keys |= {"k1": p["x1"] * k0} if "x1" in p else {}
+    return keys | ({"R": p["rate"] / k0} if "rate" in p else {})
 
 
 def eyring(first: float, last: float, _: int) -> Model:
@@ -348,8 +351,8 @@ def _eyring(time: Floats, p: Values, *, first: float) -> Floats:
 
 def _eyring_solid(p: Mapping[str, float]) -> dict[str, object]:
     units = {"rate": "m/s", "stress": "Pa"}
-    found = {f"creep_{name}": f"{p[name]:.6g} {unit}" for name, unit in units.items() if name in p}
-    return _half_space(p, creep="eyring", **found)
+    keys = {f"creep_{name}": f"{p[name]:.6g} {unit}" for name, unit in units.items() if name in p}
+    return _half_space(p, creep="eyring", **keys)
 
 
 def healing(first: float, last: float, _: int) -> Model:
@@ -363,17 +366,19 @@ def _healing(time: Floats, p: Values) -> Floats:
 
 
 def _own(function: Callable[..., ArrayLike], priors: Mapping[str, Given] | None) -> Model:
-    made = {name: Prior.of(name, given, "") for name, given in (priors or {}).items()}
+    ranges = {name: Prior.of(name, stated, "") for name, stated in (priors or {}).items()}
     try:
-        if not made:
+        if not ranges:
             raise TypeError("none")
-        inspect.signature(function).bind(np.ones(2), **dict.fromkeys(made, 1.0))
+        inspect.signature(function).bind(np.ones(2), **dict.fromkeys(ranges, 1.0))
     except TypeError as error:
         expected = "one for each parameter of the function, which takes the times first"
         raise InputError(
             "priors", expected=expected, got=str(error), advice="priors={'slope': (1e-3, 1)}"
         ) from None
-    return Model(getattr(function, "__name__", "own"), functools.partial(_own_curve, function=function), made)
+    return Model(
+        getattr(function, "__name__", "own"), functools.partial(_own_curve, function=function), ranges
+    )
 
 
 def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -> Floats:

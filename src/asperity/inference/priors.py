@@ -1,4 +1,4 @@
-"""What is known of a parameter before the data: one of four distributions, in Python and in TOML."""
+"""Priors of parameters: one of four distributions, in Python and in TOML."""
 
 from __future__ import annotations
 
@@ -60,23 +60,25 @@ class Prior:
             raise InputError("high", expected=f"more than low, {self.first:g}", got=self.second)
 
     @classmethod
-    def of(cls, name: str, given: Given, unit: str) -> Prior:
+    def of(cls, name: str, stated: Given, unit: str) -> Prior:
         """Make a prior of itself, a pair of ends, or a table such as ``{kind = "normal", mean = ...}``."""
-        if isinstance(given, Prior):
-            return given
-        if isinstance(given, list | tuple) and len(given) == 2:
-            given = {"low": given[0], "high": given[1]}
-        if not isinstance(given, Mapping):
+        if isinstance(stated, Prior):
+            return stated
+        if isinstance(stated, list | tuple) and len(stated) == 2:
+            stated = {"low": stated[0], "high": stated[1]}
+        if not isinstance(stated, Mapping):
             expected = 'a pair of ends, or a table such as {kind = "uniform", low = 0, high = 1}'
-            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(given))
-        told: dict[str, Any] = {"kind": "log_uniform", **given}
-        numbers = KINDS.get(str(told["kind"]), ())
-        if not numbers or set(told) != {"kind", *numbers}:
-            expected = "; ".join(f"kind = {one!r} with {' and '.join(names)}" for one, names in KINDS.items())
-            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(given)))
+            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(stated))
+        facts: dict[str, Any] = {"kind": "log_uniform", **stated}
+        numbers = KINDS.get(str(facts["kind"]), ())
+        if not numbers or set(facts) != {"kind", *numbers}:
+            expected = "; ".join(
+                f"kind = {kind!r} with {' and '.join(names)}" for kind, names in KINDS.items()
+            )
+            raise InputError(f"prior of {name}", expected=expected, got=checks.shown(dict(stated)))
         try:
-            first, second = (told[number] for number in numbers)
-            return cls(told["kind"], first, second, unit)
+            first, second = (facts[number] for number in numbers)
+            return cls(facts["kind"], first, second, unit)
         except InputError as error:
             raise error.about(f"prior of {name}, {error.name}") from error
 
@@ -114,10 +116,10 @@ class Prior:
         """What `of` takes, with units."""
         unit = f" {self.unit}" if self.unit else ""
         named = dict(zip(KINDS[self.kind], (self.first, self.second), strict=True))
-        said = {
+        facts = {
             name: f"{value:g}{unit}" if unit and name != "factor" else value for name, value in named.items()
         }
-        return {"kind": self.kind, **said}
+        return {"kind": self.kind, **facts}
 
     def __str__(self) -> str:
         first, second = (f"{value:.4g}" for value in (self.first, self.second))

@@ -75,8 +75,8 @@ class Rival(views.Brief):
         kept = n - max(_HELD, n // _OF)
         if kept > needed:
             early = {one: getattr(problem, one)[:kept] for one in ("time", "value", "error")}
-            there, _ = best_fit(replace(problem, **early), informed=informed)
-            missed = rms(problem.misfit(there[np.newaxis])[0, kept:])
+            place, _ = best_fit(replace(problem, **early), informed=informed)
+            missed = rms(problem.misfit(place[np.newaxis])[0, kept:])
         return cls(name, score, missed, problem, at, misfit, times)
 
     def sampled(self, seed: int) -> Rival:
@@ -105,8 +105,8 @@ def best_fit(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats
     """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
     z = problem.of_prior(np.random.default_rng(0), _TRIED)
     best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
-    found = [problem.improved(start, problem.used, informed=informed) for start in best]
-    _, at = min(found, key=lambda one: one[0])
+    improved = [problem.improved(start, problem.used, informed=informed) for start in best]
+    _, at = min(improved, key=lambda one: one[0])
     return at, problem.misfit(at[np.newaxis])[0]
 
 
@@ -136,8 +136,8 @@ def side_by_side(
         if not problem.used:
             raise InputError("model", expected="a curve that depends on its parameters", got=model.name)
         words, times = (counted(n, "relaxation time"), n) if name == "relaxation" else (model.name, 0)
-        if (one := Rival.fitted(words, times, problem, informed=informed)) is not None:
-            tried[name, n] = one
+        if (rival := Rival.fitted(words, times, problem, informed=informed)) is not None:
+            tried[name, n] = rival
         elif name == family and n == branches[0]:
             scatter = " and the scatter" * (not informed)
             expected = (
@@ -145,10 +145,13 @@ def side_by_side(
             )
             advice = "more points, or fewer parameters"
             raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
-    own = [(family, n) for n in branches if (family, n) in tried]
-    first, least = min(own, key=lambda key: tried[key].aicc), min(one.aicc for one in tried.values())
+    family_members = [(family, n) for n in branches if (family, n) in tried]
+    first, least = (
+        min(family_members, key=lambda key: tried[key].aicc),
+        min(rival.aicc for rival in tried.values()),
+    )
     every = [tried.pop(first), *tried.values()]
-    return [replace(one, aicc=one.aicc - least if one.aicc < math.inf else math.inf) for one in every]
+    return [replace(rival, aicc=rival.aicc - least if rival.aicc < math.inf else math.inf) for rival in every]
 
 
 def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) -> list[Rival]:
@@ -158,44 +161,48 @@ def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) 
     relaxation times that counts which AICc prefers.
     """
     scale = rivals[0].problem.error / problem.error
-    best = min((one.aicc for one in rivals if one.times), default=0.0)
-    foresees = min((one.missed for one in rivals if math.isfinite(one.missed)), default=-math.inf)
-    found = []
-    for n, one in enumerate(rivals):
-        near = one.aicc < ACCEPTED or one.missed == foresees
-        counts = n > 0 and near and (not one.times or one.aicc == best)
-        changed = replace(one, misfit=one.misfit * scale, missed=one.missed * float(np.median(scale)))
+    best = min((rival.aicc for rival in rivals if rival.times), default=0.0)
+    foresees = min((rival.missed for rival in rivals if math.isfinite(rival.missed)), default=-math.inf)
+    drawn = []
+    for n, rival in enumerate(rivals):
+        near = rival.aicc < ACCEPTED or rival.missed == foresees
+        counts = n > 0 and near and (not rival.times or rival.aicc == best)
+        changed = replace(rival, misfit=rival.misfit * scale, missed=rival.missed * float(np.median(scale)))
         if n == 0:
-            found.append(replace(changed, problem=problem, z=z))
+            drawn.append(replace(changed, problem=problem, z=z))
         else:
-            changed = replace(changed, problem=replace(one.problem, error=problem.error))
-            found.append(changed.sampled(seed) if counts else changed)
-    return found
+            changed = replace(changed, problem=replace(rival.problem, error=problem.error))
+            drawn.append(changed.sampled(seed) if counts else changed)
+    return drawn
 
 
 def parting(rivals: Sequence[Rival]) -> list[str]:
     """Say where the first model holds, where acceptable ones go beyond it, and what would tell them apart."""
     first, problem = rivals[0], rivals[0].problem
     time, last = problem.time[problem.time > 0], float(problem.time[-1])
-    said = [f"The data go from {time[0]:g} to {last:g} s, and the model of {first.name} tells nothing beyond"]
-    others = [one for one in rivals[1:] if one.z is not None]
+    sentences = [
+        f"The data go from {time[0]:g} to {last:g} s, and the model of {first.name} tells nothing beyond"
+    ]
+    others = [rival for rival in rivals[1:] if rival.z is not None]
     later = last * np.array(_FACTORS, dtype=np.float64)
-    differ = np.array([one.band(later)[1] / first.band(later)[1] - 1 for one in others])
-    for one, (near, _, far) in zip(others, 100 * differ, strict=True):
-        fits = "fits better" if one.aicc < first.aicc else "is acceptable, too"
+    differ = np.array([rival.band(later)[1] / first.band(later)[1] - 1 for rival in others])
+    for rival, (near, _, far) in zip(others, 100 * differ, strict=True):
+        fits = "fits better" if rival.aicc < first.aicc else "is acceptable, too"
         at = f"{near:+.2g} % at {_FACTORS[0]} times the last time, {far:+.2g} % at {_FACTORS[-1]} times"
-        said.append(f"{one.name} {fits} (AICc {one.aicc - first.aicc:+.2g}), and goes elsewhere: {at}")
+        sentences.append(
+            f"{rival.name} {fits} (AICc {rival.aicc - first.aicc:+.2g}), and goes elsewhere: {at}"
+        )
     if others:
         most, error = np.abs(differ).max(axis=0), float(np.median(problem.error / problem.value))
         n = int(np.argmax(most > _APART * error)) if most[-1] > _APART * error else len(_FACTORS) - 1
         would = "would" if most[n] > _APART * error else "would hardly"
-        said.append(
+        sentences.append(
             f"Measuring to {_FACTORS[n]} times the last time {would} tell them apart: "
             f"there they differ by {100 * most[n]:.2g} %, {most[n] / error:.2g} errors"
         )
     elif len(rivals) > 1 and math.isfinite(first.aicc):
-        near = min(rivals[1:], key=lambda one: one.aicc)
-        said.append(
+        near = min(rivals[1:], key=lambda rival: rival.aicc)
+        sentences.append(
             f"No other model that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
         )
-    return said
+    return sentences

@@ -2,11 +2,11 @@
 
 Each parameter is a function of a coordinate (`Prior.at`), in which walkers move by stretches and by
 differences of others (emcee: D. Foreman-Mackey et al., Publ. Astron. Soc. Pac. 125, 306 (2013),
-doi:10.1086/670067). An ensemble of them begins with draws of the prior, and the data gain weight in stages,
-at each of which walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411
-(2006), doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find.
-Several ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective
-number of draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
+doi:10.1086/670067). An ensemble begins with draws of the prior. The data gain weight in stages, and at each
+the walkers are drawn anew by their weights (P. Del Moral et al., J. R. Stat. Soc. B 68, 411 (2006),
+doi:10.1111/j.1467-9868.2006.00553.x). So no part of the posterior is missed that many walkers find. Several
+ensembles that know nothing of each other must agree, by the rank-normalized R-hat and the effective number of
+draws (A. Vehtari et al., Bayesian Anal. 16, 667 (2021), doi:10.1214/20-BA1221).
 """
 
 from __future__ import annotations
@@ -76,12 +76,12 @@ class Problem:
         """Curve less data, in errors, shape (m, n); infinite for what is not allowed."""
         values = self.values(z)
         allowed = np.broadcast_to(self.model.allowed(values), len(z))
-        found = np.full((len(z), self.time.size), np.inf)
+        squares = np.full((len(z), self.time.size), np.inf)
         if allowed.any():
             some = {name: column[allowed] for name, column in values.items()}
             with np.errstate(all="ignore"):
-                found[allowed] = (self.model.curve(self.time, some) - self.value) / self.error
-        return found
+                squares[allowed] = (self.model.curve(self.time, some) - self.value) / self.error
+        return squares
 
     def log_likelihood(self, z: Floats) -> Floats:
         """Of normal errors, without its constant; very small for what is not allowed. Shape (m,)."""
@@ -99,8 +99,8 @@ class Problem:
             other = z.copy()
             other[:, place] = list(self.model.priors.values())[place].drawn(random, len(z))
             with np.errstate(all="ignore"):
-                here, there = (self.model.curve(self.time, self.values(one)) for one in (z, other))
-            if not np.array_equal(here, there, equal_nan=True):
+                curve_at, curve_beside = (self.model.curve(self.time, self.values(one)) for one in (z, other))
+            if not np.array_equal(curve_at, curve_beside, equal_nan=True):
                 changed.append(place)
         return changed
 
@@ -109,29 +109,29 @@ class Problem:
         """How many combinations of the parameters the curve knows, however many points it has."""
         time = np.geomspace(self.time[self.time > 0][0], self.time[-1], 50)
         slopes = self._slopes(self.of_prior(np.random.default_rng(0), _TRIED), time)
-        told = np.linalg.svd(slopes, compute_uv=False)
-        return int((told > _TOLD * told.max(-1, keepdims=True)).sum(-1).max())
+        singular = np.linalg.svd(slopes, compute_uv=False)
+        return int((singular > _TOLD * singular.max(-1, keepdims=True)).sum(-1).max())
 
     def _slopes(self, z: Floats, time: Floats) -> Floats:
         """Relative change of the curve with each used coordinate, at z (m, parameters): (m, used, n)."""
         center, step = z[:, np.newaxis], _STEP * np.eye(z.shape[1])[self.used]
         with np.errstate(all="ignore"):
-            up, down, here = (
+            up, down, central = (
                 self.model.curve(time, self.values(at.reshape(-1, z.shape[1]))).reshape(*at.shape[:-1], -1)
                 for at in (center + step, center - step, center)
             )
-            return np.asarray(np.nan_to_num((up - down) / here, posinf=0.0, neginf=0.0))
+            return np.asarray(np.nan_to_num((up - down) / central, posinf=0.0, neginf=0.0))
 
     def scatter(self, z: Floats) -> tuple[float, float]:
         """Relative error, and correlation rho of neighbors, about the best fit z; `error` are the values.
 
-        A sum of n errors of an autoregressive series of first order is known as that of n (1 - rho)/(1 + rho)
-        independent ones: the error is larger by as much. It is a geometric mean over rho, by the likelihood
-        of what the parameters cannot take up, which the fit does not bias (H. D. Patterson, R. Thompson,
-        Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
+        The sum of n errors of an autoregressive series of first order is known as well as that of n (1 -
+        rho)/(1 + rho) independent ones, so errors are larger accordingly. The error is a geometric mean over
+        rho, by the likelihood of what the parameters cannot take up, which the fit does not bias (H. D.
+        Patterson, R. Thompson, Biometrika 58, 545 (1971), DOI 10.1093/biomet/58.3.545).
         """
-        columns, told, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
-        most = min(self.rank, int(np.sum(told > _TOLD * told[0])), self.time.size - 1)
+        columns, sizes, _ = np.linalg.svd(self._slopes(z[np.newaxis], self.time)[0].T, full_matrices=False)
+        most = min(self.rank, int(np.sum(sizes > _TOLD * sizes[0])), self.time.size - 1)
         both, free = (
             np.column_stack([columns[:, :most], self.misfit(z[np.newaxis])[0]]),
             self.time.size - most,
@@ -139,9 +139,9 @@ class Problem:
         logs, weights = np.empty((2, _CORRELATIONS.size))
         for n, rho in enumerate(_CORRELATIONS):
             apart = np.vstack([both[:1], (both[1:] - rho * both[:-1]) / math.sqrt(1 - rho**2)])
-            *known, left = np.log(np.maximum(np.abs(np.diag(np.linalg.qr(apart, mode="r"))), _NOTHING))
-            logs[n] = left + math.log((1 + rho) / (1 - rho) / free) / 2
-            weights[n] = (1 - self.time.size) / 2 * math.log(1 - rho**2) - sum(known) - free * left
+            *others, remaining = np.log(np.maximum(np.abs(np.diag(np.linalg.qr(apart, mode="r"))), _NOTHING))
+            logs[n] = remaining + math.log((1 + rho) / (1 - rho) / free) / 2
+            weights[n] = (1 - self.time.size) / 2 * math.log(1 - rho**2) - sum(others) - free * remaining
         weights = np.exp(weights - weights.max())
         return math.exp(weights @ logs / weights.sum()), float(weights @ _CORRELATIONS / weights.sum())
 
@@ -159,19 +159,19 @@ class Problem:
 
     def whole(self, z: Floats) -> Floats:
         """Coordinates of all parameters, of those that are used."""
-        found = np.zeros((len(z), len(self.model.priors)))
-        found[:, self.used] = z
-        return found
+        full = np.zeros((len(z), len(self.model.priors)))
+        full[:, self.used] = z
+        return full
 
     def posterior(self, z: Floats, weight: float = 1.0) -> Floats:
         """Logarithm of the posterior of the used coordinates, with the likelihood to a power."""
         whole = self.whole(z)
         densities = zip(self.model.priors.values(), whole.T, strict=True)
         prior = sum(one.log_density(x) for one, x in densities)
-        found = np.full(len(z), _LOST)
+        density = np.full(len(z), _LOST)
         inside = prior > -np.inf
-        found[inside] = self.log_likelihood(whole[inside])
-        return np.where(found > _LOST, weight * found + prior, -np.inf)
+        density[inside] = self.log_likelihood(whole[inside])
+        return np.where(density > _LOST, weight * density + prior, -np.inf)
 
     def improved(
         self, z: Floats, places: Sequence[int], *, informed: bool = True, beyond: Sequence[int] = ()
@@ -182,21 +182,21 @@ class Problem:
         ``informed``; others only limit the search; those of some places, ``beyond``, are five times as wide.
         """
         priors = list(self.model.priors.values())
-        known = [place for place in self.used if informed and not priors[place].bounded]
+        informative = [place for place in self.used if informed and not priors[place].bounded]
         chosen, at = list(places), z.copy()
 
         def missed(part: Floats) -> Floats:
             at[chosen] = part
-            residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[known]])
+            residual = np.concatenate([self.misfit(at[np.newaxis])[0], at[informative]])
             return np.clip(np.where(np.isnan(residual), _FAR, residual), -_FAR, _FAR)
 
         reach = np.array([prior.reach for prior in priors])
         reach[list(beyond)] += (-2, 2)
         low, high = reach[chosen].T
-        found = np.clip(z[chosen], low, high)
+        point = np.clip(z[chosen], low, high)
         if chosen:
-            found = least_squares(missed, found, bounds=(low, high), max_nfev=40).x
-        left = missed(found)
+            point = least_squares(missed, point, bounds=(low, high), max_nfev=40).x
+        left = missed(point)
         return float(left @ left), at
 
 
@@ -293,10 +293,10 @@ def _resumed(checkpoint: Path | None, mark: str) -> tuple[list[_Ensemble], int]:
     if checkpoint is None or not checkpoint.exists():
         return [], 0
     try:
-        with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as found:
-            same, turn = str(found["mark"]) == mark, int(found["done"])
+        with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+            same, turn = str(arrays["mark"]) == mark, int(arrays["done"])
             several = [
-                _Ensemble(*(found[f"{name}_{n}"] for name in _Ensemble._fields)) for n in range(ENSEMBLES)
+                _Ensemble(*(arrays[f"{name}_{n}"] for name in _Ensemble._fields)) for n in range(ENSEMBLES)
             ]
     except Exception as error:  # of an archive, of headers: a damaged byte leads anywhere
         expected = "a checkpoint of an inference"
@@ -317,11 +317,11 @@ def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _E
         ensemble = _Ensemble(place, 0.0, np.empty((0, place.shape[1])))
     place, weight = ensemble.place, ensemble.weight
     if weight < 1:
-        found = problem.log_likelihood(problem.whole(place))
-        if not (found > _LOST).any():
+        likelihood = problem.log_likelihood(problem.whole(place))
+        if not (likelihood > _LOST).any():
             raise InputError("priors", expected="some values that the data allow", got="none among thousands")
-        added = _weight_added(found, 1 - weight, enough=walkers / 2)
-        share = np.exp(added * (found - found.max()))
+        added = _weight_added(likelihood, 1 - weight, enough=walkers / 2)
+        share = np.exp(added * (likelihood - likelihood.max()))
         place = place[random.choice(len(place), walkers, p=share / share.sum())]
         weight = 1.0 if added == 1 - weight else weight + added
     begun, (emcee, _) = place, libraries()

@@ -1,4 +1,4 @@
-"""What data determine of each parameter, which combinations they know better, and what would tell more."""
+"""Verdicts on each parameter, combinations that data determine better, and the best next measurement."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _EARLIER = 100.0
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the data say of one parameter.
+    """Verdict of the data on one parameter.
 
     Attributes
     ----------
@@ -57,8 +57,7 @@ class Verdict:
         factor of three wide, else ``"bounded"``; ``"bounded above"`` or ``"bounded below"`` if they exclude
         the high, or the low end only; else ``"not identified"``. An end is excluded if the posterior there,
         over the prior, is below 0.15 of its peak, as a likelihood is beyond a 95 % interval. A parameter
-        that the data know only together with one that they do not identify is not identified either, see
-        `Combination`.
+        known only together with one that is not identified is not identified either; see `Combination`.
     low, high
         95 % interval: the middle of the posterior; of a bounded parameter from, or to, the end of the prior.
     median
@@ -113,7 +112,7 @@ class Combination:
 
 @dataclass(frozen=True)
 class Candidate:
-    """What could be measured next, and how far it would narrow what is not determined.
+    """A possible next measurement, and how far it would narrow undetermined parameters.
 
     `widths` are those of the intervals that are expected at most, over the present ones, by parameter.
     """
@@ -149,7 +148,7 @@ class Posterior:
     def verdicts(self) -> dict[str, Verdict]:
         """Judge each parameter."""
         least, _ = self.problem.improved(self._likeliest, self.problem.used)
-        made = {}
+        verdicts = {}
         for place, (name, one) in enumerate(self.problem.model.priors.items()):
             draws = self.prior[name], self.values[name]
             excluded, profile = excluded_ends(*draws), (-math.inf, math.inf)
@@ -161,32 +160,32 @@ class Posterior:
             verdict = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
                 verdict = replace(verdict, verdict="determined")
-            made[name] = verdict
-        return made
+            verdicts[name] = verdict
+        return verdicts
 
     def combinations(self) -> tuple[Combination, ...]:
         """Find products, ratios and sums that the data know better than their members; the best first."""
         values = {name: self.values[name] for name in self.profiles}
-        found: list[Combination] = []
+        combinations: list[Combination] = []
         for size in (2, 3):
             for members in itertools.combinations(values, size):
                 if any((values[name] <= 0).any() for name in members):
                     continue
                 logs = [np.log(values[name]) for name in members]
                 least = min(_spread(values[name]) for name in members)
-                made = {}
+                exponents = {}
                 for signs in itertools.product((1, -1), repeat=size - 1):
                     pairs = zip(signs, members[1:], strict=True)
                     words = (f" {'*' if sign > 0 else '/'} {name}" for sign, name in pairs)
                     product = sum(sign * log for sign, log in zip((1, *signs), logs, strict=True))
-                    made[members[0] + "".join(words)] = np.exp(product)
+                    exponents[members[0] + "".join(words)] = np.exp(product)
                 if size == 2 and len({self.problem.model.priors[name].unit for name in members}) == 1:
-                    made[" + ".join(members)] = values[members[0]] + values[members[1]]
-                for name, draws in made.items():
+                    exponents[" + ".join(members)] = values[members[0]] + values[members[1]]
+                for name, draws in exponents.items():
                     tighter = least / max(_spread(draws), 1e-12)
-                    found.append(Combination(name, members, *_middle(draws), tighter))
+                    combinations.append(Combination(name, members, *_middle(draws), tighter))
         kept: list[Combination] = []
-        for one in sorted(found, key=lambda one: (len(one.members), -one.tighter)):
+        for one in sorted(combinations, key=lambda one: (len(one.members), -one.tighter)):
             # Of three, no more is said than of the two that are among them.
             beaten = [other for other in kept if set(other.members) < set(one.members)]
             enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
@@ -212,19 +211,19 @@ class Posterior:
         reach, best = max(high - low, 1e-6), float(self._likeliest[place])
         inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
         outer = np.linspace([first, inner[-1]], [inner[0], last], _OUTER).ravel()
-        known: dict[float, tuple[float, Floats]] = {}
+        computed: dict[float, tuple[float, Floats]] = {}
 
         def solve(at: float) -> None:
             starts = [*self._nearest(place, at, 2)]
-            starts += [known[one][1].copy() for one in sorted(known, key=lambda one: abs(one - at))[:1]]
+            starts += [computed[one][1].copy() for one in sorted(computed, key=lambda one: abs(one - at))[:1]]
             for start in starts:
                 start[place] = at
             tried = [self.problem.improved(start, others) for start in starts]
-            known[at] = min(tried, key=lambda one: one[0])
+            computed[at] = min(tried, key=lambda one: one[0])
 
         def profile() -> tuple[Floats, Floats]:
-            at = np.array(sorted(known))
-            squares = np.array([known[one][0] for one in at])
+            at = np.array(sorted(computed))
+            squares = np.array([computed[one][0] for one in at])
             return at, squares - squares.min()
 
         for at in sorted(np.unique([*inner, *outer, best]), key=lambda at: abs(at - best)):
@@ -239,8 +238,8 @@ class Posterior:
     def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
         """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
 
-        The data exclude an end if they exclude what is a whole interval beyond it, too, where the ranges of
-        the others are five times as wide.
+        An end follows from the data alone if they exclude a value a whole interval beyond it, with the ranges
+        of the other priors made five times wider.
         """
         priors = list(self.problem.model.priors.values())
         others = [one for one in self.problem.used if one != place]
@@ -251,10 +250,10 @@ class Posterior:
         for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
             squares = -math.inf
             if is_excluded:
-                (there,) = self._nearest(place, at, 1)
-                for step in np.linspace(there[place], np.clip(at, *priors[place].reach), _STEPS):
-                    there[place] = step  # the others follow in small steps
-                    squares, there = self.problem.improved(there, others, beyond=beyond)
+                (point,) = self._nearest(place, at, 1)
+                for step in np.linspace(point[place], np.clip(at, *priors[place].reach), _STEPS):
+                    point[place] = step  # the others follow in small steps
+                    squares, point = self.problem.improved(point, others, beyond=beyond)
             still.append(squares >= most)
         return still[0], still[1]
 
@@ -279,21 +278,21 @@ class Posterior:
         with np.errstate(all="ignore"):
             logs = {name: np.log(curve(at, values)) for name, (curve, at) in planned.items()}
             if model.size is not None:  # a power of the load, which is measured, too
-                known = replace(model, scaled=False)
-                several = [known.curve(time, values | {"load": k * values["load"]}) for k in (1.0, 2.0)]
+                unscaled = replace(model, scaled=False)
+                several = [unscaled.curve(time, values | {"load": k * values["load"]}) for k in (1.0, 2.0)]
                 logs[loads] = np.log(np.hstack([*several, values["load"][:, None]]))
         open_ = {
             one: np.log(values[one]) if model.priors[one].logarithmic else values[one] for one in undetermined
         }
-        made = []
+        candidates = []
         for name, curves in logs.items():
             fine = np.isfinite(curves).all(1)
             if np.count_nonzero(fine) > 2 * curves.shape[1]:
-                left = {one: _left(curves[fine], x[fine], relative) for one, x in open_.items()}
+                remaining = {one: _left(curves[fine], x[fine], relative) for one, x in open_.items()}
                 if name == loads:
-                    left.pop("load", None)  # which is measured
-                made.append(Candidate(name, left))
-        return tuple(made)
+                    remaining.pop("load", None)  # which is measured
+                candidates.append(Candidate(name, remaining))
+        return tuple(candidates)
 
 
 def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
@@ -348,5 +347,5 @@ def _left(curves: Floats, parameter: Floats, relative: float) -> float:
     centered, target = curves - curves.mean(0), parameter - parameter.mean()
     covariance = centered.T @ centered / len(target) + relative**2 * np.eye(curves.shape[1])
     along = centered.T @ target / len(target)
-    told = along @ np.linalg.solve(covariance, along) / target.var()
-    return float(np.sqrt(max(1 - told, 0.0)))
+    explained = along @ np.linalg.solve(covariance, along) / target.var()
+    return float(np.sqrt(max(1 - explained, 0.0)))

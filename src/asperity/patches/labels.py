@@ -75,23 +75,23 @@ class Pieces:
     def places(self) -> tuple[NDArray[np.int64], Mask]:
         """By how many lengths of the lattice each piece is moved so that its patch is in one piece.
 
-        Shape ``(pieces + 1, dimension)``; and whether a patch reaches around the lattice, so that it has no
-        ends and no such place, shape ``(patches + 1,)``, false for number 0.
+        Shape ``(pieces + 1, dimension)``. And whether a patch reaches around the lattice and so has no place,
+        shape ``(patches + 1,)``, false for number 0.
         """
         places = np.zeros((self.numbers.size, self.labels.ndim), dtype=np.int64)
-        one, other = self.joined.T
+        first, second = self.joined.T
         placed = np.ones(self.numbers.size, dtype=bool)
-        placed[one] = placed[other] = False
-        joined = np.union1d(one, other)
+        placed[first] = placed[second] = False
+        joined = np.union1d(first, second)
         placed[joined[np.unique(self.numbers[joined], return_index=True)[1]]] = True  # one of each patch
-        while (forth := placed[one] & ~placed[other]).any() or (~placed[one] & placed[other]).any():
-            back = ~placed[one] & placed[other]
-            places[other[forth]] = places[one[forth]] + self.turns[forth]
-            places[one[back]] = places[other[back]] - self.turns[back]
-            placed[other[forth]] = placed[one[back]] = True
-        torn = (places[other] - places[one] != self.turns).any(axis=1)
+        while (forth := placed[first] & ~placed[second]).any() or (~placed[first] & placed[second]).any():
+            back = ~placed[first] & placed[second]
+            places[second[forth]] = places[first[forth]] + self.turns[forth]
+            places[first[back]] = places[second[back]] - self.turns[back]
+            placed[second[forth]] = placed[first[back]] = True
+        torn = (places[second] - places[first] != self.turns).any(axis=1)
         endless = np.zeros(self.sizes.size + 1, dtype=bool)
-        endless[self.numbers[one[torn]]] = True
+        endless[self.numbers[first[torn]]] = True
         return places, endless
 
 
@@ -127,8 +127,8 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     joined, turns = np.empty((0, 2), dtype=np.int32), np.empty((0, touching.ndim), dtype=np.int64)
     if edges == "periodic":
         joined, turns = _across_the_seams(labels, connectivity)
-    one, other = joined.T
-    bonds = coo_array((np.ones(one.size, dtype=bool), (one, other)), shape=(count + 1, count + 1))
+    first, second = joined.T
+    bonds = coo_array((np.ones(first.size, dtype=bool), (first, second)), shape=(count + 1, count + 1))
     # No bond reaches piece 0, which is "no contact": it stays a component of its own.
     components, whole = connected_components(bonds, directed=False)
     sizes = np.bincount(whole, np.bincount(labels.ravel(), minlength=count + 1)).astype(np.int64)
@@ -143,14 +143,14 @@ def mask(name: str, given: ArrayLike) -> Mask:
     """A boolean array of one or two axes; `InputError` for anything else."""
     expected, advice = "a boolean array of shape (n,) or (n, m)", "u == heights"
     try:
-        found = np.asarray(given)
+        array = np.asarray(given)
     except TypeError as error:  # such as a Dataset
         got = checks.kind_of(given)
         raise InputError(name, expected=expected, got=got, advice=advice) from error
-    if found.dtype != np.bool_ or found.ndim not in (1, 2) or found.size == 0:
-        got = f"{found.dtype} of shape {found.shape}"
+    if array.dtype != np.bool_ or array.ndim not in (1, 2) or array.size == 0:
+        got = f"{array.dtype} of shape {array.shape}"
         raise InputError(name, expected=expected, got=got, advice=advice)
-    return found
+    return array
 
 
 def masks(before: ArrayLike, after: ArrayLike) -> tuple[Mask, Mask]:
@@ -174,6 +174,6 @@ def _across_the_seams(
             if shift:  # a diagonal neighbor, which may lie across the other seam too
                 turns[0 if shift == 1 else -1, 1 - axis] = -shift
             bonds.append(np.column_stack([first, np.roll(last, shift), turns]))
-    found = np.concatenate(bonds)
-    found = np.unique(found[(found[:, 0] > 0) & (found[:, 1] > 0)], axis=0)
-    return found[:, :2].astype(np.int32), found[:, 2:]
+    pairs = np.concatenate(bonds)
+    pairs = np.unique(pairs[(pairs[:, 0] > 0) & (pairs[:, 1] > 0)], axis=0)
+    return pairs[:, :2].astype(np.int32), pairs[:, 2:]

@@ -1,8 +1,8 @@
 r"""What became of patches from one map to a later one of the same lattice.
 
-A patch before and a patch after are linked where they share a site. With n patches before, m after, and of a
-patch after the number p of patches before to which it is linked, of a patch before the number c of patches
-after,
+A patch before and a patch after are linked where they share a site. Let p be the number of patches before to
+which a patch after is linked, and c the number of patches after to which a patch before is linked. With n
+patches before and m after,
 
     births = number with p = 0,    merges = sum of p - 1 over those with p > 0,
     deaths = number with c = 0,    splits = sum of c - 1 over those with c > 0.
@@ -106,11 +106,11 @@ class Links(views.Brief):
 
         Of each, the other is the one with which it shares most sites, and of several such the largest.
         """
-        one, other = self.pairs.T
-        mutual = (self.main_successor[one - 1] == other) & (self.main_predecessor[other - 1] == one)
-        found = np.zeros(self.after.size, dtype=np.int64)
-        found[other[mutual] - 1] = one[mutual]
-        return found
+        earlier, later = self.pairs.T
+        mutual = (self.main_successor[earlier - 1] == later) & (self.main_predecessor[later - 1] == earlier)
+        ancestor = np.zeros(self.after.size, dtype=np.int64)
+        ancestor[later[mutual] - 1] = earlier[mutual]
+        return ancestor
 
     @cached_property
     def main_predecessor(self) -> Labels:
@@ -124,12 +124,12 @@ class Links(views.Brief):
 
     def _main(self, side: int) -> Labels:
         """The patch with which each patch before (0) or after (1) shares most sites; 0 for none."""
-        own, other = self.pairs[:, side], self.pairs[:, 1 - side]
-        order = np.lexsort((other, -self.shared, own))
-        numbers, places = np.unique(own[order], return_index=True)
-        found = np.zeros((self.before, self.after)[side].size, dtype=np.int64)
-        found[numbers - 1] = other[order[places]]
-        return found
+        patch, partner = self.pairs[:, side], self.pairs[:, 1 - side]
+        order = np.lexsort((partner, -self.shared, patch))
+        numbers, places = np.unique(patch[order], return_index=True)
+        main = np.zeros((self.before, self.after)[side].size, dtype=np.int64)
+        main[numbers - 1] = partner[order[places]]
+        return main
 
     def _over_links(self, side: int, weights: Counts | None = None) -> Counts:
         """Number of links, or sum of their weights, of each patch before (0) or after (1)."""
@@ -176,8 +176,8 @@ def linked(before: Patches, after: Patches) -> Links:
     """Link the patches of two maps of one lattice."""
     both = (before.labels > 0) & (after.labels > 0)
     codes = (before.labels[both] - 1) * after.count + after.labels[both] - 1
-    found, shared = np.unique(codes, return_counts=True)
-    pairs = np.column_stack(np.divmod(found, max(after.count, 1))) + 1
+    overlapping, shared = np.unique(codes, return_counts=True)
+    pairs = np.column_stack(np.divmod(overlapping, max(after.count, 1))) + 1
     return Links(before.sizes, after.sizes, pairs, shared.astype(np.int64))
 
 

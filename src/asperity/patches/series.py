@@ -1,4 +1,4 @@
-"""What maps of contact know: how it is scattered, what became of patches, how long each site has touched."""
+"""Numbers from maps of contact: scatter, patches through time, and how long each site has touched."""
 
 from __future__ import annotations
 
@@ -76,11 +76,11 @@ def ages_of(maps: Maps, times: Sequence[float]) -> Field:
 
     Shape ``(maps, *lattice)``.
     """
-    found = np.full(np.shape(maps), math.nan)
+    ages = np.full(np.shape(maps), math.nan)
     moments = np.asarray(times, dtype=np.float64)
     for number, (touching, since) in enumerate(zip(maps, _touching_since(maps), strict=True)):
-        found[number][touching] = moments[number] - moments[since[touching]]
-    return found
+        ages[number][touching] = moments[number] - moments[since[touching]]
+    return ages
 
 
 def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
@@ -110,25 +110,22 @@ def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
 def clustering(in_contact: ArrayLike, box: int | None = None) -> float:
     r"""Measure how clustered contacts are: the index of dispersion of their number in square boxes.
 
-    The variance of the number of contacts in a box is divided by the one that the same number of contacts
-    would have if they were strewn at random over the N sites, no two on one site. With m sites a box and
-    the contact fraction a, that is
+    The variance of the number of contacts in a box is divided by that of as many contacts placed at random on
+    the N sites, no two on one. With m sites a box and the contact fraction a, this is
 
-        var = m a (1 - a) (N - m)/(N - 1),
+        var = m a (1 - a) (N - m)/(N - 1).
 
-    so that the index is 1 on average for contacts at random, at any contact fraction and on any lattice;
-    above 1 for contacts in clusters, below 1 for contacts that keep apart. Boxes are laid at every site,
-    across the seam too: none is cut off where the box does not divide the lattice.
+    The index is 1 on average for contacts at random, at any contact fraction and on any lattice. It is above
+    1 for clusters, below 1 for contacts that keep apart. There is a box at every site, across the edges too.
 
     Parameters
     ----------
     in_contact
         Whether each site is in contact, shape ``(n,)`` or ``(n, m)``.
     box
-        Side of a box, in lattice spacings. By default such that a box holds about four contacts, but at
-        least 2 and at most an eighth of the shorter axis: boxes with less than one contact see only contacts
-        that all but touch, and of large boxes there are too few to find a variance. The index depends on the
-        box: to compare contacts, for example of one surface at several times, give the same box to all.
+        Side of a box, in lattice spacings. The default box holds about four contacts; its side is at least 2
+        and at most an eighth of the shorter axis. The index depends on the box: to compare contacts, give the
+        same box to all.
 
     Returns
     -------

@@ -41,26 +41,26 @@ def shapes_of(
 ) -> Shapes:
     """Measure the patches of a contact, in the unit of the spacing; other arguments as of `patches`."""
     pieces = pieces_of(touching, connectivity, edges)
-    found = Patches(pieces.numbers[pieces.labels], pieces.sizes)
+    labelled = Patches(pieces.numbers[pieces.labels], pieces.sizes)
     indices = np.nonzero(touching)
     sites = np.ravel_multi_index(indices, touching.shape)
-    numbers = found.labels.ravel()[sites]
+    numbers = labelled.labels.ravel()[sites]
     places, endless = pieces.places
-    own = pieces.labels.ravel()[sites]
-    sized = found.sizes.astype(np.float64)
-    offsets, center, perimeter = [], [], np.zeros(found.count)
+    patch = pieces.labels.ravel()[sites]
+    sized = labelled.sizes.astype(np.float64)
+    offsets, center, perimeter = [], [], np.zeros(labelled.count)
     beyond: Literal["wrap", "nearest"] = "wrap" if edges == "periodic" else "nearest"
     for axis, (index, step) in enumerate(zip(indices, spacing, strict=True)):
-        place = (index + touching.shape[axis] * places[own, axis]) * float(step)
-        mean = _over_patches(numbers, found.count, place) / sized
+        place = (index + touching.shape[axis] * places[patch, axis]) * float(step)
+        mean = _over_patches(numbers, labelled.count, place) / sized
         offsets.append(place - mean[numbers - 1])
         center.append(np.mod(mean, touching.shape[axis] * step))
         beside = scipy.ndimage.correlate1d(touching.astype(np.int8), [1, 0, 1], axis, mode=beyond)
-        free = _over_patches(numbers, found.count, 2 - beside.ravel()[sites].astype(np.float64))
+        free = _over_patches(numbers, labelled.count, 2 - beside.ravel()[sites].astype(np.float64))
         perimeter += free * (math.prod(spacing) / step)
     nowhere = endless[1:]
     return Shapes(
-        found=found,
+        found=labelled,
         sites=sites,
         numbers=numbers,
         perimeter=perimeter,

@@ -79,22 +79,22 @@ def read(
     """
     for name, value, choice in (("kind", kind, Kind), ("modulus", modulus, Modulus)):
         checks.choice(name, value, (None, *get_args(choice)))
-    found = Columns(path, _ROLES, columns, units)
-    chosen, places = _chosen(found, kind, ordered=columns is not None)
-    meant = _modulus(found, places[1:], modulus)
+    reading = Columns(path, _ROLES, columns, units)
+    chosen, places = _chosen(reading, kind, ordered=columns is not None)
+    meant = _modulus(reading, places[1:], modulus)
     which = "Young's " if meant == "young" else f"{meant} " if meant else ""
     names = {"storage": "storage modulus", "loss": "loss modulus"}
     numbers: list[Any] = []
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
         called = role if at == places[0] else which + names.get(role, role)
-        numbers.append(found.values(role, at, bare=False, called=called))
-    source, make = found.read, cast(Callable[..., Measured], _KINDS[chosen])
+        numbers.append(reading.values(role, at, bare=False, called=called))
+    source, make = reading.read, cast(Callable[..., Measured], _KINDS[chosen])
     try:
         return make(*numbers, noise=noise, measured=meant, source=source)
     except InputError as error:
         if error.name == "noise":
             raise
-        raise error.about(f"{found.table.name}, {error.name}") from error
+        raise error.about(f"{reading.table.name}, {error.name}") from error
 
 
 def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:

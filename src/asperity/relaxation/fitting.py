@@ -68,8 +68,8 @@ class Fit(views.InNotebooks):
     def __repr__(self) -> str:
         first, last = self.data.span
         over = f"{self.decades:.1f} decades from {first:.3g} to {last:.3g} s"
-        said = f"deviations {100 * self.rms:.2g} % rms, {100 * self.series.error:.2g} % at most"
-        return f"<Fit: {len(self.series.branches)} branches, {over}, {said}>"
+        deviations = f"deviations {100 * self.rms:.2g} % rms, {100 * self.series.error:.2g} % at most"
+        return f"<Fit: {len(self.series.branches)} branches, {over}, {deviations}>"
 
     @property
     def decades(self) -> float:
@@ -82,14 +82,14 @@ class Fit(views.InNotebooks):
         """What is assumed beyond the data; empty where nothing is."""
         first, last = self.data.span
         after = f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
-        said = [after] if self.data.extrapolate else []
+        assumptions = [after] if self.data.extrapolate else []
         if self.series.branches != self._fitted.branches:
-            said.append(
+            assumptions.append(
                 f"before the first time of the table, {first:.4g} s, relaxation is assumed to have the slope "
                 f"there: J({first:.4g} s) changes by {100 * self.unseen:.2g} %, later ones by less; the band "
                 "holds from none to twice of it"
             )
-        return "; ".join(said)
+        return "; ".join(assumptions)
 
     @functools.cached_property
     def _fitted(self) -> PronySeries:
@@ -99,7 +99,9 @@ class Fit(views.InNotebooks):
     def unseen(self) -> float:
         """Relative change of J at the first time if relaxation before it has the slope there."""
         longer = self.data.continued(self._fitted)
-        return float(np.divide(*(one.compliance_at(self.data.span[0]) for one in (longer, self._fitted))) - 1)
+        return float(
+            np.divide(*(each.compliance_at(self.data.span[0]) for each in (longer, self._fitted))) - 1
+        )
 
     @functools.cached_property
     def alternatives(self) -> tuple[PronySeries, ...]:
@@ -109,7 +111,7 @@ class Fit(views.InNotebooks):
         """
         drawn = self.resampled or (self,) * _DRAWS
         parts = 2 * np.random.default_rng(1).random(len(drawn))
-        return tuple(one.data.continued(one._fitted, part) for one, part in zip(drawn, parts, strict=True))
+        return tuple(each.data.continued(each._fitted, part) for each, part in zip(drawn, parts, strict=True))
 
     def residuals(self) -> tuple[Floats, ...]:
         """Relative deviations (data - fit) / data of each of the quantities, shape (n,)."""
@@ -137,7 +139,7 @@ class Fit(views.InNotebooks):
     @functools.cached_property
     def finer(self) -> float | None:
         """Twice as many times in each decade, if they would miss the data by less than half; else None."""
-        if self.per_decade is None or sum(one.size for one in self.data.columns[1]) < 3 * len(self.times):
+        if self.per_decade is None or sum(part.size for part in self.data.columns[1]) < 3 * len(self.times):
             return None
         density = 2 * self.per_decade
         return density if _log_spaced(self.data, density, self.beyond).rms < self.rms / 2 else None
@@ -153,8 +155,8 @@ class Fit(views.InNotebooks):
             return ()
         random, (x, _) = np.random.default_rng(0), self.data.columns
         predicted, deviations = self.data.predicted(self.series, x), self.residuals()
-        found = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
-        free = max(x.size - found, 1)
+        freedom = len(self.series.branches) * (2 if self.per_decade is None else 1) + 1
+        free = max(x.size - freedom, 1)
         wider = math.sqrt(x.size / free) * scipy.special.stdtrit(free, 0.975) / scipy.special.ndtri(0.975)
         drawn = []
         for _ in range(_DRAWS):
@@ -175,7 +177,7 @@ class Fit(views.InNotebooks):
     def intervals(self) -> Floats | None:
         """95 % intervals of shares and times of free branches, shape (branches, 2, 2); None if not known."""
         shape = np.shape(self.series.branches)
-        alike = [one.series.branches for one in self.resampled if np.shape(one.series.branches) == shape]
+        alike = [each.series.branches for each in self.resampled if np.shape(each.series.branches) == shape]
         if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
             return None
         ends = np.quantile(np.array(alike), (0.025, 0.975), axis=0, method="weibull")  # unbiased for few
@@ -232,12 +234,12 @@ def fit(
             raise InputError("extrapolate", expected=expected, got=checks.shown(extrapolate))
         data = replace(data, extrapolate=extrapolate)
     alone = data if data.extrapolate is None else replace(data, extrapolate=None)
-    found = _found(alone, per_decade, branches)
+    best = _found(alone, per_decade, branches)
     if data.extrapolate is None:
-        return found
+        return best
     # The plateau has no say in how many times there are.
-    times = found.times if found.per_decade else _improved(data, found.times, found.beyond)
-    return _with(data, times, found.per_decade, found.beyond)
+    times = best.times if best.per_decade else _improved(data, best.times, best.beyond)
+    return _with(data, times, best.per_decade, best.beyond)
 
 
 def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fit:
@@ -258,18 +260,19 @@ def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fi
 
 def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
     """Log-spaced times, as many as Akaike's criterion for few points asks for."""
-    values = sum(one.size for one in data.columns[1])
+    values = sum(part.size for part in data.columns[1])
 
-    def score(one: Fit) -> float:
-        numbers = len(one.series.branches) + 1
-        left = values - numbers - 1
-        return values * (math.log(max(one.rms, _ROUNDING)) + numbers / left) if left > 0 else math.inf
+    def score(trial: Fit) -> float:
+        numbers = len(trial.series.branches) + 1
+        freedom = values - numbers - 1
+        penalty = numbers / freedom if freedom > 0 else math.inf
+        return values * (math.log(max(trial.rms, _ROUNDING)) + penalty)
 
     tried = [_log_spaced(data, *grids[0])]
     for density, beyond in grids[1:]:
         with suppress(InputError):  # creep of some times has no elastic strain
             tried.append(_log_spaced(data, density, beyond))
-    return min((one for one in tried if one is tried[0] or 2 * len(one.times) <= values), key=score)
+    return min((trial for trial in tried if trial is tried[0] or 2 * len(trial.times) <= values), key=score)
 
 
 def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
@@ -288,11 +291,11 @@ def _with_few_times(data: Measured, broad: Fit) -> Fit | None:
     most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
     for times in islice(_free_times(data, broad.beyond), most):
         with suppress(InputError):  # creep of few times may have no elastic strain
-            found = _with(data, times, beyond=broad.beyond)
-            close = found.rms < max(_CLOSE * broad.rms, _ROUNDING) and not found.systematic
-            few = len(times) < found.decades
-            if close and (few or abs(found.unseen) < max(_SEEN, found.rms)):
-                return found
+            reduced = _with(data, times, beyond=broad.beyond)
+            close = reduced.rms < max(_CLOSE * broad.rms, _ROUNDING) and not reduced.systematic
+            few = len(times) < reduced.decades
+            if close and (few or abs(reduced.unseen) < max(_SEEN, reduced.rms)):
+                return reduced
     return None
 
 
@@ -310,7 +313,7 @@ def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
 
 def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
     low, high = np.log(data.reach(beyond))
-    found = scipy.optimize.least_squares(
+    minimum = scipy.optimize.least_squares(
         functools.partial(_deviations, data),
         np.clip(np.log(times), low, high),
         bounds=(low, high),
@@ -319,7 +322,7 @@ def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
         ftol=1e-12,
         gtol=1e-15,  # exact data end by this one
     )
-    return np.asarray(np.sort(np.exp(found.x)))
+    return np.asarray(np.sort(np.exp(minimum.x)))
 
 
 def _deviations(data: Measured, logarithms: Floats) -> Floats:
@@ -341,13 +344,13 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond
     """A fit of given times; log-spaced ones go on before the first time of the data."""
     fitted = data.fitted
     series, (first, last) = fitted.series(times), data.span
-    of_data, of_all = (np.concatenate(_residuals(one, series)) for one in (data, fitted))
+    of_data, of_all = (np.concatenate(_residuals(measured, series)) for measured in (data, fitted))
     span = (first, math.inf if data.extrapolate else last)
     series = replace(series, span=span, error=float(np.abs(of_all).max()))
-    found = Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade, beyond)
-    if per_decade is None or abs(found.unseen) < _SEEN:
-        return found
-    return replace(found, series=replace(data.continued(series), span=span, error=series.error))
+    result = Fit(series, float(np.sqrt(np.mean(of_data**2))), data, times, per_decade, beyond)
+    if per_decade is None or abs(result.unseen) < _SEEN:
+        return result
+    return replace(result, series=replace(data.continued(series), span=span, error=series.error))
 
 
 def _refuse_others(data: object) -> None:

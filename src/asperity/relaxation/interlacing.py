@@ -70,10 +70,10 @@ def relaxation_rates(j: Floats, theta: Floats, f: float) -> Floats:
 
 def _zeros(falling: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
     """Zeros between `low` and `high`, shape (n,), of a function that falls there, by bisection in log x."""
-    left, right = np.zeros_like(low), np.log(np.maximum(high / low, 1))
+    lower, upper = np.zeros_like(low), np.log(np.maximum(high / low, 1))
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(80):
-            middle = (left + right) / 2
+            middle = (lower + upper) / 2
             above = falling(low * np.exp(middle)) > 0
-            left, right = np.where(above, middle, left), np.where(above, right, middle)
-    return np.asarray(low * np.exp((left + right) / 2))
+            lower, upper = np.where(above, middle, lower), np.where(above, upper, middle)
+    return np.asarray(low * np.exp((lower + upper) / 2))

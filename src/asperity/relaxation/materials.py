@@ -132,40 +132,41 @@ def material(
     InputError
         Something is wrong, or is not about such a source.
     """
-    given = {name: value for name, value in locals().items() if name != "source" and value is not None}
+    arguments = {name: value for name, value in locals().items() if name != "source" and value is not None}
     times: tuple[float, float] | None = None
     if isinstance(source, str | Path) and Path(source).suffix == ".toml":
-        source, of_file, times = _of_toml(expanded(source), given)
+        source, of_file, times = _of_toml(expanded(source), arguments)
         draws = of_file if draws is None else draws
         if times is not None and extrapolate == "model":
-            del given["extrapolate"]
+            del arguments["extrapolate"]
             times = None
-    what, names = _about(source)
-    for name in given:
+    description, names = _about(source)
+    for name in arguments:
         if name not in (*names, "hardness"):
-            raise InputError(name, expected=f"none beside {what}", got=checks.shown(given[name]))
+            raise InputError(name, expected=f"none beside {description}", got=checks.shown(arguments[name]))
     if isinstance(source, Solid):
         solid = source.with_hardness(hardness)
         return Material(solid, draws=_draws(draws, solid), span=times or (0.0, math.inf))
-    factor = _shift(**{name: given[name] for name in _SHIFT if name in given})
+    factor = _shift(**{name: arguments[name] for name in _SHIFT if name in arguments})
     measured: Any = modulus if isinstance(modulus, str) and modulus in _WORDS else None
-    found: Fit | None = None
+    fitted: Fit | None = None
     series: PronySeries | None = None
     if isinstance(source, PronySeries):
         series = source.shifted(factor)
     elif source is not None:
-        how = {name: given[name] for name in _READING if name in given}
+        how = {name: arguments[name] for name in _READING if name in arguments}
         table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
-        found = fit(table.shifted(factor), **{name: given[name] for name in _FITTING if name in given})
-        series, measured = found.series, measured or found.data.measured
-    at_once, of = _at_once(series, measured, given)
+        options = {name: arguments[name] for name in _FITTING if name in arguments}
+        fitted = fit(table.shifted(factor), **options)
+        series, measured = fitted.series, measured or fitted.data.measured
+    at_once, of = _at_once(series, measured, arguments)
     solid = half_space(**at_once, branches=series.branches if series else (), hardness=hardness)
     span = series.span if series else (0.0, math.inf)
-    if found is None:
+    if fitted is None:
         return Material(solid, draws=_draws(draws, solid), span=span)
-    ratio = None if of == "contact" else given.get("poisson", None if of == "shares" else POISSON)
-    facts = {"measured": of, "poisson": ratio, "shift": factor, **_origin(source, found)}
-    return Material(solid, found, span=span, facts=facts)
+    ratio = None if of == "contact" else arguments.get("poisson", None if of == "shares" else POISSON)
+    facts = {"measured": of, "poisson": ratio, "shift": factor, **_origin(source, fitted)}
+    return Material(solid, fitted, span=span, facts=facts)
 
 
 def _about(source: object) -> tuple[str, tuple[str, ...]]:
@@ -177,8 +178,8 @@ def _about(source: object) -> tuple[str, tuple[str, ...]]:
         return "a series, for it is about a relaxation table", (*_AT_ONCE, *_SHIFT, "draws")
     if isinstance(source, str | Path | Measured):
         of_file = _READING if isinstance(source, str | Path) else ()
-        what = "a relaxation table" if of_file else "a table that was read"
-        return what, (*of_file, *_FITTING, *_AT_ONCE, *_SHIFT)
+        description = "a relaxation table" if of_file else "a table that was read"
+        return description, (*of_file, *_FITTING, *_AT_ONCE, *_SHIFT)
     expected = "a relaxation table or its file, a series, or a half-space"
     advice = "asperity.relaxation.read(path)"
     raise InputError("material", expected=expected, got=checks.kind_of(source), advice=advice)
@@ -194,8 +195,8 @@ def _shift(
     """Shift factor by Arrhenius or WLF, or as it is given."""
     if (temperature, reference, activation_energy, wlf) == (None, None, None, None):
         return 1.0 if shift is None else checks.number("shift", shift, above=0)
-    for name, given in (("temperature", temperature), ("reference", reference)):
-        if given is None:
+    for name, value in (("temperature", temperature), ("reference", reference)):
+        if value is None:
             expected = "the temperatures of contact and table"
             raise InputError(name, expected=expected, got="none", advice=f"{name}='25 degC'")
     ways = [way for way in (activation_energy, wlf, shift) if way is not None]
@@ -233,13 +234,13 @@ def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid
         raise InputError("draws", expected="branches of the solid, in whose place they may be", got="none")
     if not hasattr(draws, "__len__") or len(draws) < 2:
         raise InputError("draws", expected="2 lists of branches or more", got=checks.shown(draws))
-    found, modulus = [], relaxing_of(solid).modulus
+    solids, modulus = [], relaxing_of(solid).modulus
     for number, branches in enumerate(draws):
         try:
-            found.append(PronySeries(modulus, check_branches(branches)))
+            solids.append(PronySeries(modulus, check_branches(branches)))
         except InputError as error:
             raise error.about(f"draws[{number}]: {error.name}") from None
-    return tuple(found)
+    return tuple(solids)
 
 
 def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float, float] | None]:
@@ -257,8 +258,8 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
     if (word := keys.pop("creep", "none")) != "none":
         checks.choice(f"{path.name}: [solid] creep", word, tuple(LAWS))
         law: Any = Eyring.activated if "temperature" in keys else LAWS[word]
-        names = {one: one if one == "temperature" else f"creep_{one}" for one in parameters_of(law)}
-        keys["creep"] = law(**{one: keys.pop(name, None) for one, name in names.items()})
+        names = {key: key if key == "temperature" else f"creep_{key}" for key in parameters_of(law)}
+        keys["creep"] = law(**{key: keys.pop(name, None) for key, name in names.items()})
     if "modulus" not in keys and "young" not in keys:
         keys |= {name: given.pop(name) for name in _AT_ONCE if name in given}
     if "young" in keys:

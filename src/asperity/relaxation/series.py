@@ -67,9 +67,9 @@ class PronySeries:
 
     def __repr__(self) -> str:
         first, last = self.span
-        said = f"modulus {self.modulus:.4g}, {len(self.branches)} branches, permanent {self.permanent:.3g}"
+        text = f"modulus {self.modulus:.4g}, {len(self.branches)} branches, permanent {self.permanent:.3g}"
         good = f", to {100 * self.error:.2g} % from {first:.3g} to {last:.3g}" if self.error else ""
-        return f"<PronySeries: {said}{good}>"
+        return f"<PronySeries: {text}{good}>"
 
     @property
     def permanent(self) -> float:

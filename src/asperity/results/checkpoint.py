@@ -91,7 +91,7 @@ class Keeper:
         """
         if not self.path.exists():
             return None
-        known = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}
+        wanted = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}
         try:
             with self.path.open("rb") as file, zipfile.ZipFile(file):
                 file.seek(0)
@@ -100,10 +100,10 @@ class Keeper:
             facts = json.loads(str(arrays["facts"]))
             stranger = facts["fingerprint"] != self.fingerprint
         except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
-            raise CheckpointError("checkpoint", got=f"{self.path}: {reason_of(error)}", **known) from error
+            raise CheckpointError("checkpoint", got=f"{self.path}: {reason_of(error)}", **wanted) from error
         if stranger:
             got = f"{self.path}, of a run with other parameters"
-            raise CheckpointError("checkpoint", got=got, **known)
+            raise CheckpointError("checkpoint", got=got, **wanted)
         return _unpacked(facts, arrays)
 
 
@@ -135,11 +135,11 @@ def fingerprint_of(
 
 
 def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
-    here, midway = place.midway, place.midway.midway
+    march, midway = place.midway, place.midway.midway
     facts = {
         "fingerprint": fingerprint,
-        "control": here.control.name,
-        "here": vars(here) | {"midway": vars(midway) | {"resume_state": None}},
+        "control": march.control.name,
+        "here": vars(march) | {"midway": vars(midway) | {"resume_state": None}},
         "rows": place.rows,
         "snapshots": [vars(snapshot) | {"fields": None} for snapshot in place.snapshots],
     }
@@ -156,8 +156,8 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         for kind in ("kept_", "place_")
     )
     snapshots = [
-        Snapshot(**one | {"fields": {name: fields[index] for name, fields in kept.items()}})
-        for index, one in enumerate(facts["snapshots"])
+        Snapshot(**snapshot | {"fields": {name: fields[index] for name, fields in kept.items()}})
+        for index, snapshot in enumerate(facts["snapshots"])
     ]
     here = facts["here"]
     area = here["midway"]["area"]

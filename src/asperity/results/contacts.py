@@ -66,10 +66,10 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
         raise InputError("path", expected=expected, got=f"{path}, which holds none", advice=advice)
     checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     facts = data.attrs
-    own = attributes_of_solid(solid)
-    if wrong := [name for name, value in own.items() if facts.get(name) != value]:
+    attributes = attributes_of_solid(solid)
+    if wrong := [name for name, value in attributes.items() if facts.get(name) != value]:
         expected = ", ".join(f"{name} {facts.get(name, 'none')}" for name in wrong)
-        got = ", ".join(f"{name} {own[name]}" for name in wrong)
+        got = ", ".join(f"{name} {attributes[name]}" for name in wrong)
         raise InputError("solid", expected=f"that of the saved contact: {expected}", got=got)
     heights = data["heights"].values
     lattice = Lattice(heights.shape, tuple(json.loads(facts["spacing"])), facts["edges"])

@@ -92,8 +92,8 @@ def dataset_of(
     if True in exact:
         attributes["exact_contact"] = "at all times" if exact == {True} else "at some times"
     if protocol is not None:
-        told = [described(leg) for leg in protocol]
-        attributes |= {"protocol": json.dumps(told), "protocol_in_words": in_words(told)}
+        legs = [described(leg) for leg in protocol]
+        attributes |= {"protocol": json.dumps(legs), "protocol_in_words": in_words(legs)}
         attributes["switches"] = json.dumps(list(switches))
     return dataset.assign_attrs(attributes)
 
@@ -110,9 +110,9 @@ def _with_fields(
     if "branch" in dataset.dims:
         dataset = dataset.assign_coords(branch=np.arange(dataset.sizes["branch"]))
     if legs:
-        dataset = dataset.assign_coords(field_leg=("field_time", [one.leg for one in snapshots]))
+        dataset = dataset.assign_coords(field_leg=("field_time", [each.leg for each in snapshots]))
     if slides:
-        places = zip(sites, np.transpose([one.shift for one in snapshots]), strict=True)
+        places = zip(sites, np.transpose([each.shift for each in snapshots]), strict=True)
         shifts = {f"field_shift_{axis}": ("field_time", place) for axis, place in places}
         dataset = dataset.assign_coords(shifts)
     return _with_patches(dataset, start, snapshots)
@@ -145,10 +145,10 @@ def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
 def describe(dataset: xr.Dataset, contact: Contact) -> None:
     """Give every variable its long name and unit."""
     units = units_of(contact)
-    for name, one in (had_by(contact, slides=True) | select(of=["carried"])).items():
+    for name, quantity in (had_by(contact, slides=True) | select(of=["carried"])).items():
         if name in dataset.variables:
-            unit = units.get(one.dimension, one.dimension)
-            dataset[name].attrs.update(long_name=one.long_name, units=unit)
+            unit = units.get(quantity.dimension, quantity.dimension)
+            dataset[name].attrs.update(long_name=quantity.long_name, units=unit)
 
 
 def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:

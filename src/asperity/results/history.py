@@ -30,8 +30,8 @@ def check_dataset(dataset: object) -> None:
 
 def check_fields(dataset: object) -> None:
     """Refuse what is not a dataset of a history that kept fields; `InputError`."""
-    given = checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
-    if "field_time" not in given.get("in_contact", xr.DataArray()).dims:
+    checked = checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
+    if "field_time" not in checked.get("in_contact", xr.DataArray()).dims:
         expected, advice = "a history that kept fields", "age(..., fields_at=times)"
         raise InputError("dataset", expected=expected, got="none", advice=advice)
 
@@ -99,7 +99,7 @@ class History(views.InNotebooks):
         Columns have the names of the dataset; ``leg`` is one after a protocol. Their units, and that of the
         time, are in ``table.attrs["units"]``, by name.
         """
-        series = [name for name, one in self.dataset.data_vars.items() if one.dims == ("time",)]
+        series = [name for name, variable in self.dataset.data_vars.items() if variable.dims == ("time",)]
         table = self.dataset[series].to_dataframe()
         table.attrs["units"] = {name: self.dataset[name].attrs.get("units", "") for name in ("time", *table)}
         return table

@@ -128,6 +128,6 @@ def plain(name: str, value: object) -> dict[str, Plain]:
 
 def units_of_parameters(names: Iterable[str], units: Units) -> str:
     """Say in which units attributes are: ``held_load N, modulus Pa``."""
-    known = {name: PARAMETERS[name][1] for name in names if name in PARAMETERS}
-    said = {name: units.get(dimension, dimension) for name, dimension in known.items()}
-    return ", ".join(f"{name} {unit}" for name, unit in said.items() if unit not in ("", "1"))
+    dimensions = {name: PARAMETERS[name][1] for name in names if name in PARAMETERS}
+    shown_units = {name: units.get(dimension, dimension) for name, dimension in dimensions.items()}
+    return ", ".join(f"{name} {unit}" for name, unit in shown_units.items() if unit not in ("", "1"))

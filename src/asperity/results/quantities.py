@@ -169,9 +169,9 @@ def select(*homes: Home, of: Collection[str] = (), table: Table = _NONE) -> dict
     Of two rows of one name, one for solids that are defined on sites and one for continua, the later counts.
     """
     return {
-        one.name: one
-        for one in QUANTITIES
-        if one.home in (homes or (one.home,)) and one.of in (of or (one.of,)) and table in one.tables
+        row.name: row
+        for row in QUANTITIES
+        if row.home in (homes or (row.home,)) and row.of in (of or (row.of,)) and table in row.tables
     }
 
 
@@ -225,8 +225,8 @@ def units_of(contact: Contact) -> Units:
 
 def units_named(named: Mapping[str, str]) -> Units:
     """Units of dimensions, from those of recorded quantities by name."""
-    known = select()
-    found = {known[name].dimension: unit for name, unit in named.items() if name in known}
+    quantities = select()
+    units = {quantities[name].dimension: unit for name, unit in named.items() if name in quantities}
     systems = (_SITES, _OWN, _SI, _SI | _SI_OF_A_LINE)
-    alike = (one for one in systems if all(one.get(d) == found.get(d) for d in ("time", "force")))
-    return next(alike, {}) | found
+    alike = (system for system in systems if all(system.get(d) == units.get(d) for d in ("time", "force")))
+    return next(alike, {}) | units

@@ -145,11 +145,11 @@ def whole_folder(path: Path, *, overwrite: bool | Standing = False) -> Iterator[
     if overwrite is False and standing(path):
         raise OutputError(f"{path} exists already and is kept; choose another name, or overwrite it")
     with _staged(path, "; nothing was left there") as folder:
-        made = folder / "made"
-        made.mkdir()
-        yield made
-        flush(made)
-        _move_into_place(made, path, replaceable)
+        finished = folder / "made"
+        finished.mkdir()
+        yield finished
+        flush(finished)
+        _move_into_place(finished, path, replaceable)
 
 
 @contextmanager
@@ -204,13 +204,13 @@ def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
     """
     target = path.resolve()
     old = beside(target.with_name(f".{target.name}"), f".{uuid.uuid4().hex[:12]}.old")
-    there = standing(target)
-    if there and there <= replaceable and target.is_dir() and made.is_dir():
+    present = standing(target)
+    if present and present <= replaceable and target.is_dir() and made.is_dir():
         target.rename(old)
         if not standing(old) <= replaceable:  # something came at the last moment
             old.rename(target)
     try:
-        _rename(made, target, over=bool(there) and there <= replaceable)
+        _rename(made, target, over=bool(present) and present <= replaceable)
     except OSError:
         if not target.exists():
             raise

@@ -148,9 +148,10 @@ def array(
     where = _places(places, lattice)
     size = _lengths("radii", radii, len(where), "a ball", least=max(lattice.spacing))
     tops = _lengths("heights", heights, len(where), "a ball")
-    made = _balls(lattice, where / lattice.spacing, size, tops, edges)
-    told = {"y": where[:, 0], "x": where[:, 1], "radii": size, "heights": tops}
-    return _made("array", lattice, made, edges, **{name: one.tolist() for name, one in told.items()})
+    balls = _balls(lattice, where / lattice.spacing, size, tops, edges)
+    placement = {"y": where[:, 0], "x": where[:, 1], "radii": size, "heights": tops}
+    lists = {name: values.tolist() for name, values in placement.items()}
+    return _made("array", lattice, balls, edges, **lists)
 
 
 def _made(kind: str, lattice: Lattice, made: Field, edges: Edges, **facts: float | list[float]) -> Surface:
@@ -164,21 +165,21 @@ def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Ed
     heights = np.full(lattice.shape, floor)
     for place, R, top in zip(places, radii, tops, strict=True):
         y, x = _offsets(lattice, place, edges)
-        there = np.ix_(np.abs(y[:, 0]) <= R, np.abs(x[0]) <= R)
-        squares = y[there[0][:, 0]] ** 2 + x[:, there[1][0]] ** 2
+        within = np.ix_(np.abs(y[:, 0]) <= R, np.abs(x[0]) <= R)
+        squares = y[within[0][:, 0]] ** 2 + x[:, within[1][0]] ** 2
         # sqrt(R^2 - r^2) - R without the difference of two large numbers.
         fall = squares / (R + np.sqrt(np.maximum(R**2 - squares, 0.0)))
-        heights[there] = np.maximum(heights[there], np.where(squares <= R**2, top - fall, floor))
+        heights[within] = np.maximum(heights[within], np.where(squares <= R**2, top - fall, floor))
     return heights
 
 
 def _offsets(lattice: Lattice, place: Field, edges: Edges) -> tuple[Field, Field]:
     """How far sites are from a place, in sites, along each axis: lengths, shapes (n, 1) and (1, m)."""
-    found = []
-    for n, step, there in zip(lattice.shape, lattice.spacing, place, strict=True):
-        sites = np.arange(n) - there
-        found.append(step * (sites - n * np.rint(sites / n) if edges == "periodic" else sites))
-    return found[0][:, np.newaxis], found[1][np.newaxis]
+    offsets = []
+    for n, step, center in zip(lattice.shape, lattice.spacing, place, strict=True):
+        sites = np.arange(n) - center
+        offsets.append(step * (sites - n * np.rint(sites / n) if edges == "periodic" else sites))
+    return offsets[0][:, np.newaxis], offsets[1][np.newaxis]
 
 
 def _middle(lattice: Lattice) -> Field:
@@ -212,11 +213,11 @@ def _lengths(name: str, value: object, count: int = 1, each: str = "", least: fl
     """One length for all, or one each, finite and not below the least; shape (count,)."""
     expected = f"one length, or {count}, one {each}" if count > 1 else "one length"
     advice = "a number in m, or a text such as '1 mm'"
-    found = checks.floats(name, units.numbers(name, value, "m"), expected=expected, advice=advice)
-    if found.shape not in ((), (1,), (count,)):
-        raise InputError(name, expected=expected, got=f"shape {found.shape}", advice=advice)
-    if not ((found >= least) & (found <= LARGEST)).all():
+    lengths = checks.floats(name, units.numbers(name, value, "m"), expected=expected, advice=advice)
+    if lengths.shape not in ((), (1,), (count,)):
+        raise InputError(name, expected=expected, got=f"shape {lengths.shape}", advice=advice)
+    if not ((lengths >= least) & (lengths <= LARGEST)).all():
         expected = "finite lengths" if least < 0 else f"finite lengths of a pixel, {least:g} m, or more"
-        got = float(found.min() if (found < least).any() else found.max())
+        got = float(lengths.min() if (lengths < least).any() else lengths.max())
         raise InputError(name, expected=expected, got=got, advice=advice)
-    return np.broadcast_to(found, (count,))
+    return np.broadcast_to(lengths, (count,))

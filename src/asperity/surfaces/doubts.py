@@ -52,7 +52,7 @@ def remarks(
             f"{count} pixels have the height {void}, far from all others or too often: if that stands for "
             f"undefined pixels, try undefined_value = {void} (--undefined-value {void})"
         )
-    odd, side = [], max((n * one for n, one in zip(found.shape, size or (), strict=False)), default=0.0)
+    odd, side = [], max((n * pixel for n, pixel in zip(found.shape, size or (), strict=False)), default=0.0)
     if found.slope_unit == "1" and found.rms_slope and not _SLOPES[0] <= found.rms_slope <= _SLOPES[1]:
         odd.append(f"an rms slope of {found.rms_slope:.2g}")
     if side * (across or 0.0) > _FIELD:

@@ -35,8 +35,8 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
         raw = read_hdf5(file, channel)
     elif is_text and suffix in _TEXT_SUFFIXES:
         raw = read_text(file, channel)
-    elif (found := read_instrument(file, channel)) is not None:
-        raw = found
+    elif (channel_data := read_instrument(file, channel)) is not None:
+        raw = channel_data
     elif suffix in _TEXT_SUFFIXES or (is_text and b"\0" not in file.read_bytes()[len(begin) :]):
         raw = read_text(file, channel)
     else:
@@ -64,8 +64,8 @@ def with_lengths(
         raw = dataclasses.replace(raw, unit=file_unit, unit_from="file_unit")
     if pixel_size is not None:
         chosen = length_unit or raw.length_unit
-        sizes, known = sides_of_pixels(pixel_size, raw.heights.ndim, chosen)
-        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=known, size_from="pixel_size")
+        sizes, unit = sides_of_pixels(pixel_size, raw.heights.ndim, chosen)
+        raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=unit, size_from="pixel_size")
     elif length_unit is not None:
         if raw.pixel_size is None:
             advice = "pixel_size (--pixel-size)"

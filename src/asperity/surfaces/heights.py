@@ -38,11 +38,11 @@ def check_heights(heights: ArrayLike) -> Field:
 
 def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:
     """Distance between sites along each axis, from one positive number or one for each axis."""
-    found = checks.positive(name, value)
-    if found.shape not in ((), (axes,)):
+    spacings = checks.positive(name, value)
+    if spacings.shape not in ((), (axes,)):
         expected = f"one number above 0, or {axes}, one an axis" if axes > 1 else "one number above 0"
         raise InputError(name, expected=expected, got=checks.shown(value))
-    return tuple(np.broadcast_to(found, axes).tolist())
+    return tuple(np.broadcast_to(spacings, axes).tolist())
 
 
 def sides_of_pixels(
@@ -54,10 +54,10 @@ def sides_of_pixels(
     """
     value = as_text(value)
     written = [value] if isinstance(value, str) else value
-    texts = [as_text(one) for one in written if has_unit(one)] if isinstance(written, list | tuple) else []
+    texts = [as_text(side) for side in written if has_unit(side)] if isinstance(written, list | tuple) else []
     if texts:
-        own = texts[0].lstrip("+-.0123456789eE ").strip().replace("µ", "u").replace("μ", "u")
-        length_unit = length_unit or (own if is_length(own) else "m")
+        unit = texts[0].lstrip("+-.0123456789eE ").strip().replace("µ", "u").replace("μ", "u")
+        length_unit = length_unit or (unit if is_length(unit) else "m")
         written = units.numbers("pixel_size", written, length_unit)
     if isinstance(value, str) and isinstance(written, list):
         (written,) = written

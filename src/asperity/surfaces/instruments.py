@@ -96,10 +96,10 @@ def _opened(path: Path, formats: Sequence[str] | None) -> Any:
 
 def _without_metadata(reader: Any) -> Any:
     """Let a reader look for no metadata beside units and sizes, such as dates: nobody needs them."""
-    found = getattr(reader, "_channel_bindings", None)
-    if not found:
+    channels = getattr(reader, "_channel_bindings", None)
+    if not channels:
         return reader
-    bindings = [{name: value for name, value in each.items() if name != "info"} for each in found]
+    bindings = [{name: value for name, value in each.items() if name != "info"} for each in channels]
     return type(reader.__name__, (reader,), {"_channel_bindings": bindings})
 
 
@@ -135,9 +135,9 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan).T
     unit = spelled(topography.unit)
     sizes = chosen.physical_sizes
-    known = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
-    downward = sizes[::-1] if known else ()
-    pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True)) if known else None
+    sized = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
+    downward = sizes[::-1] if sized else ()
+    pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True)) if sized else None
     remarks: tuple[str, ...] = ()
     if kind == "nms" and pixel and not _PIXELS[0] <= pixel[-1] <= _PIXELS[1]:
         # The library takes the spacing for mm, which gives pixels of meters in the files there are.
@@ -149,7 +149,7 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
         reader=f"SurfaceTopography {importlib.metadata.version('SurfaceTopography')}",
         unit=unit,
         pixel_size=pixel,
-        length_unit=unit if known and unit != "1" else None,
+        length_unit=unit if sized and unit != "1" else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),
         orientation=PICTURE,
@@ -167,8 +167,8 @@ def _choose(reader: Any, path: Path, channel: str | int | None) -> Any:
     if channel is None:
         candidates = [c for c in [reader.default_channel, *listed] if _holds_heights(c)]
     if not candidates:
-        known = ", ".join(f"{c.channel_id!r} (number {c.index})" for c in listed)
-        expected = f"one of its channels of heights: {known}"
+        names = ", ".join(f"{c.channel_id!r} (number {c.index})" for c in listed)
+        expected = f"one of its channels of heights: {names}"
         raise SurfaceFileError(str(path), expected=expected, got=f"channel {channel!r}")
     return candidates[0]
 

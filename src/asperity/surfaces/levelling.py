@@ -43,13 +43,13 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
     terms = [term for n in range(order + 1) for term in combinations_with_replacement(range(axes), n)]
     columns = [np.broadcast_to(math.prod(along[a] for a in term), heights.shape) for term in terms]
     parts = np.linalg.lstsq(np.stack([c[defined] for c in columns], axis=1), level[defined], rcond=None)[0]
-    left = np.asarray(level - sum(part * column for part, column in zip(parts, columns, strict=True)))
+    flat = np.asarray(level - sum(part * column for part, column in zip(parts, columns, strict=True)))
     # What a perfect polynomial leaves is rounding, and no surface to press anything onto.
-    if np.abs(left[defined]).max() <= _ROUNDING * np.abs(heights[defined]).max():
-        left = np.zeros_like(left)
+    if np.abs(flat[defined]).max() <= _ROUNDING * np.abs(heights[defined]).max():
+        flat = np.zeros_like(flat)
     parts[0] += mean
     sides = [max(n - 1, 1) for n in heights.shape]
-    return left, [
+    return flat, [
         float(part) / math.prod(sides[a] for a in term) for part, term in zip(parts, terms, strict=True)
     ]
 
@@ -67,7 +67,7 @@ def levelled(
         level, removed = remove_tilt(heights, ~filled, tilt)
         if lines == "median":
             level, more = remove_tilt(level - _medians(level, ~filled), ~filled, tilt)
-            removed = [one + other for one, other in zip(removed, more, strict=True)]
+            removed = [total + other for total, other in zip(removed, more, strict=True)]
         outlying, highest = spikes(level, ~filled)
         if most_spikes is None or not outlying.any():
             break
@@ -87,16 +87,16 @@ def _medians(heights: Field, defined: Mask) -> Field:
     if heights.ndim == 1:
         expected = "'none' for a profile, which is a single line"
         raise InputError("lines", expected=expected, got="'median'")
-    known = np.where(defined, heights, np.nan)
-    known[~defined.any(axis=1)] = 0.0
-    return np.asarray(np.nanmedian(known, axis=1, keepdims=True))
+    measured = np.where(defined, heights, np.nan)
+    measured[~defined.any(axis=1)] = 0.0
+    return np.asarray(np.nanmedian(measured, axis=1, keepdims=True))
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
     """Defined pixels far above all others, and the highest in robust deviations; see `surfaces.read`."""
-    known = heights[defined]
-    median = np.median(known)
-    deviation = 1.4826 * float(np.median(np.abs(known - median)))
+    measured = heights[defined]
+    median = np.median(measured)
+    deviation = 1.4826 * float(np.median(np.abs(measured - median)))
     if deviation == 0:  # most heights are equal: no measure of what is far
         return np.zeros_like(defined), 0.0
     above = (heights - median) / deviation
@@ -110,8 +110,8 @@ def bow(heights: Field) -> dict[str, float]:
     variance = float(part[chosen].var())
     if part.size < _FEW or variance == 0:
         return {"bow_variance": 0.0, "highest_at_edges": 0.0}
-    left, _ = remove_tilt(part, chosen, "quadratic")
+    flat, _ = remove_tilt(part, chosen, "quadratic")
     highest = np.nonzero(chosen & (part >= np.quantile(part[chosen], 0.99)))
     outer = [np.minimum(i, n - 1 - i) < n / 10 for i, n in zip(highest, part.shape, strict=True)]
-    share = 1 - float(left[chosen].var()) / variance
+    share = 1 - float(flat[chosen].var()) / variance
     return {"bow_variance": share, "highest_at_edges": float(np.any(outer, axis=0).mean())}

@@ -90,13 +90,20 @@ def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
                 return make(*args, **given)
             checks.choice("unit", unit, LENGTHS)
             taken = {"unit": unit, **given, **sizes}
-            heights = make(*args, **{name: one for name, one in taken.items() if name not in added})
-            facts = {name: one for name, one in given.items() if isinstance(one, float | int | list | tuple)}
+            heights = make(*args, **{name: argument for name, argument in taken.items() if name not in added})
+            facts = {
+                name: argument
+                for name, argument in given.items()
+                if isinstance(argument, float | int | list | tuple)
+            }
             size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
             return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        known = signature.parameters.values()
-        parameters = [one.replace(annotation=_ADDED.get(one.name, one.annotation)) for one in known]
+        arguments = signature.parameters.values()
+        parameters = [
+            argument.replace(annotation=_ADDED.get(argument.name, argument.annotation))
+            for argument in arguments
+        ]
         whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
         call.__signature__ = whole  # type: ignore[attr-defined]
         return cast(Maker[_P], call)

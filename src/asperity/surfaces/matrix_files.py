@@ -71,8 +71,8 @@ def read_mat(path: Path, channel: str | int | None) -> RawSurface:
         if file.read(10) == b"MATLAB 7.3":
             return read_hdf5(path, channel)
     with _one_error(path, ".mat"):
-        found = [(name, shape) for name, shape, kind in whosmat(path) if _NUMERIC.fullmatch(kind)]
-        shapes = {name: shape for name, shape in found if len(shape) == 2 and math.prod(shape) > 1}
+        matrices = [(name, shape) for name, shape, kind in whosmat(path) if _NUMERIC.fullmatch(kind)]
+        shapes = {name: shape for name, shape in matrices if len(shape) == 2 and math.prod(shape) > 1}
         chosen = _chosen(path, channel, shapes)
         heights = _heights(loadmat(path, variable_names=[chosen])[chosen])
     return RawSurface(heights, format="mat", channel=chosen, channels=tuple(shapes))
@@ -159,9 +159,9 @@ def _header(file: IO[bytes], size: int) -> tuple[tuple[int, ...], str]:
         return shape, "pickled Python objects"
     if dtype.kind not in "iuf" or len(shape) not in (1, 2) or min(shape) == 0:
         return shape, f"an array of type {dtype} and shape {shape}"
-    promised, there = math.prod(shape) * dtype.itemsize, size - file.tell()
-    if min(shape) < 0 or promised > there:
-        raise ValueError(f"the header promises {promised} bytes, there are {there}")
+    promised, present = math.prod(shape) * dtype.itemsize, size - file.tell()
+    if min(shape) < 0 or promised > present:
+        raise ValueError(f"the header promises {promised} bytes, there are {present}")
     return shape, ""
 
 

@@ -245,8 +245,8 @@ def read(
     final = prepare.make_periodic(level * factor, periodic)
     if periodic == "mirror":
         filled = prepare.make_periodic(filled.astype(float), periodic) > 0
-    told: Provenance = {"file": file.name, "sha256": checksum, **files.record_of(raw)}
-    told |= {
+    provenance: Provenance = {"file": file.name, "sha256": checksum, **files.record_of(raw)}
+    provenance |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),
         "undefined_fraction": float(missing.mean()),
@@ -262,10 +262,10 @@ def read(
         "rms_before": float(heights[~missing].std()),
         "rms_after": float(final.std()),
     }
-    told |= cut | limits
+    provenance |= cut | limits
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}
     edges = beyond.get(periodic, "periodic")
-    return Surface(final, final_unit, size, raw.length_unit, told, edges, filled)
+    return Surface(final, final_unit, size, raw.length_unit, provenance, edges, filled)
 
 
 def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[int]) -> NDArray[np.bool_]:
@@ -297,5 +297,5 @@ def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> st
     if missing[box].mean() > limit:
         return ""
     starts = crop[::2] or [0] * missing.ndim
-    words = [str(n + end) for n, one in zip(starts, box, strict=True) for end in (one.start, one.stop)]
+    words = [str(n + end) for n, part in zip(starts, box, strict=True) for end in (part.start, part.stop)]
     return f"crop = [{', '.join(words)}] (--crop {' '.join(words)}), "

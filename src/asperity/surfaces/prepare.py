@@ -93,9 +93,11 @@ def part_of(
 
 
 def checked_band(longest: float | None, shortest: float | None) -> dict[str, float]:
-    """Check the limits of a band of wavelengths; those that there are, by name."""
-    given = {"longest": longest, "shortest": shortest}
-    limits = {name: checks.number(name, one, above=0) for name, one in given.items() if one is not None}
+    """Check the limits of a band of bounds; those that there are, by name."""
+    bounds = {"longest": longest, "shortest": shortest}
+    limits = {
+        name: checks.number(name, bound, above=0) for name, bound in bounds.items() if bound is not None
+    }
     if len(limits) == 2 and limits["shortest"] >= limits["longest"]:
         expected = f"a wavelength below the longest, {limits['longest']:g}"
         raise InputError("shortest", expected=expected, got=f"{limits['shortest']:g}")
@@ -129,12 +131,12 @@ def fill(heights: Field) -> Field:
     filled = flat.copy()
     if unknowns:
         number = np.cumsum(missing) - 1  # of the unknown that belongs to a missing pixel
-        here, there = _neighbors_of_missing(heights.shape, missing)
-        inner = missing[there]
-        edges = number[here[inner]], number[there[inner]]
+        site, neighbor = _neighbors_of_missing(heights.shape, missing)
+        inner = missing[neighbor]
+        edges = number[site[inner]], number[neighbor[inner]]
         links = scipy.sparse.csr_array((np.ones(len(edges[0])), edges), shape=(unknowns, unknowns))
-        degree = np.bincount(number[here], minlength=unknowns).astype(np.float64)
-        rim, rim_height = number[here[~inner]], flat[there[~inner]]
+        degree = np.bincount(number[site], minlength=unknowns).astype(np.float64)
+        rim, rim_height = number[site[~inner]], flat[neighbor[~inner]]
         right = np.bincount(rim, weights=rim_height, minlength=unknowns)
         laplacian = scipy.sparse.diags_array(degree, format="csc") - links.tocsc()
         solution = np.atleast_1d(scipy.sparse.linalg.spsolve(laplacian, right, permc_spec="MMD_AT_PLUS_A"))
@@ -149,8 +151,8 @@ def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArra
     for axis, n in enumerate(shape):
         lower, upper = (np.take(grid, range(i, n - 1 + i), axis=axis).ravel() for i in (0, 1))
         pairs += [np.stack(pair)[:, missing[pair[0]]] for pair in ((lower, upper), (upper, lower))]
-    here, there = np.concatenate(pairs, axis=1)
-    return here, there
+    site, neighbor = np.concatenate(pairs, axis=1)
+    return site, neighbor
 
 
 def _clipped(

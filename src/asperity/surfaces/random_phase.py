@@ -217,17 +217,19 @@ def from_spectrum(
     q = Lattice(lengths, sides).wave_number
     kept = q > 0
     power = np.zeros(q.shape)
-    found = (
+    measured = (
         checks.floats("spectrum", spectrum(q[kept])) if callable(spectrum) else _of_table(spectrum, q[kept])
     )
-    if found.shape not in ((), q[kept].shape):
-        raise InputError("spectrum", expected=f"C at {q[kept].size} wave numbers", got=f"shape {found.shape}")
-    power[kept] = found
+    if measured.shape not in ((), q[kept].shape):
+        raise InputError(
+            "spectrum", expected=f"C at {q[kept].size} wave numbers", got=f"shape {measured.shape}"
+        )
+    power[kept] = measured
     if not (np.isfinite(power) & (power >= 0)).all():
         raise InputError("spectrum", expected="finite C >= 0 at all wave numbers", got="others")
     if not power.any():
-        known = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
-        raise InputError("spectrum", expected=f"power between wave numbers of {known}", got="none")
+        covered = f"{q[kept].min(initial=math.inf):.3g} to {q.max():.3g}"
+        raise InputError("spectrum", expected=f"power between wave numbers of {covered}", got="none")
     modes = _phases(lengths, checks.generator(seed, rng)) * np.sqrt(
         power * (math.prod(lengths) / math.prod(sides))
     )
@@ -277,11 +279,11 @@ def _roughness(
     height: float | None, slope: float | None, curvature: float | None, axes: int
 ) -> tuple[int, float]:
     """The power of q in the measure that is given, and what it shall be."""
-    given = {"rms_height": height, "rms_slope": slope, "rms_curvature": curvature}
-    chosen = {name: value for name, value in given.items() if value is not None} or {"rms_height": 1.0}
+    measures = {"rms_height": height, "rms_slope": slope, "rms_curvature": curvature}
+    chosen = {name: value for name, value in measures.items() if value is not None} or {"rms_height": 1.0}
     if len(chosen) > 1:
         got = " and ".join(chosen)
-        raise InputError("roughness", expected=f"one of {', '.join(given)}", got=got, advice="one of them")
+        raise InputError("roughness", expected=f"one of {', '.join(measures)}", got=got, advice="one of them")
     ((name, value),) = chosen.items()
-    power = list(given).index(name)
+    power = list(measures).index(name)
     return power, checks.number(name, value, above=0) * (axes if power == 2 else 1)

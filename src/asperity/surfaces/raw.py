@@ -85,7 +85,7 @@ def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) ->
         return names[channel]
     if isinstance(channel, str) and channel in channels:
         return channel
-    listed = [f"{each!r} (number {i}, {what})" for i, (each, what) in enumerate(channels.items())]
+    listed = [f"{each!r} (number {i}, {unit})" for i, (each, unit) in enumerate(channels.items())]
     if len(listed) > 8:
         listed[8:] = [f"and {len(names) - 8} more"]
     got = "none" if channel is None else f"channel {channel!r}"

@@ -131,15 +131,15 @@ class PowerSpectrum:
     def __repr__(self) -> str:
         q, unit = self.wave_number, self.length_unit
         span = f"{q.size} bins from {q[0]:.3g} to {q[-1]:.3g} rad/{unit}" if q.size else "no bins"
-        found = "no Hurst exponent" if self.fit is None else f"H = {self.fit.hurst:.3g}"
-        return f"<PowerSpectrum: {span}, {found}>"
+        exponent = "no Hurst exponent" if self.fit is None else f"H = {self.fit.hurst:.3g}"
+        return f"<PowerSpectrum: {span}, {exponent}>"
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """What whoever takes an exponent from it should know."""
         if self.anisotropy <= _ANISOTROPIC:
             return ()
-        columns, rows = ("none" if one is None else f"{one:.3f}" for one in self.hurst_along)
+        columns, rows = ("none" if exponent is None else f"{exponent:.3f}" for exponent in self.hurst_along)
         return (
             f"the surface is not isotropic: spectra along its two axes differ by a factor of "
             f"{self.anisotropy:.2g}; Hurst exponent along the rows {rows}, along the columns {columns}",
@@ -203,13 +203,13 @@ def power_spectrum(
         _along(np.moveaxis(level, axis, -1), size, window, 1 if fits else 3)
         for axis, (size, window) in enumerate(zip(sizes, windows, strict=True))
     )
-    profiles = [_binned(*one, 0.0, one[0].max(initial=0.0), 1.0 if fits else _HANN) for one in along]
+    profiles = [_binned(*each, 0.0, each[0].max(initial=0.0), 1.0 if fits else _HANN) for each in along]
     return PowerSpectrum(
         wave_number=bins.q,
         power=bins.power,
         modes=bins.modes,
         along=along,
-        hurst_along=tuple(None if (found := _fit(one, 1, {})) is None else found.hurst for one in profiles),
+        hurst_along=tuple(None if (line := _fit(each, 1, {})) is None else line.hurst for each in profiles),
         anisotropy=_ratio(profiles[0], profiles[-1]),
         window="none" if fits else "Hann",
         fit=_fit(bins, heights.ndim, limits),
@@ -287,11 +287,11 @@ def _fit(bins: _Bins, axes: int, limits: dict[str, float]) -> SelfAffineRange | 
                 continue
             if not np.isfinite(bins.logarithm[first:last]).all():
                 break
-            found, misfit, drift, deficit, off = _line(bins, np.arange(first, last), axes)
-            known = found.interval[1] - found.hurst <= _UNKNOWN
+            candidate, misfit, drift, deficit, off = _line(bins, np.arange(first, last), axes)
+            narrow = candidate.interval[1] - candidate.hurst <= _UNKNOWN
             straight = misfit <= 1 and drift <= _DRIFT and deficit <= _DEFICIT and off <= _OFF_LINE
-            if straight and known and 0 <= round(found.hurst, 2) <= 1:
-                best, broadest = found, width
+            if straight and narrow and 0 <= round(candidate.hurst, 2) <= 1:
+                best, broadest = candidate, width
     return best
 
 
@@ -303,13 +303,13 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     center = float(np.average(x, weights=weight))
     spread = float(np.sum(weight * (x - center) ** 2))
     slope = float(np.sum(weight * (x - center) * y)) / spread
-    left = y - float(np.average(y, weights=weight)) - slope * (x - center)
+    residual = y - float(np.average(y, weights=weight)) - slope * (x - center)
     free = chosen.size - 2
-    misfit = float(np.sum(weight * left**2)) / free
+    misfit = float(np.sum(weight * residual**2)) / free
     reach = float(scipy.special.stdtrit(free, 0.975)) * math.sqrt(max(misfit, 1.0) / spread) / 2
     hurst = (-slope - axes) / 2
     level = float(np.average(np.log(bins.power[chosen]), weights=weight))
-    found = SelfAffineRange(
+    fitted = SelfAffineRange(
         hurst=hurst,
         interval=(hurst - reach, hurst + reach),
         longest=2 * math.pi / float(bins.low[chosen[0]]),
@@ -317,7 +317,7 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
         exponent=slope,
         middle=(math.exp(center), math.exp(level)),
     )
-    normal, half = left * np.sqrt(weight), chosen.size // 2
+    normal, half = residual * np.sqrt(weight), chosen.size // 2
     ends = np.stack([normal[:half], normal[: -half - 1 : -1]])
     root = np.sqrt(np.arange(1, half + 1))
     drift = np.abs(np.cumsum(ends, axis=-1)) / root
@@ -326,15 +326,15 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     count = 1 / ((bins.scatter[chosen] / _SCATTER) ** 2 + _TOLERANCE**2)
     deviance = np.sign(excess) * np.sqrt(2 * count * np.maximum(np.expm1(excess) - excess, 0))
     deficit = float(np.max(-np.cumsum(deviance[:half]) / root))
-    return found, misfit, float(drift.max()), deficit, float(np.mean(count * excess**2))
+    return fitted, misfit, float(drift.max()), deficit, float(np.mean(count * excess**2))
 
 
 def _ratio(first: _Bins, second: _Bins) -> float:
     """Factor by which two spectra differ at the wave numbers at which both have waves; 1 where none has."""
     logarithms = []
-    for one in (first, second):
-        kept = one.power > _ROUNDING * one.power.max(initial=0.0)
-        logarithms.append((np.log(one.q[kept]), np.log(one.power[kept])))
+    for spectrum in (first, second):
+        kept = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)
+        logarithms.append((np.log(spectrum.q[kept]), np.log(spectrum.power[kept])))
     (q, power), (other_q, other) = logarithms
     common = (q >= other_q.min(initial=math.inf)) & (q <= other_q.max(initial=-math.inf))
     if not common.any():

@@ -44,8 +44,8 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
         Role("wave number", f"1/{unit or 'm'}", r"^q$|^k$|wave.?(number|vector)|wellenzahl"),
         Role("power", f"{unit or 'm'}^{power}", _POWER),
     )
-    found = Columns(path, wanted)
-    table, roles = found.table, found.roles
+    columns = Columns(path, wanted)
+    table, roles = columns.table, columns.roles
     if not any(table.names) and len(roles) == 2:
         roles = [role.name for role in wanted]
     if any(roles.count(role.name) != 1 for role in wanted):
@@ -53,11 +53,11 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
         raise InputError(table.name, expected="columns of q and C", got=named(table), advice=advice)
     places = {role.name: roles.index(role.name) for role in wanted}
     try:
-        in_table = [written for role, at in places.items() if (written := found.unit(role, at))]
+        in_table = [written for role, at in places.items() if (written := columns.unit(role, at))]
     except InputError as error:  # without the advice to state units, which nobody can here
         raise InputError(error.name, expected=error.expected, got=error.got) from None
     if in_table and unit is None:
         expected = f"the unit of the heights, as the table has {in_table[0]}"
         raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")
-    q, C = (found.values(role, at) for role, at in places.items())
+    q, C = (columns.values(role, at) for role, at in places.items())
     return q, C

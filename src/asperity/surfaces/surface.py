@@ -134,9 +134,9 @@ class Surface(views.InNotebooks):
         part = measured_part(self.shape, self.provenance)
         if math.prod(s.stop for s in part) == self.heights.size:
             return self
-        told = self.provenance | {"periodic_rule": "reflect"}
-        told["final_shape"] = [one.stop for one in part]
-        return dataclasses.replace(self._part(part), edges="reflecting", provenance=told)
+        provenance = self.provenance | {"periodic_rule": "reflect"}
+        provenance["final_shape"] = [side.stop for side in part]
+        return dataclasses.replace(self._part(part), edges="reflecting", provenance=provenance)
 
     def _part(self, part: tuple[slice, ...]) -> Surface:
         filled = None if self.filled is None else self.filled[part]
@@ -149,8 +149,8 @@ class Surface(views.InNotebooks):
         if "kind" in facts:  # made, not measured
             return ()
         across = prepare.conversion(self.length_unit, "m")
-        found = doubts.remarks(facts, scan.describe(), self.pixel_size, across)
-        return (*facts.get("reader_remarks", ()), *found)
+        sentences = doubts.remarks(facts, scan.describe(), self.pixel_size, across)
+        return (*facts.get("reader_remarks", ()), *sentences)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
@@ -205,9 +205,9 @@ class Surface(views.InNotebooks):
         part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
         facts["crop"] = [edge for axis in part for edge in (axis.start, axis.stop)]
-        found = self._part(part)
-        kept = found.heights.size == self.heights.size or self.edges == "free"
-        return dataclasses.replace(found, edges=self.edges if kept else "reflecting", provenance=facts)
+        cropped = self._part(part)
+        kept = cropped.heights.size == self.heights.size or self.edges == "free"
+        return dataclasses.replace(cropped, edges=self.edges if kept else "reflecting", provenance=facts)
 
     def level(
         self, tilt: levelling.Tilt = "plane", *, despike: bool = False, lines: levelling.Lines = "none"
@@ -234,8 +234,8 @@ class Surface(views.InNotebooks):
         scan, most = self.scan, _SPIKY if despike else None
         missing = np.zeros(scan.shape, dtype=bool) if scan.filled is None else scan.filled
         level, filled, facts = levelling.levelled(scan.heights, missing, tilt, most, lines)
-        told = {**scan.provenance, **facts, **levelling.bow(level)}
-        return dataclasses.replace(scan, heights=level, provenance=told, filled=filled)
+        provenance = {**scan.provenance, **facts, **levelling.bow(level)}
+        return dataclasses.replace(scan, heights=level, provenance=provenance, filled=filled)
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
         """Leave out the waves that are longer or shorter than these; the mean stays.
@@ -288,13 +288,13 @@ def combined(first: Surface, second: Surface) -> Surface:
     for name, surface in (("first", first), ("second", second)):
         checks.instance(name, surface, Surface, "asperity.surfaces.Surface(heights)")
     mirrored = [surface.provenance.get("periodic_rule") == "mirror" for surface in (first, second)]
-    for what, mine, other in (
+    for attribute, mine, other in (
         ("shape", first.shape, second.shape),
         ("edges", first.edges, second.edges),
         ("mirror images", *mirrored),
     ):
         if mine != other:
-            raise InputError("second", expected=f"the {what} of the first, {mine}", got=other)
+            raise InputError("second", expected=f"the {attribute} of the first, {mine}", got=other)
     mine, own, unit = first.pixel_size, second.length_unit, first.length_unit
     across = 1.0 if own == unit else prepare.conversion(own, unit) or math.nan
     pixels = second.pixel_size and [across * side for side in second.pixel_size]
@@ -308,7 +308,7 @@ def combined(first: Surface, second: Surface) -> Surface:
     if factor is None:
         expected = f"heights that can be added to those of the first, in {first.unit!r}"
         raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")
-    masks = [one.filled for one in (first, second) if one.filled is not None]
+    masks = [part.filled for part in (first, second) if part.filled is not None]
     other = str(second.provenance.get("file") or second.provenance.get("kind") or "heights")
     return dataclasses.replace(
         first,

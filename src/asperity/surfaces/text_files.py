@@ -85,7 +85,7 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         advice = "a # before header lines, and NaN for undefined pixels"
         got = repr(shortened(words[0], 60))
         raise SurfaceFileError(str(path), expected=expected, got=got, advice=advice)
-    found, shapes, others = {}, {}, []
+    rows, shapes, others = {}, {}, []
     labels = [
         shortened("".join(block.fact("channel")), 40) or "matrix" * (len(blocks) > 1) for block in blocks
     ]
@@ -94,13 +94,13 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
         if unit and not is_length(spelled(unit)):
             others.append(f"{name!r} in {unit}")
             continue
-        found[name], shapes[name] = (table, block), " x ".join(map(str, table.values.shape))
-    if not found:
+        rows[name], shapes[name] = (table, block), " x ".join(map(str, table.values.shape))
+    if not rows:
         raise SurfaceFileError(str(path), expected="heights in a unit of length", got=", ".join(others))
-    if "" in found:
-        return _surface(path, *found[""], channel)
+    if "" in rows:
+        return _surface(path, *rows[""], channel)
     name = choose(str(path), channel, shapes)
-    return dataclasses.replace(_surface(path, *found[name], None), channel=name, channels=tuple(found))
+    return dataclasses.replace(_surface(path, *rows[name], None), channel=name, channels=tuple(rows))
 
 
 def _distinct(names: list[str]) -> list[str]:
@@ -164,11 +164,13 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
 
     Nothing where x and heights are not among them; where there is no z, y are the heights.
     """
-    found = Columns(table, _AXES)
-    roles = found.roles if "z" in found.roles else ["z" if role == "y" else role for role in found.roles]
-    units = [spelled(found.unit_text(at)) for at in range(len(roles))]
-    known = [unit if unit == "1" or is_length(unit) else None for unit in units]
-    return list(zip(roles, known, strict=True)) if {"x", "z"} <= set(roles) else []
+    columns = Columns(table, _AXES)
+    roles = (
+        columns.roles if "z" in columns.roles else ["z" if role == "y" else role for role in columns.roles]
+    )
+    units = [spelled(columns.unit_text(at)) for at in range(len(roles))]
+    understood = [unit if unit == "1" or is_length(unit) else None for unit in units]
+    return list(zip(roles, understood, strict=True)) if {"x", "z"} <= set(roles) else []
 
 
 def _surface(path: Path, table: Table, block: _Block, channel: str | int | None) -> RawSurface:
@@ -195,9 +197,9 @@ def _points(
         names = dict(zip(_distinct([table.names[i] for i in at["z"]]), at["z"], strict=True))
         name = choose(str(path), channel, {each: f"column {i + 1}" for each, i in names.items()})
         used = [*at["x"][:1], *at["y"][:1], names[name]]
-        found = [roles[i][1] for i in used]
-        units = [unit for unit in found if unit is not None]
-        if units != found or len(set(units[:-1])) > 1:
+        lengths = [roles[i][1] for i in used]
+        units = [unit for unit in lengths if unit is not None]
+        if units != lengths or len(set(units[:-1])) > 1:
             expected, got = "lengths, x and y in the same unit", ", ".join(map(repr, table.names))
             raise SurfaceFileError(str(path), expected=expected, got=got)
         raw = dataclasses.replace(raw, channel=name, channels=tuple(names)) if len(names) > 1 else raw
@@ -225,12 +227,12 @@ def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
     """Part labels of lines and columns from heights, and find the size of the pixels."""
     heights, *labels = points.without_labels(raw.heights)
     remarks, steps = list(raw.remarks), []
-    for each, what in zip(labels, ("lines", "columns"), strict=True):
+    for each, direction in zip(labels, ("lines", "columns"), strict=True):
         if each is not None:
             step = 0.0 if points.are_numbers(each) else abs(points.even_step(each) or 0)
             steps.append(step)
             first = ", ".join(f"{label:g}" for label in each[:3])
-            remarks.append(f"left out the numbers {first}, ... of the {what}")
+            remarks.append(f"left out the numbers {first}, ... of the {direction}")
     size, length_unit = _size(path, heights.shape, block)
     if size is None and heights.shape[1] == 3 and heights.shape[0] > 3:
         remarks.append("three columns, taken as pixels; points x, y, z are read from files named .xyz")

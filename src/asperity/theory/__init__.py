@@ -2,9 +2,9 @@
 
 One contact: `compliance`, its rate, asymptotes and finite-lattice form, `site_stiffness`, `displacement`
 beside the load, `response` to any force. Many contacts, far apart: `dilute_area`, `dilute_history` and what
-follows from them for a law of heights. Every site in contact: `full_contact_load`. What the paper prints
-differently is here as well, by the same name and ``_paper``. Friction: `static_friction`. Elastic
-half-spaces: `hertz`, `westergaard_area`, `persson_area`. Activated creep: `flowing_area`.
+follows from them for a law of heights. Every site in contact: `full_contact_load`. Formulas as the paper
+prints them have the same names with ``_paper``. Friction: `static_friction`. Elastic half-spaces: `hertz`,
+`westergaard_area`, `persson_area`. Activated creep: `flowing_area`.
 
 Arguments broadcast, and scalars give NumPy floats. `InputError` names a number out of range, or shapes that
 do not broadcast. x1 is k1/k0, x2 the reduced time k0 R t, viscous R_tilde/R, dimension 2 (square lattice) or

@@ -51,8 +51,8 @@ def compliance_asymptote(
     are the first and third line of the first list (Fig. of G; Summary, "t^(1/4)").
     """
     dimension = line_or_plane(dimension)
-    known = positive("x1", 1.0 if x1 is None else x1)
-    first, time, r = broadcast(x1=known, x2=positive("x2", x2), viscous=mobility_ratio(viscous))
+    ratio = positive("x1", 1.0 if x1 is None else x1)
+    first, time, r = broadcast(x1=ratio, x2=positive("x2", x2), viscous=mobility_ratio(viscous))
     s = np.where(r > 0, r * time, 1.0)  # 1: not read where r = 0
     per_r = 1 / np.where(r > 0, r, 1.0)
     if dimension == 2:

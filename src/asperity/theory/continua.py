@@ -7,17 +7,17 @@ contact modulus (`asperity.solids.contact_modulus`).
     wave        share of a wavelength in contact: (2/pi) asin sqrt(p/p*), p* = pi E* amplitude / wavelength
     roughness   share in contact: erf( sqrt(2) p / (E* slope) )
 
-Where the sphere is one of a square array of period L, and the approach d is measured to the mean of the
-surface, the other contacts and the even pressure that balances them displace a contact at the distance r
+Let the sphere be one of a square array of period L, and the approach d be measured to the mean of the
+surface. The other contacts, and the even pressure that balances them, displace a contact at the distance r
 from its center, for a/L << 1, by
 
     F / (pi E*) [ -c/L + k (r^2 + <s^2>) / L^3 ],
     c = -4 zeta(1/2) beta(1/2) = 3.9003,   k = zeta(3/2) beta(3/2) = 2.2584,
 
-with <s^2> the mean square distance of the load from the center: c is the potential of a square lattice of
-charges in an even background at one of them, and 4 k / L^3 its Laplacian, a sum of 1/s^3. So the
-curvature 1/R grows by 2 k F / (pi E* L^3), and <s^2> is 2 a^2 / 5 under a sphere and 2 a^2 / 3 under a flat
-punch, which decides dF/dd. What is left out is of relative order (a/L)^5.
+with <s^2> the mean square distance of the load from the center. c is the potential at one charge of a square
+lattice in an even background, and 4 k / L^3 its Laplacian, a sum of 1/s^3. The curvature 1/R grows by 2 k F /
+(pi E* L^3). <s^2> decides dF/dd: it is 2 a^2 / 5 under a sphere and 2 a^2 / 3 under a flat punch. The error
+is of relative order (a/L)^5.
 """
 
 from __future__ import annotations
@@ -118,9 +118,9 @@ def westergaard_area(
 def persson_area(pressure: ArrayLike, *, modulus: ArrayLike, slope: ArrayLike) -> Floats:
     """Share of a random surface in contact: Persson's theory, erf(sqrt(2) p / (E* slope)).
 
-    The pressure of full contact is Gaussian, its standard deviation E* slope / 2; at smaller loads its
-    distribution is taken to diffuse as roughness of ever shorter waves is added, and to be absorbed at 0.
-    At light loads it is sqrt(8/pi) p / (E* slope), somewhat less than what computations give.
+    The pressure of full contact is Gaussian, with the standard deviation E* slope / 2. At smaller loads its
+    distribution is taken to diffuse as shorter waves are added, and to be absorbed at 0. At light loads it is
+    sqrt(8/pi) p / (E* slope), somewhat less than what computations give.
 
     The slope is the root of the mean square gradient; other arguments are those of `westergaard_area`.
 

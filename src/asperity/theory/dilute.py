@@ -1,20 +1,19 @@
 r"""Few contacts, far apart: the contact area of any law of heights, at any time.
 
-Asperities that do not feel each other share the load as in the theory of Greenwood and Williamson, with the
-compliance of a contact replaced by the one that has crept for a time t, J(t) = G/k0:
+Asperities that do not influence each other share the load as in Greenwood and Williamson's theory, with the
+creep compliance J(t) = G/k0 for the elastic one:
 
     N0 E[(xi - d)+] = F J(t),      A = N0 Prob(xi > d)
 
-with N0 sites and d the height of the mean of u0 (rigid offset). At constant load d only falls, so every
-contact is pressed deeper and deeper, none opens, the problem stays linear and no history enters
-(E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020). For any other load:
-`population`.
+with N0 sites and d the height of the mean of u0 (rigid offset). At constant load d only falls, so no contact
+opens, the problem is linear, and history does not matter (E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27,
+438 (1960), doi:10.1115/1.3644020). For any other load: `population`.
 
 Corrections to the paper (E. A. Jagla, section "Analytical Results"):
 
 * Eq. (ndet) is dimensionally inconsistent, for v0 of Eq. (v0) contains f0. It should read
-  N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, and it treats the contact as a bare spring k1 where the lattice has
-  k_eff = k0/G(x1, 0). Together N(t)/N(0) = G(x1, x2)/G(x1, 0): `exponential_growth`.
+  N(t)/N(0) = 1 + (k_eff/f0) int v0 dt, with the stiffness k_eff = k0/G(x1, 0) of a site, not a spring k1.
+  Together N(t)/N(0) = G(x1, x2)/G(x1, 0): `exponential_growth`.
   The paper's own expression, with f0 divided out, is `exponential_growth_paper`.
   In the same way N(0) is gamma F/k_eff, `contacts_at_start`, not gamma F/k1, `contacts_at_start_paper`.
 * The late slope dN/N(0)/d ln t is k_eff/(8 pi k0), not a0 k1/k0 of Eq. (ndet2): `late_slope`,
@@ -110,8 +109,8 @@ def contacts_at_start_paper(load: ArrayLike, rms: ArrayLike, x1: ArrayLike, *, k
 def exponential_growth(x1: ArrayLike, x2: ArrayLike, viscous: ArrayLike = 0.0, dimension: int = 2) -> Floats:
     """Return A(t)/A(0) = G(x1, x2)/G(x1, 0): the dilute theory of exponential heights.
 
-    The paper's Eq. (ndet), made dimensionally consistent and with the stiffness of a lattice site. The late
-    d ln A / d ln t is 1/(ln x2 + 10 ln 2 + gamma_E) on the square lattice: no material parameter is left.
+    The paper's Eq. (ndet), made dimensionally consistent and with the stiffness of a lattice site. The late d
+    ln A / d ln t is 1/(ln x2 + 10 ln 2 + gamma_E) on the square lattice, without material parameters.
     """
     return np.asarray(compliance(x1, x2, viscous, dimension) * site_stiffness(x1, dimension))[()]
 

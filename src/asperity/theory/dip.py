@@ -38,9 +38,8 @@ def displacement(
     -------
     ndarray
         Shape of `offset` without its last axis, broadcast against the other arguments. `compliance` at offset
-        0. Accurate to 1e-13 of the depth under the load. The time it takes grows with the square of the
-        largest offset (in the plane), and with the number of different (x1, x2, viscous): about 10 ms each up
-        to 300 sites.
+        0. Accurate to 1e-13 of the depth under the load. The cost grows with the square of the largest offset
+        (in the plane), and with the number of different (x1, x2, viscous).
     """
     dimension = line_or_plane(dimension)
     sites = _sites(offset, dimension)

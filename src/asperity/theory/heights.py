@@ -1,8 +1,8 @@
 """Laws of the heights of independent asperities, as the dilute theory needs them.
 
-A flat body at separation d touches the asperities with xi > d and compresses them by xi - d, so a law
-enters through `exceedance` Prob(xi > d), through `mean_excess` E[(xi - d)+], and through the inverse of the
-latter (J. A. Greenwood and J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242).
+A flat body at separation d touches the asperities with xi > d and compresses them by xi - d. So a law has an
+`exceedance` Prob(xi > d), a `mean_excess` E[(xi - d)+], and the inverse of the latter (J. A. Greenwood and J.
+B. P. Williamson, Proc. R. Soc. A 295, 300 (1966), doi:10.1098/rspa.1966.0242).
 """
 
 from __future__ import annotations
@@ -68,12 +68,12 @@ class GaussianHeights(_OfRms):
         log_target = np.log(target)
         # E[(xi - d)+] lies above -d, and below phi(d) for d > 0; the margin keeps rounding out.
         highest = np.sqrt(np.maximum(-2 * (log_target + _LOG_ROOT_TWO_PI), 0)) + 1
-        found = elementwise.find_root(_log_excess_above, (-target - 1, highest), args=(log_target,))
-        if not np.all(found.success):
+        root = elementwise.find_root(_log_excess_above, (-target - 1, highest), args=(log_target,))
+        if not np.all(root.success):
             raise ConvergenceError(
                 "separation_for: the root search stopped; mean_excess / rms is out of reach"
             )
-        return np.asarray(self.rms * found.x, dtype=np.float64)[()]
+        return np.asarray(self.rms * root.x, dtype=np.float64)[()]
 
 
 @dataclass(frozen=True)

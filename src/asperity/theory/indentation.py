@@ -57,8 +57,8 @@ def compliance(
         between -pi and pi, as the paper writes; or a function ``lam(qx, qy)`` (on the line, ``lam(q)``) of
         arrays of one shape, even in each component, above 0 but for lam(0) = 0.
 
-    It is accurate to 1e-14, relative, for x1 from 1e-3 to 1e4, x2 from 0 to 1e15, viscous from 0 to 1e6; to
-    1e-13 for other dispersions than the lattice's, where they are smooth within the zone but for q = 0.
+    The relative error is below 1e-14 for x1 from 1e-3 to 1e4, x2 from 0 to 1e15, viscous from 0 to 1e6. For
+    other dispersions, smooth within the zone except at q = 0, it is below 1e-13.
     """
     return _zone_mean(depth, x1, x2, viscous, dimension, dispersion)
 
@@ -101,8 +101,8 @@ def torus_compliance(
 def site_stiffness(x1: ArrayLike, dimension: int = 2) -> Floats:
     """Stiffness of one site before any creep, k_eff/k0 = 1 / G(x1, 0).
 
-    On the square lattice pi (x1 + 4) / (2 K(m)) with m = (4/(x1 + 4))^2, on the line sqrt(x1 (x1 + 4)).
-    The paper takes k1 instead, that is x1: wrong by 37 % at x1 = 10 and by a factor of almost four at x1 = 1.
+    On the square lattice pi (x1 + 4) / (2 K(m)) with m = (4/(x1 + 4))^2, on the line sqrt(x1 (x1 + 4)). The
+    paper takes k1, that is x1. This is too small by 27 % at x1 = 10 and by a factor of almost four at x1 = 1.
     """
     first = positive("x1", x1)
     if line_or_plane(dimension) == 1:

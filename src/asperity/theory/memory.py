@@ -6,7 +6,7 @@ The surface is linear, so under a force f(t) the site has the depth (Boltzmann; 
 
 G is a sum of decaying exponentials, one for each mode, and each term of the integral obeys a differential
 equation of its own. Let g be how far a mode lags behind its equilibrium under the force of the moment. Then
-dg/dx2 = df/dx2 - z g, which a force that is linear in time solves exactly: there is no error of the time
+dg/dx2 = df/dx2 - z g. For a force that is linear in time this is solved exactly, without an error of the time
 step.
 """
 
@@ -54,8 +54,8 @@ def response_rate(
 ) -> Floats:
     """Speed of a site under any force, d(k0 u)/dx2: the paper's Eq. (vt) is v = R times this.
 
-    Where the slope of the force changes, the speed jumps by G(0) times the change: the value is that of the
-    interval that begins there (at the last time, and before a jump, of the interval that ends there).
+    Where the slope of the force changes, the speed jumps by G(0) times the change. The value is that of the
+    interval that begins there; at the last time, and before a jump, of the one that ends there.
 
     Parameters
     ----------

@@ -5,8 +5,8 @@ With lam the eigenvalue of minus the Laplacian, x1 = k1/k0, x2 = k0 R t and r = 
 
     [1 + (x1/lam) (1 - exp(-x2 z))] / (x1 + lam),      z = x1 lam (lam + r) / (x1 + lam)
 
-The elastic lattice enters the theory only through the eigenvalues lam(q) of minus its Laplacian, so
-the mean over wave vectors is an integral over lam with the density of states of the lattice,
+The theory depends on the lattice only through the eigenvalues lam(q) of minus its Laplacian. So a mean over
+wave vectors is an integral over lam with the density of states,
 
     line     rho(lam) = 1 / (pi sqrt(lam (4 - lam))),                        0 < lam < 4
     square   rho(lam) = K(m) / (2 pi^2),  m = 1 - ((lam - 4)/4)^2,           0 < lam < 8
@@ -14,10 +14,10 @@ the mean over wave vectors is an integral over lam with the density of states of
 (K: complete elliptic integral of parameter m; E. N. Economou, *Green's Functions in Quantum Physics*,
 section 5.3, doi:10.1007/3-540-28841-4). The second is even about lam = 4, where it diverges like a logarithm.
 
-The map lam = 4 / (1 + exp(-w)) sends w = -inf to the long waves lam = 0 and w = +inf to the singularity
-(for the line: to the edge) lam = 4; the half above 4 is its mirror 8 - lam. In w the integrand decays
-exponentially on both sides and is analytic for abs(Im w) < pi/4, so the plain trapezoidal rule of step h
-converges like exp(-pi^2 / (2 h)) (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56, 385 (2014),
+The map lam = 4 / (1 + exp(-w)) sends w = -inf to the long waves lam = 0 and w = +inf to the singularity (for
+the line: to the edge) lam = 4; the half above 4 is its mirror 8 - lam. In w the integrand decays
+exponentially on both sides and is analytic for abs(Im w) < pi/4. So the trapezoidal rule of step h converges
+like exp(-pi^2 / (2 h)) (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56, 385 (2014),
 doi:10.1137/130932132). Adaptive quadrature was not taken: the nodes would differ from one time to the next,
 and with them the rounding of a curve.
 """

@@ -1,11 +1,11 @@
 r"""Means over the Brillouin zone of functions of the wave vector: any dispersion, any phase factor.
 
-`modes` integrates over lam, by the density of states of the lattice. Where that is unknown (another
-dispersion) or not enough (a displacement beside the load, which depends on the direction of q), this module
-integrates over q itself. Functions that are even in each component need the quarter 0 <= q <= pi of the
-zone. It is cut into rings, each half the size of the one before, toward q = 0, where the integrand changes
-on ever smaller scales; a ring consists of three squares (on the line: one interval), and each gets a tensor
-product of Gauss-Legendre rules.
+`modes` integrates over lam, by the density of states of the lattice. For another dispersion this density is
+unknown, and a displacement beside the load depends on the direction of q. Then this module integrates over q
+itself. Functions that are even in each component need the quarter 0 <= q <= pi of the zone. It is cut into
+rings toward q = 0, each half the size of the one before, because the integrand changes on ever smaller scales
+there. A ring has three squares (on the line: one interval), each with a tensor product of Gauss-Legendre
+rules.
 """
 
 from __future__ import annotations

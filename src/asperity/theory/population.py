@@ -5,12 +5,11 @@ alone counts (E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:1
 
     N0 E[(xi - d)+] = int J(t - y) dF(y),      A = N0 Prob(xi > d),      J = G/k0
 
-When contacts open it fails (T. C. T. Ting, J. Appl. Mech. 33, 845 (1966), doi:10.1115/1.3625192): an
-asperity that has left its dip carries no force until it meets the bottom again, and every height has a past
-of its own. So a population of heights is followed, in classes, each with the lags of all its modes
-(`memory.SiteMemory`). At the end of a step, with forces linear in time within it, the depth of a site is
-k0 u = S f + h, with one S for all and h what the site inherits. Contact means f >= 0, u >= xi - d and one of
-them an equality, so
+When contacts open it fails (T. C. T. Ting, J. Appl. Mech. 33, 845 (1966), doi:10.1115/1.3625192): an asperity
+that has left its dip carries no force until it meets the bottom again. Every height has a history. So a
+population of heights is followed, in classes, each with the lags of all its modes (`memory.SiteMemory`). At
+the end of a step, with forces linear in time within it, the depth of a site is k0 u = S f + h, with one S for
+all and h what the site inherits. Contact means f >= 0, u >= xi - d and one of them an equality, so
 
     f = (s - k0 d)+ / S,  s = k0 xi - h,      E[f] = load per site
 
@@ -187,8 +186,8 @@ class _Population:
         """Between the highest class that is open and the lowest that touches.
 
         An advancing edge is where the gap of the open heights closes, a receding one is where the force of
-        the touching heights ends. On the other side, among heights that were just reached or left, the line
-        through two classes ends too low: touching forces are concave there, gaps convex.
+        the touching heights ends. Among heights that were just reached or left, the line through two classes
+        ends too low, because touching forces are concave there, and gaps convex.
         """
         first = int(np.searchsorted(pressed > 0, True))
         if first == pressed.size:

@@ -65,8 +65,8 @@ class Column:
     @property
     def headings(self) -> tuple[str, ...]:
         """Names under which a result may have it, the best first."""
-        own = (self.heading,) if self.heading == self.name else (self.heading, self.name)
-        return (_with_unit(self.reading, self.unit), *own) if self.reading else own
+        headings = (self.heading,) if self.heading == self.name else (self.heading, self.name)
+        return (_with_unit(self.reading, self.unit), *headings) if self.reading else headings
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,10 +229,10 @@ def problem(name: str) -> Problem:
 
 @functools.cache
 def _all() -> dict[str, Problem]:
-    found = {}
+    problems = {}
     for name in NAMES:
         tables = tomllib.loads((_DATA / f"{name}.toml").read_text(encoding="utf-8"))
         abscissa, asked = Column(**tables.pop("abscissa")), (Column(**one) for one in tables.pop("asked"))
         question = tables.pop("question").strip()
-        found[name] = Problem(name, question=question, abscissa=abscissa, asked=tuple(asked), **tables)
-    return found
+        problems[name] = Problem(name, question=question, abscissa=abscissa, asked=tuple(asked), **tables)
+    return problems

@@ -125,9 +125,9 @@ def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None)
         where = str(path)
         table = read_table(path)
         columns = dict(zip(table.names, table.values.T, strict=True))
-        found = _NAMED.search(path.read_text(encoding="utf-8", errors="replace"))
-        if asked is None and found:
-            asked = problem(found[1])
+        match = _NAMED.search(path.read_text(encoding="utf-8", errors="replace"))
+        if asked is None and match:
+            asked = problem(match[1])
     if asked is None:
         expected = "the name of the problem, in a line '# problem: NAME' of the file"
         raise InputError(where, expected=expected, got="none", advice="--problem NAME")
@@ -157,23 +157,23 @@ def _compared(asked: Problem, columns: Mapping[str, Field], where: str) -> Score
         got = ", ".join(filter(None, columns)) or "no names"
         raise InputError(where, expected=expected, got=got, advice=f"the form {asked.name}/answer.csv")
     rows = _rows(columns[place], answer.abscissa)
-    given = np.flatnonzero(rows >= 0)
-    if not given.size:
+    present = np.flatnonzero(rows >= 0)
+    if not present.size:
         places = ", ".join(f"{x:g}" for x in answer.abscissa)
         got = f"{len(columns[place])} rows with others"
         raise InputError(where, expected=f"rows with {place} of {places}", got=got)
     quantities = []
     for column in asked.asked:
         if heading := headings[column.name]:
-            values = columns[heading][rows[given]]
+            values = columns[heading][rows[present]]
             if not np.isfinite(values).all():
-                at = answer.abscissa[given[np.argmin(np.isfinite(values))]]
+                at = answer.abscissa[present[np.argmin(np.isfinite(values))]]
                 expected = f"a number for {heading} at {place} = {at:g}"
                 raise InputError(where, expected=expected, got="none, or no finite one")
-            known = (answer.values[column.name][given], answer.bars[column.name][given])
-            quantities.append(QuantityScore(column, heading, answer.abscissa[given], values, *known))
+            answered = (answer.values[column.name][present], answer.bars[column.name][present])
+            quantities.append(QuantityScore(column, heading, answer.abscissa[present], values, *answered))
     missing = tuple(column.heading for column in asked.asked if not headings[column.name])
-    return Score(asked, tuple(quantities), missing, given.size, answer.abscissa.size)
+    return Score(asked, tuple(quantities), missing, present.size, answer.abscissa.size)
 
 
 def _rows(given: Field, wanted: Field) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

@@ -109,20 +109,20 @@ def _write(asked: Problem, surface: Surface | None, folder: Path) -> None:
 
 def in_words(asked: Problem, surface: Surface | None = None) -> str:
     """The text of a problem: what is given, and what is asked."""
-    rule, scaled, here = asked.heights, "", ""
+    rule, scaled, grid = asked.heights, "", ""
     if "side" in rule:
         unit = rule["unit"]
         scaled = f", all times {rule['times']:g} {unit}, on a square of side {rule['side']:g} {unit}"
     stated = _RULES[rule["rule"]].format(**rule, scaled=scaled)
     if surface is not None:
         unit = surface.unit if surface.unit != "1" else "the unit of length of the problem"
-        here = f"Here {' x '.join(map(str, surface.shape))} sites, in {unit}"
+        grid = f"Here {' x '.join(map(str, surface.shape))} sites, in {unit}"
         if surface.pixel_size:
-            here += f"; {surface.pixel_size[0]:.9g} x {surface.pixel_size[1]:.9g} {surface.length_unit}"
-            here += " between them"
-        here += "; periodic."
+            grid += f"; {surface.pixel_size[0]:.9g} x {surface.pixel_size[1]:.9g} {surface.length_unit}"
+            grid += " between them"
+        grid += "; periodic."
     lines = [f"{asked.name}: {asked.title}", *textwrap.wrap(asked.question, _WIDTH)]
-    lines += ["", "Heights", *textwrap.wrap(stated, _WIDTH), *textwrap.wrap(here, _WIDTH)]
+    lines += ["", "Heights", *textwrap.wrap(stated, _WIDTH), *textwrap.wrap(grid, _WIDTH)]
     lines += ["", "Asked", *map(_asked, (asked.abscissa, *asked.asked)), "", "Files", _FILES]
     return "\n".join(lines)
 

@@ -22,8 +22,8 @@ def list_problems() -> None:
         for row, column in enumerate(one.asked):
             first = (one.name, one.title) if row == 0 else ("", "")
             value, bar = one.answer.values[column.name], one.answer.bars[column.name]
-            known = 100 * float(np.median(bar[value != 0] / np.abs(value[value != 0])))
-            rows.append((*first, column.heading, f"{known:.1g} %"))
+            uncertainty = 100 * float(np.median(bar[value != 0] / np.abs(value[value != 0])))
+            rows.append((*first, column.heading, f"{uncertainty:.1g} %"))
     sys.stdout.write(f"{aligned(rows)}\n\nasperity challenge write FOLDER  writes their inputs\n")
 
 
@@ -46,10 +46,10 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
     if out is not None:
         before = check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
     with _told_of_flags():
-        found = score(result, problem)
-    blocks = [aligned(rows) for rows in _blocks(found)]
+        result_score = score(result, problem)
+    blocks = [aligned(rows) for rows in _blocks(result_score)]
     if out is not None:
-        write_figure(score_figure(found), out, overwrite=before)
+        write_figure(score_figure(result_score), out, overwrite=before)
         blocks.append(f"figure written: {out}")
     sys.stdout.write("\n\n".join(blocks) + "\n")
 
@@ -64,9 +64,9 @@ def _blocks(found: Score) -> Iterator[list[tuple[str, ...]]]:
         formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
         yield [names, *(tuple(map(str.format, formats, row)) for row in numbers)]
         x, *_, in_bars, percent = numbers[np.argmax(np.abs(one.in_bars))]
-        said = f"worst at {x:.6g}: {in_bars:+.3g} bars, {percent:+.2g} %"
+        worst = f"worst at {x:.6g}: {in_bars:+.3g} bars, {percent:+.2g} %"
         tolerance = f"tolerance {100 * one.column.tolerance:g} %"
-        verdicts.append((one.column.heading, one.verdict, f"{said}; {tolerance}"))
+        verdicts.append((one.column.heading, one.verdict, f"{worst}; {tolerance}"))
     verdicts += [(name, "not given", "") for name in found.missing]
     good = sum(one.verdict != "off" for one in found.quantities)
     total = f"{good} of {counted(len(found.problem.asked), 'quantity', 'quantities')} agree"

@@ -22,18 +22,18 @@ def say_experiments() -> None:
 
 def say_experiment(name: str) -> None:
     """Say every number of one, with unit, uncertainty, source and how it was read."""
-    one = load(name)
+    experiment = load(name)
     rows = [("number", "value", "unit", "uncertainty", "source", "how it was read")]
-    rows += [(key, f"{it.value:g}", *_said(it)) for key, it in one.inputs.items()]
-    for key, series in one.series.items():
+    rows += [(key, f"{it.value:g}", *_said(it)) for key, it in experiment.inputs.items()]
+    for key, series in experiment.series.items():
         for column in series.variables:
             if not str(column).endswith("_error"):
                 values = ", ".join(f"{value:g}" for value in series[column].values.tolist())
-                rows.append((f"{key} {column}", values, *_said(one.columns[key, str(column)])))
-    sources = "\n".join(f"{short}: {paper}" for short, paper in one.sources.items())
-    missing = "\n".join(f"missing: {what}" for what in one.missing)
+                rows.append((f"{key} {column}", values, *_said(experiment.columns[key, str(column)])))
+    sources = "\n".join(f"{short}: {paper}" for short, paper in experiment.sources.items())
+    missing = "\n".join(f"missing: {what}" for what in experiment.missing)
     sys.stdout.write(
-        f"{one.title}\n\n{aligned(rows) if rows[1:] else 'no numbers'}\n\n{sources}\n\n{missing}\n"
+        f"{experiment.title}\n\n{aligned(rows) if rows[1:] else 'no numbers'}\n\n{sources}\n\n{missing}\n"
     )
 
 

@@ -52,13 +52,13 @@ class Correction:
 
 def corrections() -> tuple[Correction, ...]:
     """Return all of them, in the order of the paper, their numbers computed."""
-    values, found = _numbers(), []
+    values, rows = _numbers(), []
     for key, words in sentences("corrections.toml").items():
-        said = (spelled(what) for what in words.get("numbers", ()))
+        said = (spelled(number) for number in words.get("numbers", ()))
         numbers = tuple(zip(said, map(float, values.get(key, ())), strict=True))
         texts = {part: spelled(words[part]) for part in ("place", "printed", "correct", "why")}
-        found.append(Correction(key, numbers=numbers, **texts))
-    return tuple(found)
+        rows.append(Correction(key, numbers=numbers, **texts))
+    return tuple(rows)
 
 
 def _numbers() -> dict[str, Sequence[Field | float]]:

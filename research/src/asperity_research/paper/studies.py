@@ -67,16 +67,16 @@ FULL = Effort(
 
 def studies(effort: Effort) -> tuple[Campaign, ...]:
     """Return all campaigns of the reproduction, whose seeds are the numbers of surfaces."""
-    known = {f"${name}": value for name, value in _amounts(effort).items()}
+    amounts = {f"${name}": value for name, value in _amounts(effort).items()}
 
     def filled(part: Any) -> Any:
         if isinstance(part, dict):
             return {key: filled(value) for key, value in part.items()}
-        return [filled(value) for value in part] if isinstance(part, list) else known.get(part, part)
+        return [filled(value) for value in part] if isinstance(part, list) else amounts.get(part, part)
 
     campaigns = []
-    for name, said in sentences("campaigns.toml").items():
-        tables, heights = filled(said), {}
+    for name, campaign in sentences("campaigns.toml").items():
+        tables, heights = filled(campaign), {}
         purpose, alone = tables.pop("purpose"), tables.pop("asperity", None)
         if alone is not None:
             heights["asperity.npy"] = np.zeros(alone)
@@ -88,7 +88,7 @@ def studies(effort: Effort) -> tuple[Campaign, ...]:
 def _amounts(effort: Effort) -> dict[str, object]:
     """What the campaigns of an effort name: its own numbers, loads, and what all have."""
     sites, half = effort.side**2, effort.side // 2
-    own = {name: list(one) if isinstance(one, tuple) else one for name, one in vars(effort).items()}
+    amounts = {name: list(one) if isinstance(one, tuple) else one for name, one in vars(effort).items()}
     loads = {
         "pressed": [sites * p for p in _decades(1e-3, 1e3, effort.loads_per_decade)],
         "aging": [sites * p for p in effort.aging_loads],
@@ -97,7 +97,7 @@ def _amounts(effort: Effort) -> dict[str, object]:
         "decades": _decades(1.0, 1e4, effort.loads_per_decade),
     }
     shared = {"HURST": HURST, "DELTA": DELTA, "SELF_AFFINE_RATIO": SELF_AFFINE_RATIO}
-    return own | loads | shared | {"half_side": half, "aging_size": effort.aging_sizes[0]}
+    return amounts | loads | shared | {"half_side": half, "aging_size": effort.aging_sizes[0]}
 
 
 def _decades(first: float, last: float, per_decade: int) -> list[float]:

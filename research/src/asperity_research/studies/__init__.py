@@ -56,10 +56,10 @@ def run(
         There is no such study; or as `asperity_research.studies.campaigns.prepared_in`, `run_campaigns` and
         `conclude`.
     """
-    one = study if isinstance(study, Study) else named(study)
-    with one.prepared_in(directory, quick=quick, seed=seed) as prepared:
+    chosen = study if isinstance(study, Study) else named(study)
+    with chosen.prepared_in(directory, quick=quick, seed=seed) as prepared:
         run_campaigns(prepared, workers=workers)
-        return conclude(one, directory, prepared, quick=quick, command=command, seed=seed)
+        return conclude(chosen, directory, prepared, quick=quick, command=command, seed=seed)
 
 
 __dir__ = __all__.copy  # dir() lists the public names alone

@@ -167,9 +167,9 @@ class Steps:
             "area_before": self.before.mean(axis=0),
             "area_after": self.area[:, :, 0].mean(axis=0),
         }
-        found = {name: np.exp(values) for name, values in logarithms.items()}
+        rates = {name: np.exp(values) for name, values in logarithms.items()}
         depth = mean(1 - self.area.min(axis=2) / self.area[:, :, 0])
-        return pd.DataFrame(self.head | areas | columns("depth", depth) | found)
+        return pd.DataFrame(self.head | areas | columns("depth", depth) | rates)
 
     def powers(self) -> dict[str, object]:
         """Return the lost area and the powers of the waiting time."""
@@ -265,9 +265,9 @@ def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, Estimate]]:
     """Return B at rest and in steady sliding at each temperature; and what decides the claims, by claim."""
     data = evidence["sliding"]
     at = data["creep_stress"].values.astype(np.float64)
-    one = data.isel(seed=0, point=0)
-    held = one["leg"].values == 1
-    time = one["time"].values[held] - _SLIDES[0] / _VELOCITIES[0]
+    record = data.isel(seed=0, point=0)
+    held = record["leg"].values == 1
+    time = record["time"].values[held] - _SLIDES[0] / _VELOCITIES[0]
     late = time >= 10  # times in which a slide would have passed several contacts
     rests, slides = [], []
     for seed in data["seed"].values:
@@ -285,9 +285,9 @@ def _rests(evidence: Evidence) -> tuple[pd.DataFrame, dict[str, Estimate]]:
     slope = jackknife(lambda rest, steady: (growth(rest) / stress(rest, steady)).mean(), both)
     fall = jackknife(lambda rest, steady: (fall_with_velocity(steady) / growth(rest)).mean(), both)
     head = {"kT": at, "s0_over_s": stress(*both), "surfaces": len(rests)}
-    found = {"rest": jackknife(growth, both[0]), "steady": jackknife(fall_with_velocity, both[1])}
+    estimates = {"rest": jackknife(growth, both[0]), "steady": jackknife(fall_with_velocity, both[1])}
     judged = {"temperature": temperature, "slope": slope, "steady": fall}
-    return pd.DataFrame(head | all_columns(**found)), judged
+    return pd.DataFrame(head | all_columns(**estimates)), judged
 
 
 _BROAD = 1e3  # Upper over lower end of an interval from which on a time is not drawn

@@ -154,11 +154,11 @@ class Grown:
 
     def number(self, of: Number, area: Field, closed: Field) -> float:
         """Return a number of some of the surfaces; where there is a closed form, by the ratio estimator."""
-        found = of(self.time, area)
+        value = of(self.time, area)
         if np.isnan(closed).any():
-            return found
+            return value
         with np.errstate(divide="ignore", invalid="ignore"):  # a closed form that does not grow: no number
-            return float(np.divide(found, of(self.time, closed)) * of(self.time, self.endless[None]))
+            return float(np.divide(value, of(self.time, closed)) * of(self.time, self.endless[None]))
 
 
 def _grown(evidence: Evidence, name: str, **at: float) -> Grown:
@@ -203,10 +203,10 @@ class Sets(dict[Key, Grown]):
             sets["R_viscous/R", by_load(load), r] = grown("viscous", load=load, R_viscous=r)
         for hurst, cutoff in product(HURST, CUTOFFS):
             sets["cutoff", by_hurst(hurst), cutoff] = grown("waves", hurst=hurst, cutoff=cutoff)
-        known = {(GAUSSIAN, SIDE): sets["load", GAUSSIAN, SIZE_LOAD]}
-        known[waves, _WAVE_SIDE] = sets["cutoff", waves, 4.0]
+        aliases = {(GAUSSIAN, SIDE): sets["load", GAUSSIAN, SIZE_LOAD]}
+        aliases[waves, _WAVE_SIDE] = sets["cutoff", waves, 4.0]
         for side, (name, surfaces) in product(SIZES, (("side", GAUSSIAN), ("waves", waves))):
-            sets["side", surfaces, side] = known.get((surfaces, side)) or grown(f"{name}_{side}")
+            sets["side", surfaces, side] = aliases.get((surfaces, side)) or grown(f"{name}_{side}")
         sets["rms", GAUSSIAN, RMS] = grown("rms")
         sets["law", EXPONENTIAL, 1.0] = grown("exponential")
         return sets
@@ -215,5 +215,5 @@ class Sets(dict[Key, Grown]):
         self, of: str, surfaces: str = GAUSSIAN, low: float = -math.inf, high: float = math.inf
     ) -> dict[float, Grown]:
         """Return those in which one thing is varied on some surfaces, by its value, between two."""
-        own = {at: one for (what, kind, at), one in self.items() if (what, kind) == (of, surfaces)}
-        return {at: one for at, one in own.items() if low <= at <= high}
+        members = {at: one for (what, kind, at), one in self.items() if (what, kind) == (of, surfaces)}
+        return {at: one for at, one in members.items() if low <= at <= high}

@@ -233,12 +233,12 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     rows = rows.assign(at=rows["at"].where(rows["at"] > 0, ZERO))
 
     def dots(ax: Axes, of: str, look: str, color: str, label: str, surfaces: str = GAUSSIAN) -> None:
-        own = rows[(rows["of"] == of) & (rows["surfaces"] == surfaces)]
-        style.points(ax, own, "at", "B", look, color, label=label)
+        selected = rows[(rows["of"] == of) & (rows["surfaces"] == surfaces)]
+        style.points(ax, selected, "at", "B", look, color, label=label)
 
     def line(ax: Axes, of: str, name: str, look: str, color: str, label: str) -> None:
-        own = lines[(lines["of"] == of) & (lines["line"] == name)]
-        ax.plot(own["at"], own["B"], look, color=color, linewidth=0.9, label=label)
+        selected = lines[(lines["of"] == of) & (lines["line"] == name)]
+        ax.plot(selected["at"], selected["B"], look, color=color, linewidth=0.9, label=label)
 
     for value, look, color in ((LIGHTEST, "o", style.BLUE), (LIGHT, "s", style.INK)):
         dots(viscous, "R_viscous/R", look, color, f"load {value:g}", by_load(value))

@@ -54,17 +54,17 @@ class Measurement:
     @property
     def needs(self) -> str:
         """What would decide it: seeds with which the interval would about clear the end of the range."""
-        here = self.estimate
-        if np.isnan(here.value):
+        measured = self.estimate
+        if np.isnan(measured.value):
             return "data from which the number can be computed"
-        half = max(here.high - here.value, here.value - here.low)
+        half = max(measured.high - measured.value, measured.value - measured.low)
         if not math.isfinite(half):
             return "more than one seed"
-        distance = min(abs(here.value - self.low), abs(here.value - self.high))
-        seeds = math.ceil(here.runs * (half / distance) ** 2) if distance > 0 else MOST_SEEDS + 1
+        distance = min(abs(measured.value - self.low), abs(measured.value - self.high))
+        seeds = math.ceil(measured.runs * (half / distance) ** 2) if distance > 0 else MOST_SEEDS + 1
         if seeds > MOST_SEEDS:
             return "a number lies on the end of its range, where no ensemble decides"
-        return f"about {seeds} seeds in place of {here.runs}"
+        return f"about {seeds} seeds in place of {measured.runs}"
 
 
 @dataclass(frozen=True)
@@ -120,13 +120,15 @@ def exact(value: float) -> Estimate:
 
 def proportion(count: int, runs: int) -> Estimate:
     """Return the share of runs that have a property, with its exact 95 % interval (Clopper and Pearson)."""
-    found = binomtest(count, runs)
-    ends = found.proportion_ci(0.95, method="exact")
-    share = found.statistic
+    test = binomtest(count, runs)
+    ends = test.proportion_ci(0.95, method="exact")
+    share = test.statistic
     return estimate(share, math.sqrt(share * (1 - share) / runs), ends.low, ends.high, runs)
 
 
 def estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
     """Return an estimate of these numbers."""
-    found, error, least, most = (np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high))
-    return Estimate(found, error, least, most, runs)
+    central, error, least, most = (
+        np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high)
+    )
+    return Estimate(central, error, least, most, runs)

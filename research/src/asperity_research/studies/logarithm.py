@@ -139,7 +139,7 @@ def analyse(evidence: Evidence) -> Outcome:
     loads, areas = np.array(evidence.values("elastic", "load")), evidence.samples("elastic", "area")[..., 0]
     time = np.array(evidence.values("loads", "time"))
     rows: list[dict[str, Any]] = []
-    found: dict[tuple[str, str], Estimate] = {}
+    estimates: dict[tuple[str, str], Estimate] = {}
     curves, grown = [], {}
     of_time = partial(rate, time)
 
@@ -147,15 +147,15 @@ def analyse(evidence: Evidence) -> Outcome:
         area = evidence.samples(name.replace(".", "_"), "area", **where)
         return area / area[:, :1]
 
-    def over(one: Field, other: Field) -> float:
-        return of_time(one) / of_time(other)
+    def over(first: Field, second: Field) -> float:
+        return of_time(first) / of_time(second)
 
     def noted(
         number: str, relaxation: str, at: float, statistic: Callable[..., float], *samples: Field
     ) -> None:
-        one = found[number, relaxation] = jackknife(statistic, samples)
+        measured = estimates[number, relaxation] = jackknife(statistic, samples)
         row = {"number": number, "relaxation": relaxation, "at": at}
-        rows.append(row | columns("value", one, shared=True) | {"runs": one.runs})
+        rows.append(row | columns("value", measured, shared=True) | {"runs": measured.runs})
 
     for name, relaxing in RELAXATIONS.items():
         growth = grown[name] = growth_in(name)
@@ -171,7 +171,7 @@ def analyse(evidence: Evidence) -> Outcome:
         shares = _SHARES[kind]
 
         def share_of(*samples: Field, shares: tuple[float, ...] = shares) -> float:
-            return share_for(np.array(shares), np.array([of_time(one) for one in samples]))
+            return share_for(np.array(shares), np.array([of_time(sample) for sample in samples]))
 
         noted("share for B = 0.01", kind, WANTED, share_of, *(grown[f"{kind}_{share:g}"] for share in shares))
     near = loads <= 2.001 * loads[0]
@@ -185,14 +185,16 @@ def analyse(evidence: Evidence) -> Outcome:
     by_load = [growth_in("loads", load=load) for load in evidence.values("loads", "load")]
     for pressure, growth in zip(_PRESSURES, by_load, strict=True):
         noted("B of a load", _OF_LOADS, pressure, of_time, growth)
-    findings = tuple(_findings(found, jackknife(over, (by_load[-1], by_load[0]))))
+    findings = tuple(_findings(estimates, jackknife(over, (by_load[-1], by_load[0]))))
     return Outcome(findings, {"numbers": pd.DataFrame(rows), "curves": pd.concat(curves, ignore_index=True)})
 
 
 def _findings(found: Mapping[tuple[str, str], Estimate], of_loads: Estimate) -> Iterator[Finding]:
     def of(number: str, start: str = "") -> dict[str, Estimate]:
-        own = {name: one for (kind, name), one in found.items() if kind == number and name.startswith(start)}
-        return {RELAXATIONS[name].what: one for name, one in own.items()}
+        selected = {
+            name: one for (kind, name), one in found.items() if kind == number and name.startswith(start)
+        }
+        return {RELAXATIONS[name].what: one for name, one in selected.items()}
 
     for key, words in (
         ("one_time", "one relaxation time"),
@@ -223,9 +225,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure, (left, right) = style.panels(7.2, 3.3, 2)
     curves, numbers = tables["curves"], tables["numbers"]
     for name, (words, mark, color) in _LOOKS.items():
-        own = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
-        left.plot(own["time"], own["growth"], mark, color=color, markersize=3, label=words)
-        left.plot(own["time"], own["predicted"], "-", color=color, linewidth=0.8)
+        curve = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
+        left.plot(curve["time"], curve["growth"], mark, color=color, markersize=3, label=words)
+        left.plot(curve["time"], curve["predicted"], "-", color=color, linewidth=0.8)
     rates = numbers[numbers["number"] == "B"]
     rates = rates.assign(kind=rates["relaxation"].str.partition("_")[0])
     style.families(right, rates, "kind", "at", "value", _KINDS, linewidth=None)

@@ -120,9 +120,9 @@ def fit(means: Field, support: Field) -> Law:
 
     how: dict[str, Any] = {"method": "L-BFGS-B", "options": {"ftol": 1e-15, "gtol": 1e-11}}
     bounds = [(None, None), (0.0, None)][: len(means)]
-    found = minimize(lack, np.zeros(len(means)), jac=True, bounds=bounds, **how)
-    exponent, second = [*(found.x / unit), 0.0][:2]
-    return Law(float(exponent), float(second), -float(found.fun))
+    minimum = minimize(lack, np.zeros(len(means)), jac=True, bounds=bounds, **how)
+    exponent, second = [*(minimum.x / unit), 0.0][:2]
+    return Law(float(exponent), float(second), -float(minimum.fun))
 
 
 class Laws(NamedTuple):
@@ -191,12 +191,12 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
     laws: dict[str, Estimate] = {}
     for hurst, kind in product(opened["hurst"].values.tolist(), ("contact", "overlap")):
         heads = [{"of": kind, "hurst": hurst, "pressure": load / sites} for load in loads]
-        found = [
+        presses = [
             [_sizes(evidence, kind, hurst=hurst, load=load, seed=seed) for seed in seeds] for load in loads
         ]
-        shares += [_survival(np.concatenate(some), head) for some, head in zip(found, heads, strict=True)]
+        shares += [_survival(np.concatenate(some), head) for some, head in zip(presses, heads, strict=True)]
         # seeds, loads, sums
-        samples = np.array([[sums_of(sizes) for sizes in some] for some in found]).transpose(1, 0, 2)
+        samples = np.array([[sums_of(sizes) for sizes in some] for some in presses]).transpose(1, 0, 2)
         numbers = jackknife(partial(_numbers, loads=loads, largest=sites // 4), samples)
         for at, head in enumerate(heads):
             counted = {"area": samples[:, at, 4].mean() / sites, "patches": int(samples[:, at, 0].sum())}
@@ -219,10 +219,10 @@ def _pressed(evidence: Evidence) -> tuple[pd.DataFrame, pd.DataFrame, tuple[Find
 
 def _sizes(evidence: Evidence, kind: str, **where: float) -> Sizes:
     """Sizes of the patches of one run, in contact, or of a plane through the heights with the same area."""
-    one = evidence.fields("pressed", **where)
-    touching = one["in_contact"].values[0]
-    found = touching if kind == "contact" else overlap(one["heights"].values, int(touching.sum()))
-    return patches(found).sizes
+    fields = evidence.fields("pressed", **where)
+    touching = fields["in_contact"].values[0]
+    mask = touching if kind == "contact" else overlap(fields["heights"].values, int(touching.sum()))
+    return patches(mask).sizes
 
 
 _COLUMNS = ("exponent", "mean_size", "over_lognormal", "over_power", "inverse_limit")
@@ -265,19 +265,19 @@ def _grown(evidence: Evidence) -> tuple[pd.DataFrame, tuple[Finding, ...]]:
             every.append(both)
             counts[:-1] += np.bincount(of, minlength=len(CLASSES))
         samples = np.array(every, dtype=float)
-        found, ends = jackknife(_ratio, samples[..., :-2]), jackknife(_ratio, samples[..., -2:])
+        ratio, ends = jackknife(_ratio, samples[..., :-2]), jackknife(_ratio, samples[..., -2:])
         classes = {
             "solid": name,
             "from": (*CLASSES, 0),
             "below": [*CLASSES[1:], math.inf, math.nan],
             "patches": counts,
         }
-        by_class = columns("growth", found, shared=True) | {"runs": found.runs}
+        by_class = columns("growth", ratio, shared=True) | {"runs": ratio.runs}
         tables.append(pd.DataFrame(classes | by_class))
-        said = "growth of patches of {} sites{}, over their sites: {}".format
+        sentence = "growth of patches of {} sites{}, over their sites: {}".format
         measured = (
-            Measurement(said(f"fewer than {SMALL}", "", solid.what), ends.part(0), high=-_CHANGES),
-            Measurement(said(LARGE, " and more", solid.what), ends.part(1), low=_CHANGES),
+            Measurement(sentence(f"fewer than {SMALL}", "", solid.what), ends.part(0), high=-_CHANGES),
+            Measurement(sentence(LARGE, " and more", solid.what), ends.part(1), low=_CHANGES),
         )
         findings.append(WORDS.judge("growth", measured, key=name))
     return pd.concat(tables, ignore_index=True), tuple(findings)
@@ -302,15 +302,15 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     figure, (sizes, exponent, held) = style.panels(8.6, 3.1, 3)
     shares = tables["sizes"]
     shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
-    for (pressure, own), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
+    for (pressure, rows), look in zip(shown.groupby("pressure"), "o^sD", strict=False):
         sizes.plot(
-            own["size"], own["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
+            rows["size"], rows["share"], f"{look}-", markersize=2.5, linewidth=0.7, label=f"{pressure:g}"
         )
     sizes.axvline(SMALLEST, color="0.7", linewidth=0.8)
-    for (kind, hurst), own in tables["exponents"].groupby(["of", "hurst"], sort=False):
+    for (kind, hurst), rows in tables["exponents"].groupby(["of", "hurst"], sort=False):
         color = style.INK if hurst == HURST[-1] else style.VERMILION
         style.points(
-            exponent, own, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}"
+            exponent, rows, "pressure", "exponent", _KINDS[str(kind)], color, label=f"{kind}, {hurst:g}"
         )
     grown = tables["growth"][tables["growth"]["from"] > 0]
     style.families(held, grown, "solid", "from", "growth", _LOOKS)

@@ -123,9 +123,9 @@ def analyse(evidence: Evidence) -> Outcome:
                 "pressure": pressure,
                 "share": partial(share, stress=stress),
             }
-            found = {key: jackknife(partial(one, time), area) for key, one in statistics.items()}
-            shares[family, value] = found["share"]
-            rows.append(head | {"s0": stress, "runs": len(area)} | all_columns(**found))
+            estimates = {key: jackknife(partial(one, time), area) for key, one in statistics.items()}
+            shares[family, value] = estimates["share"]
+            rows.append(head | {"s0": stress, "runs": len(area)} | all_columns(**estimates))
             courses.append(pd.DataFrame(head | {"time": time, "area": area.mean(axis=0) / _SIDE**2}))
     both = jackknife(partial(rate_at, time, HARDNESS), grown["hardness"])
     rows.append(
@@ -160,8 +160,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw areas against time, and B against s0/s."""
     figure, (left, right) = style.panels(7.2, 3.3, 2)
     curves, numbers = tables["curves"], tables["numbers"]
-    own = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
-    marks = zip(_HARDNESSES, own.groupby("at"), ("^", "o", "s", "D"), strict=True)
+    selected = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
+    marks = zip(_HARDNESSES, selected.groupby("at"), ("^", "o", "s", "D"), strict=True)
     for hardness, (_, course), mark in marks:
         words = f"{1e-9 * hardness:g} GPa"
         left.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)

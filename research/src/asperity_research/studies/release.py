@@ -78,10 +78,10 @@ def _campaigns(waiting: tuple[float, ...], seeds: int) -> tuple[Campaign, ...]:
     """Campaigns by solid and release; on half-spaces with an eighth of the surfaces."""
     rough, white = waves(48, 24.0, rms_height=1.0), {"kind": "gaussian", "shape": [96, 96]}
     on = {True: (rough, seeds // 8), False: (white, seeds)}
-    found = []
+    campaigns = []
     for name, solid, move in _CASES:
         surface, count = on["modulus" in solid.table]
-        one = solid.campaign(
+        campaign = solid.campaign(
             f"{name}_{move:g}",
             f"Force after a release by {move:g}, with the waiting time as a factor on mobility",
             surface,
@@ -89,8 +89,8 @@ def _campaigns(waiting: tuple[float, ...], seeds: int) -> tuple[Campaign, ...]:
             aging={"first": 0.01, "per_decade": 8},
             **after_waits({"approach": -move}, waiting, 30.0, count),
         )
-        found.append(one)
-    return tuple(found)
+        campaigns.append(campaign)
+    return tuple(campaigns)
 
 
 def maximum(time: Field, force: Field) -> float:
@@ -156,8 +156,8 @@ def analyse(evidence: Evidence) -> Outcome:
         }
         one = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
         measured = {"measured": "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"}
-        found = {"runs": one.estimate.runs, "verdict": one.verdict.value}
-        slopes.append(head | measured | columns("value", one.estimate, shared=True) | found)
+        facts = {"runs": one.estimate.runs, "verdict": one.verdict.value}
+        slopes.append(head | measured | columns("value", one.estimate, shared=True) | facts)
         every.append(runs)
         ratios.append(pd.DataFrame(head | course))
         judged[name].append(one)
@@ -175,12 +175,12 @@ def _measured(waiting: Field, logs: Field, solid: str) -> Measurement:
     """Slope of the mean of ln t_max, shape (runs, waiting times), where each run has one; or their share."""
     shared = np.isfinite(logs).all(axis=0)
     if shared.sum() > 2:
-        found = jackknife(lambda some: slope(waiting[shared], some.mean(axis=0)), logs[:, shared])
-        what = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
-        return Measurement(what, found, *PROPORTIONAL)
-    found = proportion(int(np.isfinite(logs).sum()), logs.size)
-    what = f"share of the runs in which the force has a maximum: {solid}"
-    return Measurement(what, found, *HAS_MAXIMUM)
+        fitted = jackknife(lambda some: slope(waiting[shared], some.mean(axis=0)), logs[:, shared])
+        words = f"slope of ln <i>t</i><sub>max</sub> against ln <i>t</i><sub>w</sub>: {solid}"
+        return Measurement(words, fitted, *PROPORTIONAL)
+    fitted = proportion(int(np.isfinite(logs).sum()), logs.size)
+    words = f"share of the runs in which the force has a maximum: {solid}"
+    return Measurement(words, fitted, *HAS_MAXIMUM)
 
 
 def _forces(evidence: Evidence) -> pd.DataFrame:

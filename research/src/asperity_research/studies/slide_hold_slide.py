@@ -84,16 +84,18 @@ def _campaigns(surfaces: int, *, quick: bool) -> tuple[Campaign, ...]:
             sweep={key: list(values) for key, values in waves_of.items()} | {"seeds": surfaces} | together,
         )
 
-    found = []
+    campaigns = []
     for name, (side, longest) in _LONGER.items():
         loads = [load * _SIDE**2 for load in LOADS[name][: 1 if quick else None]]
         sweep = {"load": loads, "seeds": surfaces}
         purpose = "Rests and steps of the velocity"
-        found.append(campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep))
+        campaigns.append(
+            campaign(name, name, purpose, waves(_SIDE, 48.0, 12.0), protocol=_HISTORY, sweep=sweep)
+        )
         shortest = tuple(wave / 4 for wave in longest)
-        found.append(varied(name, f"waves_{name}", "scales", side, roll_off=longest, cutoff=shortest))
-    found.append(varied("lattice", "longest", "longest wavelengths", _SIDE, roll_off=LONGEST))
-    return (*found, *sliding.line_campaigns(2 * surfaces))
+        campaigns.append(varied(name, f"waves_{name}", "scales", side, roll_off=longest, cutoff=shortest))
+    campaigns.append(varied("lattice", "longest", "longest wavelengths", _SIDE, roll_off=LONGEST))
+    return (*campaigns, *sliding.line_campaigns(2 * surfaces))
 
 
 def slip_of_memory(excess: Field) -> float:
@@ -124,13 +126,13 @@ class Records:
         records, steady = [], []
         last = 1 + 2 * len(HOLDS)
         for seed in data["seed"].values:
-            one = data.sel(load=load, seed=seed)
+            record = data.sel(load=load, seed=seed)
             slides = [*range(0, last, 2), *range(last, last + len(VELOCITIES))]
-            ends = [sliding.steady_area(one, leg) for leg in slides]
+            ends = [sliding.steady_area(record, leg) for leg in slides]
             slow = np.mean(ends[: -len(VELOCITIES)])
             steady.append(np.array([slow, *ends[-len(VELOCITIES) :]]) / slow)
-            time, place, force = (one[name].values for name in ("time", "displacement", "friction"))
-            over = force / float(force[0] / one["area"].values[0] * slow)
+            time, place, force = (record[name].values for name in ("time", "displacement", "friction"))
+            over = force / float(force[0] / record["area"].values[0] * slow)
             of = friction.Record.of_displacement
             records.append(of(time, place, over, strength_at_rest=True, a=0.0, si=False))
         return cls(solid, load / _SIDE**2, records, np.array(steady))
@@ -172,20 +174,20 @@ class Records:
         """Parameters of both laws by rests, by steps and by both, a row each."""
         rows: list[dict[str, object]] = []
         for events in _EVENTS:
-            found = friction.compare_state_laws(self.records, events=events)
-            for law, estimates in found.estimates.items():
-                fit = found.fits[law]
+            comparison = friction.compare_state_laws(self.records, events=events)
+            for law, estimates in comparison.estimates.items():
+                fit = comparison.fits[law]
                 head = {"solid": self.solid, "load": self.load, "events": events, "law": law}
                 misfit = float(np.sqrt(np.mean(fit.residual**2)))
-                how = {"determined": fit.determined, "misfit": misfit, "runs": found.runs}
+                how = {"determined": fit.determined, "misfit": misfit, "runs": comparison.runs}
                 rows.append(head | all_columns(b=estimates["b"], D_c=estimates["D_c"]) | how)
         return rows
 
     def points(self) -> pd.DataFrame:
         """Friction after each rest and at each velocity, a row each."""
         parts = []
-        for what, at, sample in (("rest", HOLDS, self.rest), ("steady", (1.0, *VELOCITIES), self.steady)):
-            head = {"solid": self.solid, "load": self.load, "what": what, "at": at}
+        for quantity, at, sample in (("rest", HOLDS, self.rest), ("steady", (1.0, *VELOCITIES), self.steady)):
+            head = {"solid": self.solid, "load": self.load, "what": quantity, "at": at}
             parts.append(pd.DataFrame(head | columns("value", mean(sample), shared=True)))
         return pd.concat(parts).assign(runs=len(self.records))
 
@@ -250,8 +252,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
     figure, (rest, steady, memory, resolved) = style.panels(7.6, 6.0, 2, 2)
     values, slips = tables["points"], tables["slips"]
-    for axis, what in ((rest, "rest"), (steady, "steady")):
-        shown = values[values["what"] == what].sort_values("at", kind="stable")
+    for axis, quantity in ((rest, "rest"), (steady, "steady")):
+        shown = values[values["what"] == quantity].sort_values("at", kind="stable")
         for (solid, load), part in shown.groupby(["solid", "load"], sort=False):
             heavy = part["load"].iloc[0] > LOADS[str(solid)][0]
             color = style.INK if solid == "lattice" else style.BLUE

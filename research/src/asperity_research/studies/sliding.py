@@ -84,9 +84,9 @@ class Slips:
 
     def table(self, **more: object) -> pd.DataFrame:
         """Return D_c, a row each length, beside more columns."""
-        found = jackknife(self.slips, self.excess)
+        estimates = jackknife(self.slips, self.excess)
         head = {"family": self.name, "length": self.length, **more}
-        return pd.DataFrame(head | columns("slip", found) | {"runs": found.runs})
+        return pd.DataFrame(head | columns("slip", estimates) | {"runs": estimates.runs})
 
 
 REST = "protocol.1.duration"

@@ -44,9 +44,9 @@ class Words:
     @classmethod
     def beside(cls, module: str) -> Self:
         """Read them from the text file beside a module."""
-        found = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
-        solids = {name: Solid(**one) for name, one in found.pop("solids", {}).items()}
-        return cls(found.pop("study", {}), found.pop("axes", ()), solids, found)
+        tables = tomllib.loads(Path(module).with_suffix(".toml").read_text(encoding="utf-8"))
+        solids = {name: Solid(**one) for name, one in tables.pop("solids", {}).items()}
+        return cls(tables.pop("study", {}), tables.pop("axes", ()), solids, tables)
 
     def dress(self, *axes: Axes) -> None:
         """Give axes, all of the figure in order, their scales, labels and legends."""
@@ -64,16 +64,16 @@ class Words:
         **facts: object,
     ) -> Finding:
         """Put numbers into a claim: by what they are, within the ends of the claim or others, or measured."""
-        said, key = self.claims[claim], key or claim
+        words, key = self.claims[claim], key or claim
         numbers = {"": numbers} if isinstance(numbers, Estimate) else numbers
         if isinstance(numbers, Mapping):
-            low, high = ends or said["ends"]
-            what = said.get("what", "{}").format
-            numbers = [Measurement(what(which), one, low, high) for which, one in numbers.items()]
-        note = said.get("note", "")
+            low, high = ends or words["ends"]
+            label = words.get("what", "{}").format
+            numbers = [Measurement(label(which), one, low, high) for which, one in numbers.items()]
+        note = words.get("note", "")
         note = note if isinstance(note, str) else note.get(key, "")
-        sentences = (said["claim"].format(**facts), tuple(numbers))
-        return Finding(key, said["place"], *sentences, note=note.format(**facts))
+        sentences = (words["claim"].format(**facts), tuple(numbers))
+        return Finding(key, words["place"], *sentences, note=note.format(**facts))
 
 
 @dataclass(frozen=True, eq=False)

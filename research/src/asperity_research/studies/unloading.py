@@ -30,10 +30,10 @@ SEPARABLE = ("half_space",)  # Those whose spectra are all proportional
 
 def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
     """Return the campaigns, one for each solid: so many surfaces, of so many sites along a side."""
-    found = []
+    planned = []
     for name, solid in SOLIDS.items():
         loads = [ratio * (solid.load * side**2) for ratio in RATIOS]
-        one = solid.campaign(
+        campaign = solid.campaign(
             name,
             "Area after a fall of the load",
             waves(side, side / 2, rms_slope=1.0),
@@ -42,8 +42,8 @@ def campaigns(*, surfaces: int, side: int) -> tuple[Campaign, ...]:
             output={},
             sweep={WAIT: list(solid.waits), LOAD: loads, "seeds": surfaces},
         )
-        found.append(one)
-    return tuple(found)
+        planned.append(campaign)
+    return tuple(planned)
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -129,16 +129,16 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     ratio = min(RATIOS)
     for (name, solid), mark, shade in zip(SOLIDS.items(), "sD^o", ("0.6", "0.4", "0.2", "0.0"), strict=True):
         shown = (curves["waiting_time"] == solid.waits[-1]) & (curves["load_ratio"] == ratio)
-        one = curves[shown & (curves["time"] > 0) & (curves["solid"] == name)]
+        curve = curves[shown & (curves["time"] > 0) & (curves["solid"] == name)]
         line = "--" if name in SEPARABLE else "-"
         style = {"marker": mark, "color": shade, "markersize": 4, "linestyle": line}
-        area.errorbar(one["time"], one["area"], one["area_stderr"], label=name, **style)
+        area.errorbar(curve["time"], curve["area"], curve["area_stderr"], label=name, **style)
         for part, fill in zip(RATIOS, (None, "white"), strict=True):
-            here = dips[(dips["solid"] == name) & (dips["load_ratio"] == part)]
-            at, lowest = here["waiting_time"], here["time_of_minimum"]
+            selected = dips[(dips["solid"] == name) & (dips["load_ratio"] == part)]
+            at, lowest = selected["waiting_time"], selected["time_of_minimum"]
             style["markerfacecolor"] = fill
-            depth.errorbar(at, 100 * here["depth"], 100 * here["depth_stderr"], **style)
-            low, high = (lowest * np.exp(sign * here["log_time_stderr"]) for sign in (-1, 1))
+            depth.errorbar(at, 100 * selected["depth"], 100 * selected["depth_stderr"], **style)
+            low, high = (lowest * np.exp(sign * selected["log_time_stderr"]) for sign in (-1, 1))
             time.errorbar(at, lowest, [lowest - low, high - lowest], **style)
     waits = np.unique(dips["waiting_time"])
     time.plot(waits, waits, ":", color="black", linewidth=1)

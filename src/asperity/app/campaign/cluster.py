@@ -94,8 +94,8 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
     from distributed import as_completed
 
     ending = as_completed(futures)
-    there = looked = clock.monotonic()  # when workers were there last, and when they were counted
-    told = False
+    last_seen = looked = clock.monotonic()  # when workers were there last, and when they were counted
+    remarked = False
     while not ending.is_empty():
         if not ending.has_ready():
             clock.sleep(_LOOK)
@@ -114,11 +114,11 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
             continue
         looked = now
         if client.nthreads():
-            there, told = now, False
-        elif now - there >= _TELL and not told:  # said before it ends, however slow the machine
-            told = True
+            last_seen, remarked = now, False
+        elif now - last_seen >= _TELL and not remarked:  # said before it ends, however slow the machine
+            remarked = True
             remark("waiting for workers: 0 connected")
-        elif now - there >= _PATIENCE:
+        elif now - last_seen >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
                 "start some, and the same command does the rest"
@@ -129,8 +129,8 @@ def _connected(scheduler: str) -> Client:
     from distributed import Client, rpc
 
     async def asked() -> None:  # a client would wait forever for what takes connections and is no scheduler
-        async with rpc(scheduler) as there, asyncio.timeout(_ANSWER):
-            await there.identity()
+        async with rpc(scheduler) as connection, asyncio.timeout(_ANSWER):
+            await connection.identity()
 
     try:
         with ThreadPoolExecutor(1) as aside:  # a notebook has a loop of its own

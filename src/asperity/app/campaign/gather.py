@@ -83,11 +83,11 @@ def open(directory: str | Path) -> xr.Dataset:  # noqa: A001  (asp.campaign.open
         raise InputError("campaign", expected="finished runs", got=f"{directory} with none yet")
     dims, described = tuple(plan.dimensions), _described(finished.values())
     entries = max(run.series.shape[1] for run in finished.values())
-    found = {
+    padded = {
         name: np.pad(run.series, ((0, 0), (0, entries - run.series.shape[1])), constant_values=np.nan)
         for name, run in finished.items()
     }
-    series = dict(zip(QUANTITIES, _at_places(plan, found), strict=True))
+    series = dict(zip(QUANTITIES, _at_places(plan, padded), strict=True))
     names = sorted({name for run in finished.values() for name in run.scalars})
     numbers = {
         key: np.array([run.scalars.get(name, np.nan) for name in names]) for key, run in finished.items()
@@ -154,8 +154,12 @@ def fields(directory: str | Path, **where: float | int | str) -> xr.Dataset:
         No run, or more than one, is meant; it is not finished; it kept no fields.
     """
     plan = load_plan(directory)
-    known = [(run, plan.labels(run)) for run in plan.runs]
-    chosen = [run for run, here in known if all(name in here and here[name] == where[name] for name in where)]
+    labelled = [(run, plan.labels(run)) for run in plan.runs]
+    chosen = [
+        run
+        for run, labels in labelled
+        if all(name in labels and labels[name] == where[name] for name in where)
+    ]
     if len(chosen) != 1:
         raise InputError(
             "campaign",
@@ -207,8 +211,8 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
         last = (values.notnull().sum(along) - 1).clip(min=0)  # a run of few entries ends with undefined ones
         for when, end in (("initial", values.isel({along: 0})), ("final", values.isel({along: last}))):
             if f"{when}_{quantity}" not in dataset:
-                said = _WHEN[when] if along == over_time else f"on the {_WHICH[when]} map"
-                described = values.attrs | {"long_name": f"{long_name}, {said}"}
+                moment = _WHEN[when] if along == over_time else f"on the {_WHICH[when]} map"
+                described = values.attrs | {"long_name": f"{long_name}, {moment}"}
                 plain_end = end.drop_vars(["time", "leg", "field_time"], errors="ignore")
                 ends[f"{when}_{quantity}"] = plain_end.assign_attrs(described)
     return dataset.assign(ends)
@@ -254,7 +258,7 @@ def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
         return xr.Dataset()
     gathered = xr.Dataset(coords=first.coords)
     for name, one in first.data_vars.items():
-        (values,) = _at_places(plan, {run: known[name].values[np.newaxis] for run, known in maps.items()})
+        (values,) = _at_places(plan, {run: fields[name].values[np.newaxis] for run, fields in maps.items()})
         gathered[name] = ((*plan.dimensions, *one.dims), values, one.attrs)
     return gathered
 
@@ -263,9 +267,9 @@ def _described(runs: Iterable[Finished]) -> dict[str, tuple[str, str]]:
     described: dict[str, tuple[str, str]] = {}
     for run in runs:
         for name, (long_name, unit) in run.described.items():
-            known = described.setdefault(name, (long_name, unit))[1]
-            if known != unit:
-                described[name] = (long_name, f"{known} or {unit}, as the run")
+            unit_before = described.setdefault(name, (long_name, unit))[1]
+            if unit_before != unit:
+                described[name] = (long_name, f"{unit_before} or {unit}, as the run")
     return described
 
 
@@ -320,11 +324,13 @@ def _with_ensemble(dataset: xr.Dataset) -> xr.Dataset:
         # With one seed there is no spread to judge by: NaN.
         spread = values.std("seed", ddof=0) / np.sqrt((count - 1).where(count > 1))
         long_name, unit = values.attrs["long_name"], values.attrs["units"]
-        found = {"mean": (values.mean("seed"), "mean over the seeds", unit)}
+        statistics = {"mean": (values.mean("seed"), "mean over the seeds", unit)}
         if not (count == finished).all():  # a fit that failed, a limit that was not found
-            found["count"] = (count, "seeds that have it", "1")
-        found["stderr"] = (spread, "standard error of the mean", unit)
-        for end, (number, said, its_unit) in found.items():
-            dataset[f"{name}_{end}"] = number.assign_attrs(long_name=f"{long_name}, {said}", units=its_unit)
+            statistics["count"] = (count, "seeds that have it", "1")
+        statistics["stderr"] = (spread, "standard error of the mean", unit)
+        for end, (number, meaning, its_unit) in statistics.items():
+            dataset[f"{name}_{end}"] = number.assign_attrs(
+                long_name=f"{long_name}, {meaning}", units=its_unit
+            )
     dataset["count"] = finished.assign_attrs(long_name="finished seeds", units="1")
     return dataset

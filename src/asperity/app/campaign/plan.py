@@ -237,20 +237,20 @@ def _lists(
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
     homes = {name: one for one in ORDER for model in models_of(one) for name in model.model_fields}
-    found: dict[str, None] = {}
+    lists: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
         section, name = (head, rest) if head in ORDER and rest else (None, path)
         key = name.split(".")[0]
         where = f"[sweep] {name}"
-        if name in found:
+        if name in lists:
             problems.append(f"{where}: given twice")
-        found[name] = None
+        lists[name] = None
         if head == "protocol":
-            section, known = head, name.split(".")[-1] in IN_A_LEG
+            section, sweepable = head, name.split(".")[-1] in IN_A_LEG
             advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
         else:
-            known = key not in _NOT_SWEPT
+            sweepable = key not in _NOT_SWEPT
             advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
             if key not in homes or section not in (None, homes[key]):
                 shown = len(problems) < SHOWN_PROBLEMS
@@ -258,7 +258,7 @@ def _lists(
                 hint = f"; did you mean {close[0]!r}?" if close else ""
                 problems.append(f"{where}: no such key{hint}")
                 continue
-        if not known:
+        if not sweepable:
             problems.append(f"{where}: cannot be swept; {advice}")
         elif not isinstance(values, list) or not values:
             problems.append(f"{where}: expected a list of values, got {values!r}")
@@ -307,27 +307,27 @@ def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
     return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
 
 
-def _seeds(given: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
+def _seeds(seeds: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
     """Seeds from a number, which begin with the first, or a list; a surface that is not random has none."""
     if (model := KINDS["surface"].get(kind)) and "seed" not in model.model_fields:
-        if given is not None:
+        if seeds is not None:
             problems.append(f"[sweep] seeds: a surface of kind {kind!r} has no seed")
         return ()
-    if given is None:
-        given = [first]
-    if isinstance(given, int) and not isinstance(given, bool) and given >= 1 and isinstance(first, int):
-        if given > MOST_RUNS:
+    if seeds is None:
+        seeds = [first]
+    if isinstance(seeds, int) and not isinstance(seeds, bool) and seeds >= 1 and isinstance(first, int):
+        if seeds > MOST_RUNS:
             problems.append(
-                f"[sweep] seeds: expected how many surfaces, at most {MOST_RUNS:,}, got {given:,}; "
+                f"[sweep] seeds: expected how many surfaces, at most {MOST_RUNS:,}, got {seeds:,}; "
                 "for one surface of your choice, try seed in [surface]"
             )
             return ()
-        given = list(range(first, first + given))
-    if not isinstance(given, list) or not given or len(set(map(str, given))) < len(given):
+        seeds = list(range(first, first + seeds))
+    if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
         expected = "a number of seeds or a list of different ones"
-        problems.append(f"[sweep] seeds: expected {expected}, got {given!r}")
+        problems.append(f"[sweep] seeds: expected {expected}, got {seeds!r}")
         return ()
-    return tuple(given)
+    return tuple(seeds)
 
 
 def _runs(
@@ -363,8 +363,8 @@ def _runs(
         try:
             config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path)
             # A worker in any folder finds a surface file; a solid needs no file any more.
-            found = {"solid": config.solid.resolved(), "surface": config.surface.anywhere()}
-            config = config.model_copy(update=found)
+            resolved = {"solid": config.solid.resolved(), "surface": config.surface.anywhere()}
+            config = config.model_copy(update=resolved)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
             problems |= dict.fromkeys(_swept_told(error, swept))
@@ -396,8 +396,8 @@ def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None)
             try:
                 put(table, path, value)
             except (KeyError, IndexError, ValueError, TypeError):
-                what = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
-                raise ConfigError([f"[sweep] {name}: no such {what}"]) from None
+                counted = "leg; legs count from 0" if section == "protocol" else "entry; entries count from 0"
+                raise ConfigError([f"[sweep] {name}: no such {counted}"]) from None
     return merged
 
 

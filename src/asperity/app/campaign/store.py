@@ -102,11 +102,11 @@ class Store:
             raise
         except Exception as error:
             raise _damage(self.runs / "zarr.json", "that file") from error
-        found = list((self.work / "staging").iterdir())
+        remains = list((self.work / "staging").iterdir())
         running = self.running()  # after the list: who began to write since then is not in it
-        for left in found:
-            if left.name.partition(".")[0] not in running:  # its writer was killed
-                shutil.rmtree(left, ignore_errors=True)
+        for remnant in remains:
+            if remnant.name.partition(".")[0] not in running:  # its writer was killed
+                shutil.rmtree(remnant, ignore_errors=True)
 
     def is_done(self, identity: str) -> bool:
         """Whether the run is finished."""
@@ -118,8 +118,8 @@ class Store:
 
     def remark_on_remains(self, identities: set[str]) -> None:
         """Name folders of these runs that lack their ``zarr.json``, as a cut-off copy does."""
-        found = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
-        if lacking := sorted(found - self.done()):
+        present = {path.name for path in self.runs.glob("*/")} & identities  # before asking which are done
+        if lacking := sorted(present - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
             damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
             remark(f"{damaged}, and not used; asperity sweep does it again")
@@ -170,17 +170,17 @@ class Store:
 
         `OutputError` if the disk refused; the store is as it was.
         """
-        there = self.runs / identity
+        target = self.runs / identity
         try:
             with tempfile.TemporaryDirectory(
                 prefix=f"{identity}.", dir=self.work / "staging", ignore_cleanup_errors=True
             ) as staging:
-                made = Path(staging) / "made"
-                _write_group(made, identity, outcome, seconds)
-                flush(made)
-                if not self.is_done(identity) and there.exists():  # remains of a folder
-                    there.rename(Path(staging) / "remains")
-                made.rename(there)
+                finished = Path(staging) / "made"
+                _write_group(finished, identity, outcome, seconds)
+                flush(finished)
+                if not self.is_done(identity) and target.exists():  # remains of a folder
+                    target.rename(Path(staging) / "remains")
+                finished.rename(target)
                 flush_folder(self.runs)
         except OSError as error:
             if self.is_done(identity):  # another process was faster, with the same numbers
@@ -278,9 +278,9 @@ def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
 def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) -> None:
     """One array holds the series: writing costs by the array, and there may be thousands of runs."""
     dataset = outcome.dataset
-    known = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
-    quantities = [name for name in QUANTITIES if name in known.variables]
-    series = np.stack([np.asarray(known[name], dtype=np.float64) for name in quantities])
+    with_legs = dataset if "leg" in dataset.coords else dataset.assign_coords(leg=0 * dataset["steps"])
+    quantities = [name for name in QUANTITIES if name in with_legs.variables]
+    series = np.stack([np.asarray(with_legs[name], dtype=np.float64) for name in quantities])
     group = zarr.open_group(folder, mode="w")
     group.create_array("series", data=series, chunks=series.shape, dimension_names=("quantity", "time"))
     fields = {}
@@ -296,7 +296,8 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
         "identity": identity,
         "quantities": quantities,
         "described": {
-            name: [known[name].attrs.get(key, "") for key in ("long_name", "units")] for name in quantities
+            name: [with_legs[name].attrs.get(key, "") for key in ("long_name", "units")]
+            for name in quantities
         },
         "lattice": {name: dataset.attrs[name] for name in ("spacing", "edges", "si")},
         "scalars": _scalars(outcome) | {"seconds": seconds},
@@ -315,9 +316,9 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
 
 def _completed(series: Field, quantities: Sequence[str]) -> Field:
     """The series of `QUANTITIES`, undefined where an earlier version kept none."""
-    known = dict(zip(quantities, series, strict=True))
+    columns = dict(zip(quantities, series, strict=True))
     missing = np.full(series.shape[1:], np.nan)
-    return np.stack([known.get(name, missing) for name in QUANTITIES])
+    return np.stack([columns.get(name, missing) for name in QUANTITIES])
 
 
 def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
@@ -326,8 +327,8 @@ def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
         return None
     values, row, series = np.asarray(group[_OF_MAPS]), 0, {}
     for name, width, dtype, long_name, unit in facts[_OF_MAPS]:
-        one = values[row : row + width].astype(dtype)
-        shaped = one[0] if width == 1 else one.T
+        run_values = values[row : row + width].astype(dtype)
+        shaped = run_values[0] if width == 1 else run_values.T
         described = {"long_name": str(long_name), "units": str(unit)}
         series[str(name)] = (("field_time", "quantile")[: shaped.ndim], shaped, described)
         row += width

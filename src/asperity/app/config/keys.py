@@ -102,29 +102,29 @@ def keys_of(model: type[BaseModel]) -> Keys:
 def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
     kinds = [kind for kind in facts.get("anyOf", [facts]) if kind.get("type") != "null"]
     several = "items" in kinds[0]
-    one = kinds[0]["items"] if several else kinds[0]
-    choices = tuple(one.get("enum", [one["const"]] if "const" in one else []))
+    schema = kinds[0]["items"] if several else kinds[0]
+    choices = tuple(schema.get("enum", [schema["const"]] if "const" in schema else []))
     plain = {"number": "number", "integer": "whole", "boolean": "switch", "string": "text"}
-    what = "choice" if choices else plain.get(one.get("type"), "legs")
-    if "prefixItems" in one:
-        what = "pair"
-    elif "items" in one:
-        what = "lists of pairs"
+    sort = "choice" if choices else plain.get(schema.get("type"), "legs")
+    if "prefixItems" in schema:
+        sort = "pair"
+    elif "items" in schema:
+        sort = "lists of pairs"
     elif len(kinds) > 1:
-        what = "text or whole"
-    elif what == "text" and name in FILES.values():
-        what = "path"
+        sort = "text or whole"
+    elif sort == "text" and name in FILES.values():
+        sort = "path"
     return Key(
         name=name,
-        what=cast(What, f"{what}s" if several and what not in ("legs", "lists of pairs") else what),
-        unit=one.get("unit", ""),
-        units=tuple(part.get("unit", "") for part in one.get("prefixItems", ())),
+        what=cast(What, f"{sort}s" if several and sort not in ("legs", "lists of pairs") else sort),
+        unit=schema.get("unit", ""),
+        units=tuple(part.get("unit", "") for part in schema.get("prefixItems", ())),
         choices=choices,
         default=facts.get("default"),
         required=required,
-        least=one.get("exclusiveMinimum", one.get("minimum")),
-        most=one.get("exclusiveMaximum", one.get("maximum")),
-        above="exclusiveMinimum" in one,
-        below="exclusiveMaximum" in one,
+        least=schema.get("exclusiveMinimum", schema.get("minimum")),
+        most=schema.get("exclusiveMaximum", schema.get("maximum")),
+        above="exclusiveMinimum" in schema,
+        below="exclusiveMaximum" in schema,
         description=facts.get("description", ""),
     )

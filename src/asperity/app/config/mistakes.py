@@ -91,30 +91,35 @@ def _outside(name: str, content: object, path: Path | None) -> str:
         return f"[sweep]: makes this the file of a campaign, not of a run; try {command}"
     if isinstance(content, dict):
         return f"[{name}]: no such section"
-    homes = [one for one in (*SECTIONS, *KINDS) for model in models_of(one) if name in model.model_fields]
+    homes = [
+        section
+        for section in (*SECTIONS, *KINDS)
+        for model in models_of(section)
+        if name in model.model_fields
+    ]
     return f"{name}: stands outside any section{f'; it belongs below [{homes[0]}]' if homes else ''}"
 
 
 def _suggestion(detail: ErrorDetails, section: str) -> str:
     place, got = [section, *detail["loc"]] if section else [*detail["loc"]], detail["input"]
-    home, word, known = str(place[0]) if place else "", str(place[-1]) if place else "", list[str]()
+    home, word, candidates = str(place[0]) if place else "", str(place[-1]) if place else "", list[str]()
     if detail["type"] != "extra_forbidden" or word == "sweep":
         return ""
     if len(place) == 1:
-        known = [*ORDER, "sweep"] if isinstance(got, dict) else []
+        candidates = [*ORDER, "sweep"] if isinstance(got, dict) else []
     elif home == "protocol":
-        known = [name for name in LEGS[str(place[-2])].model_fields if name != "kind"]
+        candidates = [name for name in LEGS[str(place[-2])].model_fields if name != "kind"]
     else:
         kinds = KINDS.get(home, {})
         model = kinds[str(place[1])] if kinds else SECTIONS[home]
         others = {name for one in kinds.values() for name in one.model_fields}
-        meant, known = MEANT.get(word), [] if word in others else list(model.model_fields)
-        if meant in model.model_fields or (known and meant in others):
+        meant, candidates = MEANT.get(word), [] if word in others else list(model.model_fields)
+        if meant in model.model_fields or (candidates and meant in others):
             return f"; try {meant}"
-    return _meant(word, known) or (f"; there are {', '.join(known)}" if known else "")
+    return _meant(word, candidates) or (f"; there are {', '.join(candidates)}" if candidates else "")
 
 
-def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> str:
+def _of_section(section: str, sentence: str, flags: Sections, path: Path | None) -> str:
     """One line for a mistake of a section; keys that came, or may come, as flags are named so.
 
     Its keys stand before a colon, or are marked; advice has arguments of the library.
@@ -129,9 +134,9 @@ def _of_section(section: str, said: str, flags: Sections, path: Path | None) -> 
             return f"{flag} {values.replace(',', '')}" if "=" in found[0] else flag
         return found[0].replace("=", " = ") if "=" in found[0] else key
 
-    head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, said).partition("; try ")
-    said = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
-    return said if said.startswith("--") else _where(path, f"[{section}] {said}")
+    head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, sentence).partition("; try ")
+    sentence = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
+    return sentence if sentence.startswith("--") else _where(path, f"[{section}] {sentence}")
 
 
 def _of_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:
@@ -161,8 +166,8 @@ def _expectation(detail: ErrorDetails) -> str:
         return str(context["error"])
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         got = got.get("kind") if isinstance(got, dict) else got
-        known = list({**KINDS, "protocol": LEGS}[str(detail["loc"][0])])
-        return f"expected one of {', '.join(map(repr, known))}, got {_shown(got)}{_meant(got, known)}"
+        kinds = list({**KINDS, "protocol": LEGS}[str(detail["loc"][0])])
+        return f"expected one of {', '.join(map(repr, kinds))}, got {_shown(got)}{_meant(got, kinds)}"
     expected = {
         "greater_than": f"a number above {context.get('gt')}",
         "greater_than_equal": f"a number of at least {context.get('ge')}",

@@ -74,9 +74,9 @@ class Contact(Section):
 
     @model_validator(mode="after")
     def _one_of_three(self) -> Self:
-        if len(given := self.model_dump(exclude_none=True)) > 1:
-            got = "both" if len(given) == 2 else "all"
-            names = list(given)
+        if len(stated := self.model_dump(exclude_none=True)) > 1:
+            got = "both" if len(stated) == 2 else "all"
+            names = list(stated)
             raise ValueError(f"expected {', '.join(names[:-1])} or {names[-1]}, got {got}")
         return self
 
@@ -134,8 +134,10 @@ class LegSection(Section):
             self._leg = leg_of(self.model_dump(exclude_none=True))
         except InputError as error:
             names = error.name.replace(" and ", ", ").split(", ")
-            said = f"expected {any_of(names)}" if names[1:] else f"{error.name}: expected {error.expected}"
-            raise ValueError(f"{said}, got {error.got}") from None
+            expectation = (
+                f"expected {any_of(names)}" if names[1:] else f"{error.name}: expected {error.expected}"
+            )
+            raise ValueError(f"{expectation}, got {error.got}") from None
         return self
 
 
@@ -282,17 +284,17 @@ class RunConfig(Section):
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
             expected = "a protocol that begins with a ramp beside 0"
             raise ValueError(f"[contact] load: expected {expected}, got none; try --leg 'ramp 1 load=...'")
-        if (known := self.solid.known) is not None:
-            first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
-            if first < known[0] * (1 - 1e-9) or self.end > known[1] * (1 + 1e-9):
-                key, what, word = "relaxation", "a table", "plateau"
+        if (measured := self.solid.known) is not None:
+            first = next((time for time in self.aging.times or [self.span[0]] if time > 0), measured[0])
+            if first < measured[0] * (1 - 1e-9) or self.end > measured[1] * (1 + 1e-9):
+                key, origin, word = "relaxation", "a table", "plateau"
                 if getattr(self.solid, "data_last", None) is not None:
-                    key, what, word = "data_last", "data", "model"
-                got = "{:g} to {:g} s".format(*known)
-                expected = f"{what} of the times to record, {first:g} to {self.end:g} s"
+                    key, origin, word = "data_last", "data", "model"
+                got = "{:g} to {:g} s".format(*measured)
+                expected = f"{origin} of the times to record, {first:g} to {self.end:g} s"
                 advice = f'; try extrapolate = "{word}" (--extrapolate {word})'
                 if word == "plateau":
-                    advice = f"{advice}, or branches" if first >= known[0] * (1 - 1e-9) else ""
+                    advice = f"{advice}, or branches" if first >= measured[0] * (1 - 1e-9) else ""
                 raise ValueError(f"[solid] {key}: expected {expected}, got {got}{advice}")
         for where, times in (("[aging] times", self.aging.times), ("[output] maps_at", self.output.maps_at)):
             late = max(times or [], default=-math.inf)

@@ -29,13 +29,13 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if not pressed:
         raise InputError("contact", expected="a load, a pressure or a separation", got="none")
     contact = _call("asp.press", "rough", "solid", **pressed)
-    given: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     if config.protocol:
-        given["protocol"] = list(config.legs)
-    given |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
-    given = {name: value for name, value in given.items() if value not in (None, [])}
+        arguments["protocol"] = list(config.legs)
+    arguments |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
+    arguments = {name: value for name, value in arguments.items() if value not in (None, [])}
     if config.carries is not None:
-        given["carried"] = Carried(**config.carries)
+        arguments["carried"] = Carried(**config.carries)
     spread = config.aging.times is None and not config.protocol
     lines = [
         f"# Asperity {__version__}",
@@ -48,7 +48,7 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         f"times = np.geomspace({config.span[0]!r}, {config.span[1]!r}, {len(times)})"
         if spread
         else f"times = {_written(times)}",
-        f"history = {_call('asp.age', 'contact', 'times', **given)}",
+        f"history = {_call('asp.age', 'contact', 'times', **arguments)}",
     ]
     if not config.protocol:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
@@ -64,10 +64,10 @@ def _surface(config: RunConfig) -> str:
     chosen = config.surface
     first, facts = chosen.arguments
     if isinstance(chosen, MeasuredSurface):
-        usual = {name: one.default for name, one in parameters_of(chosen.make).items()}
+        usual = {name: parameter.default for name, parameter in parameters_of(chosen.make).items()}
         facts = {name: value for name, value in facts.items() if value != usual[name]}
-    made = _call(f"asp.surfaces.{chosen.make.__name__}", repr(first), **facts)
-    return _call("asp.surfaces.Surface", made, **chosen.around) if chosen.around else made
+    call = _call(f"asp.surfaces.{chosen.make.__name__}", repr(first), **facts)
+    return _call("asp.surfaces.Surface", call, **chosen.around) if chosen.around else call
 
 
 def _solid(config: RunConfig) -> str:
@@ -81,7 +81,7 @@ def _call(name: str, *positional: str, **named: object) -> str:
     line = f"{name}({', '.join(arguments)})"
     if len(line) <= _LONG:
         return line
-    return "".join([f"{name}(\n", *(f"    {one},\n" for one in arguments), ")"])
+    return "".join([f"{name}(\n", *(f"    {argument},\n" for argument in arguments), ")"])
 
 
 def _written(value: object) -> str:

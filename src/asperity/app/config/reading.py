@@ -105,8 +105,8 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         hint = "; for a surface, try --file"
         raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
     except ValueError as error:  # TOML's own, a number of thousands of digits, or a name with NUL
-        own = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
-        reason = str(error) if own else "a number has too many digits"
+        clear = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
+        reason = str(error) if clear else "a number has too many digits"
         hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
         raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
     except RecursionError:
@@ -146,8 +146,8 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
         table.setdefault("kind", usual)
         _drop_foreign(kinds, table, tables.get(section), chosen)
-        known = getattr(kinds.get(str(table["kind"])), "model_fields", {})
-        if "spacing" in known and "pixel_size" in table.keys() - known.keys() and "spacing" not in table:
+        of_kind = getattr(kinds.get(str(table["kind"])), "model_fields", {})
+        if "spacing" in of_kind and "pixel_size" in table.keys() - of_kind.keys() and "spacing" not in table:
             table["spacing"] = table.pop("pixel_size")
     return merged
 

@@ -45,8 +45,8 @@ def usual(default: object, description: str) -> Any:
 
 def made(name: str, home: str, base: type[_Section], kind: str, keys: dict[str, Any]) -> type[_Section]:
     """A section of a kind, under a name in a module, where pickle looks for it to send it elsewhere."""
-    known: dict[str, Any] = {"kind": (Literal[kind], kind), **keys}
-    section = create_model(name, __base__=base, __module__=home, **known)
+    fields: dict[str, Any] = {"kind": (Literal[kind], kind), **keys}
+    section = create_model(name, __base__=base, __module__=home, **fields)
     setattr(sys.modules[home], name, section)
     return section
 
@@ -206,33 +206,37 @@ def _name_or_number(value: object) -> object:
 
 def field_of(parameter: Parameter) -> Any:
     """A key with its default and what it is."""
-    what, default = parameter.quantity, parameter.default
-    default = default if what.usual is ... else what.usual
-    if what.key and isinstance(default, bool):
+    quantity, default = parameter.quantity, parameter.default
+    default = default if quantity.usual is ... else quantity.usual
+    if quantity.key and isinstance(default, bool):
         default = not default
     key = key_of(parameter.hint, *parameter.facts)
     if default is None and NoneType not in parameter.kinds:
         key = key | None
     if default not in (MISSING, None) and not isinstance(default, str) and any(map(item_of, parameter.kinds)):
         default = list(default) if isinstance(default, tuple) else [default]
-    said = f"Its {what.meaning} {what.symbol}." if what.symbol else what.meaning + what.more
-    said = said[0].upper() + said[1:]
-    return key, Field(... if default is MISSING else default, description=said)
+    help_text = (
+        f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
+    )
+    help_text = help_text[0].upper() + help_text[1:]
+    return key, Field(... if default is MISSING else default, description=help_text)
 
 
 def keys_of_maker(make: Callable[..., Any]) -> dict[str, Any]:
     """Keys of a section: the annotated arguments of what makes a surface or a solid."""
-    return {one.quantity.key or name: field_of(one) for name, one in parameters_of(make).items()}
+    return {
+        parameter.quantity.key or name: field_of(parameter) for name, parameter in parameters_of(make).items()
+    }
 
 
 def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
     """Arguments of it, from the keys; without those that are not given."""
-    found = {}
+    arguments = {}
     for name, parameter in parameters_of(make).items():
         value, kinds = getattr(section, parameter.quantity.key or name), {*parameter.kinds}
         if value is None or value == [] or (isinstance(value, bool) and parameter.quantity.key and not value):
             continue
         if isinstance(value, list) and {float, int} & kinds:
             value = value[0] if len(value) == 1 else tuple(value)
-        found[name] = not value if isinstance(value, bool) and parameter.quantity.key else value
-    return found
+        arguments[name] = not value if isinstance(value, bool) and parameter.quantity.key else value
+    return arguments

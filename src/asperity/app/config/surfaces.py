@@ -91,15 +91,15 @@ class SurfaceSection(Section):
     def build(self) -> Surface:
         """Make or read the surface, and let it know where it comes from."""
         first, facts = self.arguments
-        found, around = self.make(first, **facts), self.around
-        if isinstance(found, Surface) and not around:
-            return found
+        surface, around = self.make(first, **facts), self.around
+        if isinstance(surface, Surface) and not around:
+            return surface
         origin = self.model_dump(exclude_none=True, exclude={"edges"})
         if "pixel_size" in around:
             origin |= {"pixel_size": list(around["pixel_size"]), "length_unit": around.get("unit", "")}
         if self.file is not None:
             origin["sha256"] = hashlib.sha256(content_of(self.file)).hexdigest()
-        return Surface(np.asarray(found), **around, provenance=origin)
+        return Surface(np.asarray(surface), **around, provenance=origin)
 
 
 def _section_of(kind: str) -> type[SurfaceSection]:

@@ -24,8 +24,8 @@ _ALONE = (
 
 def page_files() -> dict[str, bytes]:
     """Files of the page, by name."""
-    found = resources.files("asperity.app.explore").joinpath("page")
-    return {file.name: file.read_bytes() for file in found.iterdir() if file.is_file()}
+    page = resources.files("asperity.app.explore").joinpath("page")
+    return {file.name: file.read_bytes() for file in page.iterdir() if file.is_file()}
 
 
 def exported_page(messages: Iterable[bytes], *, title: str) -> str:
@@ -34,10 +34,10 @@ def exported_page(messages: Iterable[bytes], *, title: str) -> str:
     packed = base64.b64encode(gzip.compress(stream, mtime=0)).decode("ascii") if stream else ""
     recording = f'<script type="application/octet-stream" id="recording">{packed}</script>'
     files = {name: content.decode() for name, content in page_files().items()}
-    page = _LINK.sub(lambda found: f"<style>\n{files[found[1]]}</style>", files["index.html"])
+    page = _LINK.sub(lambda script: f"<style>\n{files[script[1]]}</style>", files["index.html"])
     # Inline scripts run where they stand, so they stand behind what they look for, after the data.
     # No script may end the element in which it stands.
-    codes = [files[found[1]].replace("</script", "<\\/script") for found in _SCRIPT.finditer(page)]
+    codes = [files[script[1]].replace("</script", "<\\/script") for script in _SCRIPT.finditer(page)]
     scripts = "\n".join(f"<script>\n{code}</script>" for code in codes)
     page = _SCRIPT.sub("", page)
     page = re.sub(r"<title>.*?</title>", lambda _: f"<title>{html.escape(title)}</title>", page, count=1)

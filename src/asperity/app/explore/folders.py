@@ -43,9 +43,9 @@ def inside(root: Path, name: str) -> Path:
     pure = PurePosixPath(name)
     if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
         with contextlib.suppress(UnicodeEncodeError):  # no disk has such a name
-            found = (root / pure).resolve()
-            if found.is_relative_to(root.resolve()):
-                return found
+            resolved = (root / pure).resolve()
+            if resolved.is_relative_to(root.resolve()):
+                return resolved
     raise InputError("path", expected="a name in the folder that is shown", got=printable(name))
 
 
@@ -59,20 +59,22 @@ def kind_of(folder: Path) -> str:
 
 def entries(root: Path) -> list[dict[str, str]]:
     """Runs, campaigns and predictions of a folder, which may be one itself: path, kind and title."""
-    found: list[dict[str, str]] = []
+    listing: list[dict[str, str]] = []
     waiting, seen = deque([(root, 0)]), 0
-    while waiting and len(found) < _MOST and seen < _MOST_SEEN:
+    while waiting and len(listing) < _MOST and seen < _MOST_SEEN:
         folder, depth = waiting.popleft()
         seen += 1
         with contextlib.suppress(OSError):  # it is not ours to read, or has just gone
             if kind := kind_of(folder):
                 path = folder.relative_to(root).as_posix()
                 title = folder.resolve().name if path == "." else path
-                found.append({"path": path, "kind": kind, "title": printable(title)})
+                listing.append({"path": path, "kind": kind, "title": printable(title)})
             elif depth < _DEEPEST:
-                inner = sorted(one for one in folder.iterdir() if one.name[0] not in "._")
-                waiting += [(one, depth + 1) for one in inner if one.is_dir() and not one.is_symlink()]
-    return found
+                inner = sorted(child for child in folder.iterdir() if child.name[0] not in "._")
+                waiting += [
+                    (child, depth + 1) for child in inner if child.is_dir() and not child.is_symlink()
+                ]
+    return listing
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,8 +157,8 @@ def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Head
     for run in plan.distinct.values():
         places = {"done": done, "running": running, "failed": failed}
         state = next((state for state, names in places.items() if run.identity in names), "left")
-        known = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
-        runs.append(known | plan.labels(run))
+        row = {"id": run.identity, "state": state, "reason": failed.get(run.identity, "")}
+        runs.append(row | plan.labels(run))
         if state == "done" and len(arrays) < 2 * _MOST_CURVES:
             series = dict(zip(QUANTITIES, store.read(run).series, strict=True))
             arrays[f"time.{run.identity}"] = np.ascontiguousarray(series["time"])

@@ -48,9 +48,9 @@ class Job:
         elif what == "scene":
             recording.scene, recording.heights = content
         elif what == "row":
-            row, found = content
+            row, new_map = content
             recording.rows.append(row)
-            recording.maps += [] if found is None else [found]
+            recording.maps += [] if new_map is None else [new_map]
         else:
             recording.end = content
         for watcher in list(self.watchers):

@@ -61,6 +61,6 @@ def _place(problem: str) -> str:
     """The key that a line of `ConfigError` is about, as it names it itself."""
     if leg := _LEG.match(problem):
         return ".".join(filter(None, (leg[1].replace(" ", "."), leg[2])))
-    if problem.startswith("[") and (found := re.match(r"^\[(\w+)\](?: (\w+):)?", problem)):
-        return ".".join(filter(None, found.groups()))
+    if problem.startswith("[") and (match := re.match(r"^\[(\w+)\](?: (\w+):)?", problem)):
+        return ".".join(filter(None, match.groups()))
     return ""

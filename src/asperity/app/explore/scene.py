@@ -86,10 +86,10 @@ def unpack(message: bytes) -> tuple[Header, Arrays]:
     header: Header = json.loads(message[4 : 4 + length])
     start = (4 + length + 7) // 8 * 8
     arrays = {}
-    for one in header.pop("arrays"):
-        count = math.prod(one["shape"])
-        found = np.frombuffer(message, np.dtype(f"<{one['dtype']}"), count, start + one["offset"])
-        arrays[one["name"]] = found.reshape(one["shape"])
+    for entry in header.pop("arrays"):
+        count = math.prod(entry["shape"])
+        values = np.frombuffer(message, np.dtype(f"<{entry['dtype']}"), count, start + entry["offset"])
+        arrays[entry["name"]] = values.reshape(entry["shape"])
     return header, arrays
 
 
@@ -261,8 +261,8 @@ def of_frame(frame: Frame) -> tuple[Row, Map]:
     yields = contact.solid.yields
     indentation = np.roll(contact.permanent_indentation, back, axes) if yields else None
     edges = contact.lattice.edges
-    found = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
-    return row_of(frame, slides=True), found
+    new_map = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
+    return row_of(frame, slides=True), new_map
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:
@@ -277,12 +277,12 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     legs = dataset["field_leg"].values.tolist() if "field_leg" in dataset.coords else [0] * count
     placed = on_the_surface(dataset)
     for number in _spread(count, most_maps(dataset["heights"].size)):
-        one = placed.isel(field_time=number)
-        mask = np.asarray(one["in_contact"], dtype=bool)
-        pressure = pressure_of(one)
-        depth = one["permanent_indentation"].values if "permanent_indentation" in one else None
+        fields = placed.isel(field_time=number)
+        mask = np.asarray(fields["in_contact"], dtype=bool)
+        pressure = pressure_of(fields)
+        depth = fields["permanent_indentation"].values if "permanent_indentation" in fields else None
         edges = dataset.attrs["edges"]
-        time = float(one["field_time"])
+        time = float(fields["field_time"])
         recording.maps.append(map_of(time, int(legs[number]), mask, pressure, edges, depth))
     return recording
 
@@ -291,10 +291,10 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
     """Header of the message that ends a run: the limit, and the rows of its summary."""
     limit = dataset.attrs.get("relaxed_area")
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if "contact_area" in dataset else None
-    known = None
+    limit_row = None
     if limit is not None:
-        known = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
-    return {"kind": "done", "limit": known, "rows": [(name, without_flags(text)) for name, text in rows]}
+        limit_row = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
+    return {"kind": "done", "limit": limit_row, "rows": [(name, without_flags(text)) for name, text in rows]}
 
 
 def most_maps(sites: int) -> int:
@@ -371,13 +371,13 @@ def _numbers(
 ) -> list[float]:
     """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
-    made = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
-    made["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
+    numbers = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
+    numbers["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)
     if load > 0 and first["load"] > 0 and first["area"] > 0:
-        made["friction"] = (area / first["area"]) * (first["load"] / load)
+        numbers["friction"] = (area / first["area"]) * (first["load"] / load)
     since = max((switch for switch in switches if switch < time), default=0.0)
     earlier = last["time"] - since
     if 0 < earlier < time - since and leg == last.get("leg", 0.0) and first["area"] > 0:
         growth = (area - last["area"]) / first["area"]
-        made["decade_growth"] = growth / math.log10((time - since) / earlier)
-    return [float(made[name] if name in made else row[name]) for name in columns]
+        numbers["decade_growth"] = growth / math.log10((time - since) / earlier)
+    return [float(numbers[name] if name in numbers else row[name]) for name in columns]

@@ -80,9 +80,9 @@ class Places:
         """
         path, homes = Path(name), [home for home in (self.root, self.uploads) if home is not None]
         if path.is_absolute():
-            found = path.resolve()
-            known = found in self._named or any(found.is_relative_to(home.resolve()) for home in homes)
-            choices = [found] if known else []
+            place = path.resolve()
+            allowed = place in self._named or any(place.is_relative_to(home.resolve()) for home in homes)
+            choices = [place] if allowed else []
         else:
             choices = [inside(home, name) for home in homes]
         if file := next((one for one in choices if one.is_file()), None):
@@ -98,30 +98,30 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
     """
     if not isinstance(tables, dict):
         raise ConfigError(["expected the sections of a configuration"])
-    known: dict[str, Any] = {
+    contents: dict[str, Any] = {
         section: {key: one for key, one in table.items() if one is not None}
         if isinstance(table, dict)
         else table
         for section, table in tables.items()
         if table != []
     }
-    aging = known.setdefault("aging", {})
+    aging = contents.setdefault("aging", {})
     if isinstance(aging, dict) and "times" not in aging:
         aging.setdefault("per_decade", PER_DECADE)
     shown: Shown = {}
     for section, key in FILES.items():
-        table = known.get(section)
+        table = contents.get(section)
         if isinstance(table, dict) and isinstance(name := table.get(key), str):
             try:
                 table[key] = str(places.find(name))
             except InputError as error:
-                said = str(error).removeprefix("path: ")
-                raise ConfigError([f"[{section}] {key}: {said}"]) from None
+                reason = str(error).removeprefix("path: ")
+                raise ConfigError([f"[{section}] {key}: {reason}"]) from None
             shown[table[key]] = name
-    solid = known.get("solid")
+    solid = contents.get("solid")
     if isinstance(solid, dict) and solid.get("apparatus") == "inf":
         solid["apparatus"] = math.inf
-    return config_from(known, {}, None), shown
+    return config_from(contents, {}, None), shown
 
 
 class Session:

@@ -74,10 +74,10 @@ class _Teller(Progress):
             moments = [*scene["switches"], *(output.maps_at or ())]
             self._mapped = mapped(self._times, moments, frame.contact.heights.size)
             self._tell("scene", (scene, self._recording.heights))
-        row, found = of_frame(frame)
+        row, new_map = of_frame(frame)
         self._recording.add_row(row)
         wanted = any(abs(frame.time - time) <= 1e-9 * time for time in self._mapped)
-        self._tell("row", (self._recording.rows[-1], found if wanted else None))
+        self._tell("row", (self._recording.rows[-1], new_map if wanted else None))
 
 
 def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header:

@@ -149,7 +149,7 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
     load = math.prod(sides) * modulus
     stresses = ("Pa", _SOFT * modulus, modulus)
     young = getattr(config.solid, "young", None)
-    told: list[tuple[str, float | None, str, float, float]] = [
+    doubts: list[tuple[str, float | None, str, float, float]] = [
         ("modulus", getattr(config.solid, "modulus", None), "Pa", *_MODULI),
         ("young", young[0] if isinstance(young, list) else young, "Pa", *_MODULI),
         ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
@@ -158,14 +158,14 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
         ("pressure", config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
         ("load", config.contact.load, "N", _LIGHT * load, load),
     ]
-    told += [
+    doubts += [
         ("distance", getattr(leg, "distance", None), "m", min(spacing) / 1000, 1000 * max(sides))
         for leg in config.written_out
     ]
     return tuple(
         f"{name} {value:g} has no unit and was taken in {unit}; here it would usually be "
         f"from {written(low, unit, 3)} to {written(high, unit, 3)}"
-        for name, value, unit, low, high in dict.fromkeys(told)
+        for name, value, unit, low, high in dict.fromkeys(doubts)
         if value is not None and not isinstance(value, InUnits) and value != 0 and not low <= value <= high
     )
 
@@ -228,8 +228,8 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
     if solid.modulus is not None:
         pressure = defaults.modest_pressure(modulus=solid.modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
-        said = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
-        return ContactSection(pressure=pressure), said
+        remark = f"no load was given: took a mean pressure of {shown} = 0.005 E* x rms slope"
+        return ContactSection(pressure=pressure), remark
     # The nominal rms, where there is one: surfaces of different seeds then bear the same load.
     nominal = getattr(config.surface, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
@@ -238,8 +238,8 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
             "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
         )
     load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=rough.heights.size)
-    said = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
-    return ContactSection(load=load), said
+    remark = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
+    return ContactSection(load=load), remark
 
 
 def recorded_times(config: RunConfig) -> Field:

@@ -88,8 +88,8 @@ def empty(sites: Sites, backend: Processor) -> Single:
 
 def together(fields: Iterable[Single]) -> Fields:
     """One field, or a pair of them."""
-    found = tuple(fields)
-    return Pair(*found) if len(found) == 2 else found
+    grids = tuple(fields)
+    return Pair(*grids) if len(grids) == 2 else grids
 
 
 class Grid:
@@ -252,9 +252,9 @@ class Corrections(Hierarchy, ABC):
         """One V-cycle from a grid up; the shift that goes with its correction."""
         grid = self.grids[level]
         if grid is self.grids[-1]:
-            found = self.coarsest @ np.concatenate([*map(grid.in_order, grid.source), [missing]])
-            grid.hand_over(found[:-1])
-            return float(found[-1])
+            correction = self.coarsest @ np.concatenate([*map(grid.in_order, grid.source), [missing]])
+            grid.hand_over(correction[:-1])
+            return float(correction[-1])
         coarser, equations = self.grids[level + 1], self.equations(level)
         total = self.backend.descend(equations, coarser.source)
         shift = self.cycle_from(level + 1, missing - total) - self.coupling * total

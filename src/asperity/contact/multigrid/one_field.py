@@ -88,19 +88,19 @@ class OneField(Corrections):
         for cycle in range(1, max_cycles + 1):
             backend.sweep_1(self.equation(), TUNING.half_sweeps)
             eq = self.equation()
-            found = backend.restrict_1(eq, first.source[0])
-            if found.contacts == 0 and load is not None:
+            sums = backend.restrict_1(eq, first.source[0])
+            if sums.contacts == 0 and load is not None:
                 deepest = int(np.argmax(self.bound - e))  # something must carry the load
                 e.flat[deepest] = self.bound.flat[deepest]
                 continue
-            if self.is_done(found):
+            if self.is_done(sums):
                 self.settle()
                 uniform, converged = self.measure(tolerance)
                 if converged:
                     return True, uniform, cycle
                 eq = self.equation()
                 backend.restrict_1(eq, first.source[0])
-            self.improve_on_grids(found.contacts)
+            self.improve_on_grids(sums.contacts)
             # Move by the combination of correction and previous move that has the lowest energy.
             weights = lowest(backend.products_1(eq, first.joined[0], self.previous), self.coupling)
             backend.correct_1(eq, first.joined[0], self.previous, *weights)
@@ -122,13 +122,13 @@ class OneField(Corrections):
         surface = Surface(self.u, self.u if self.shape is None else self.u - self.shape, self.heights)
         scales, into = Scales(k0 * self.unit, self.unit, 0.0), Measured(self.bound, *2 * self.source)
         law = Springs(k0, bed)
-        found = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
+        sums = self.backend.measure(surface, law, uniform, scales, into, self.sites, flowing=False)
         self.clear()
         rounding = 4.0 * float(np.finfo(float).eps) * (8.0 * k0 + bed) * self.unit
-        self.allowed = max(TUNING.margin * tolerance * abs(found.load) / max(found.contacts, 1.0), rounding)
-        most = max(TUNING.sum_tolerance * tolerance * abs(found.load), rounding * math.sqrt(self.u.size))
-        tensile = found.tension > max(TUNING.sum_tolerance * self.allowed, rounding)
-        return uniform, found.worst <= self.allowed and not tensile and abs(found.imbalance) <= most
+        self.allowed = max(TUNING.margin * tolerance * abs(sums.load) / max(sums.contacts, 1.0), rounding)
+        most = max(TUNING.sum_tolerance * tolerance * abs(sums.load), rounding * math.sqrt(self.u.size))
+        tensile = sums.tension > max(TUNING.sum_tolerance * self.allowed, rounding)
+        return uniform, sums.worst <= self.allowed and not tensile and abs(sums.imbalance) <= most
 
     def equation(self) -> One:
         """The equation with what the correction adds to the uniform force."""

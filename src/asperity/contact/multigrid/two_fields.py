@@ -114,22 +114,22 @@ class TwoFields(Corrections):
         """
         size, correcting, self.taken = math.inf, False, 1.0
         for cycle in range(max_cycles):
-            found = self.descend(correcting=correcting)
-            correcting = self.wanted is None or not self.yielding or found.contacts > 0
+            sums = self.descend(correcting=correcting)
+            correcting = self.wanted is None or not self.yielding or sums.contacts > 0
             if not correcting:
                 self.sink()
                 continue
-            missing = 0.0 if self.wanted is None else self.wanted - found.stretch
-            far = math.sqrt(found.moves / self.size)
-            size, rate = self.find_correction(found.contacts, missing, size)
+            missing = 0.0 if self.wanted is None else self.wanted - sums.stretch
+            far = math.sqrt(sums.moves / self.size)
+            size, rate = self.find_correction(sums.contacts, missing, size)
             if not math.isfinite(size):
                 break
-            if self.wanted is not None and found.contacts + self.yielding == 0:
+            if self.wanted is not None and sums.contacts + self.yielding == 0:
                 continue  # something must carry the load
-            if self.wanted is None and found.contacts > 0:
+            if self.wanted is None and sums.contacts > 0:
                 missing = self.taken * self.size * float(np.mean(self.found.f, dtype=float))
             good = rate * size <= max(self.part * allowed_error, TUNING.rounding * far)
-            total = abs(self.known_stretch + found.stretch)
+            total = abs(self.known_stretch + sums.stretch)
             if good and rate * abs(missing) <= self.force_error * total:
                 self.descend(correcting=True, restricting=False)
                 return True, cycle + 1

@@ -42,8 +42,8 @@ class Claim:
     def judge(self, evidence: Evidence) -> Finding:
         """Compute the numbers, and put them into words beside their ranges."""
         numbers = [(one, *self.ranges[one.name]) for one in self._numbers(evidence)]
-        known = vars(measures) | self.statistic.__globals__
-        shared = {name: known[name] for name in known if name.isupper()}
+        names = vars(measures) | self.statistic.__globals__
+        shared = {name: names[name] for name in names if name.isupper()}
         shared["numbers"] = [one.facts for one, *_ in numbers]
         words = self.sentences
 
@@ -58,8 +58,8 @@ class Claim:
             )
 
         texts = ("place", "claim", "correction", "note")
-        said = {text: spelled(words.get(text, ""), shared) for text in texts}
-        return Finding(self.name, measured=measured("measured"), corrected=measured("corrected"), **said)
+        sentences = {text: spelled(words.get(text, ""), shared) for text in texts}
+        return Finding(self.name, measured=measured("measured"), corrected=measured("corrected"), **sentences)
 
     def _numbers(self, evidence: Evidence) -> Numbers:
         if not self.each:

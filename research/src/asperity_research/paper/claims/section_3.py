@@ -167,8 +167,8 @@ def exponent_of_q(evidence: Evidence, k1: float) -> Numbers:
     """Exponent of the load in q; also from fits that end early."""
     area = evidence.samples("aging", "area", k1=k1)
     seen = tuple(_law_exponent(evidence, area.mean(axis=0), "q", last) for last in (1e3, 1e4, 1e5))
-    found = mean_of(lambda mean: _law_exponent(evidence, mean, "q"), area)
-    yield Number("beta", found, {"seen": seen, **_loads(evidence)})
+    exponent = mean_of(lambda mean: _law_exponent(evidence, mean, "q"), area)
+    yield Number("beta", exponent, {"seen": seen, **_loads(evidence)})
 
 
 @claim("c-finite", each="aging.k1", C=(-0.2, 0.2))
@@ -176,8 +176,8 @@ def exponent_of_c(evidence: Evidence, k1: float) -> Numbers:
     """Exponent of the load in C = (a - 1) q; C of the lightest load beside the slope of few contacts."""
     area = evidence.samples("aging", "area", k1=k1)
     lightest = saturation(evidence["aging"]["time"].values, area.mean(axis=0)[0]).C
-    found = mean_of(lambda mean: _law_exponent(evidence, mean, "C"), area)
-    yield Number("C", found, {"C": lightest, "few": float(late_slope(k1)), **_loads(evidence)})
+    exponent = mean_of(lambda mean: _law_exponent(evidence, mean, "C"), area)
+    yield Number("C", exponent, {"C": lightest, "few": float(late_slope(k1)), **_loads(evidence)})
 
 
 @claim("logarithm", each="aging.k1", even=EVEN)
@@ -198,8 +198,8 @@ def slope_and_load(evidence: Evidence, k1: float) -> Numbers:
 
     a_site = load / evidence.sites("aging")
     few = np.array([dilute_area(p, compliance(k1, time), GaussianHeights()) for p in a_site])
-    found = mean_of(drift, evidence.samples("aging", "area", k1=k1)[:, :3])
-    yield Number("drift", found, {"few": drift(few), **_loads(evidence, 3)})
+    slopes = mean_of(drift, evidence.samples("aging", "area", k1=k1)[:, :3])
+    yield Number("drift", slopes, {"few": drift(few), **_loads(evidence, 3)})
 
 
 def _surfaces(evidence: Evidence) -> list[Field]:
@@ -216,6 +216,6 @@ def _loads(evidence: Evidence, count: int | None = None) -> dict[str, object]:
 def _law_exponent(evidence: Evidence, mean: Field, parameter: str, last: float = inf) -> float:
     """Exponent of the load in a parameter of the saturation law, fitted up to a last time."""
     time, load = (evidence["aging"][name].values for name in ("time", "load"))
-    here = within(time, 0.0, last)
-    fitted = [getattr(saturation(time[here], curve[here]), parameter) for curve in mean]
+    fitted_range = within(time, 0.0, last)
+    fitted = [getattr(saturation(time[fitted_range], curve[fitted_range]), parameter) for curve in mean]
     return exponent(load, np.array(fitted))

@@ -31,9 +31,9 @@ BOXES = (64, 16, MAP_BOXES)
 def load_exponent(evidence: Evidence, size: float) -> Numbers:
     """Slope d ln A / d ln F before creep."""
     area = evidence.samples("self_affine_load", "initial_area", size=size)
-    here = within(area.mean(axis=0) / size**2, *PARTIAL)
-    load = evidence["self_affine_load"]["load"].values[here]
-    yield Number("slope", mean_of(lambda mean: exponent(load, mean), area[:, here]))
+    partial = within(area.mean(axis=0) / size**2, *PARTIAL)
+    load = evidence["self_affine_load"]["load"].values[partial]
+    yield Number("slope", mean_of(lambda mean: exponent(load, mean), area[:, partial]))
 
 
 @claim("self-affine-size", grown=(0.8, 1.25))
@@ -47,8 +47,8 @@ def area_and_size(evidence: Evidence) -> Numbers:
         return float(np.exp(np.mean(np.log(large / small))))
 
     for number, size in enumerate(larger, start=1):
-        found = mean_of(grown, area[:, 0, partial], area[:, number, partial])
-        yield Number("grown", found, {"size": size, "smallest": smallest})
+        growth = mean_of(grown, area[:, 0, partial], area[:, number, partial])
+        yield Number("grown", growth, {"size": size, "smallest": smallest})
 
 
 @claim("slope-load", each="self_affine_aging.k1", drift=(-0.1, 0.1), even=EVEN)

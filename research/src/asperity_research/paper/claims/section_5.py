@@ -49,8 +49,8 @@ def late_slope_of_compliance(_: Evidence) -> Numbers:
     """a0 for several x1."""
     late = np.geomspace(1e8, 1e12, 9)
     for x1 in RATIOS:
-        found = exact(slope(np.log(late), compliance(x1, late)))
-        yield Number("slope", found, {"x1": x1, "closed": LATE_SLOPE})
+        slope_of_logarithm = exact(slope(np.log(late), compliance(x1, late)))
+        yield Number("slope", slope_of_logarithm, {"x1": x1, "closed": LATE_SLOPE})
 
 
 @claim("a1", intercept=(0.25, 0.35))
@@ -58,8 +58,8 @@ def late_intercept_of_compliance(_: Evidence) -> Numbers:
     """a1 for several x1; and with q² in place of the eigenvalues of the lattice."""
     square = float(compliance(1.0, 1e8, dispersion="continuum")) - LATE_SLOPE * math.log(1e8)
     for x1 in RATIOS:
-        found = exact(float(compliance(x1, 1e12)) - LATE_SLOPE * math.log(1e12))
-        yield Number("intercept", found, {"x1": x1, "closed": LATE_INTERCEPT, "square": square})
+        intercept = exact(float(compliance(x1, 1e12)) - LATE_SLOPE * math.log(1e12))
+        yield Number("intercept", intercept, {"x1": x1, "closed": LATE_INTERCEPT, "square": square})
 
 
 @claim("compliance-engine", worst=(-inf, 5e-3))
@@ -90,17 +90,17 @@ def number_at_start(evidence: Evidence, k1: float) -> Numbers:
 def growth_of_contacts(evidence: Evidence, k1: float) -> Numbers:
     """N(t)/N(0) over Eq. (ndet), and over G(t)/G(0)."""
     time = evidence["exponential"]["time"].values
-    here = within(time, 1.0, 100.0)
+    window = within(time, 1.0, 100.0)
 
     def over(growth: Field) -> Estimate:
         def statistic(mean: Field) -> float:
             others = mean - 1  # all but the one contact that touches at no load
-            return float(np.mean(others[here] / others[0] / growth)) if others[0] > 0 else math.nan
+            return float(np.mean(others[window] / others[0] / growth)) if others[0] > 0 else math.nan
 
         return mean_of(statistic, evidence.samples("exponential", "area", k1=k1, R_viscous=0.0))
 
-    yield Number("printed", over(exponential_growth_paper(k1, time[here])))
-    yield Number("true", over(exponential_growth(k1, time[here])))
+    yield Number("printed", over(exponential_growth_paper(k1, time[window])))
+    yield Number("true", over(exponential_growth(k1, time[window])))
 
 
 @claim("n-slope", each="exponential.k1", printed=WITHIN, true=WITHIN)
@@ -134,8 +134,8 @@ def _gaussian_growth(evidence: Evidence, k1: float) -> Number:
     start, end = dilute_area(load / sites, compliance(k1, np.array([0.0, until])), GaussianHeights())
     area = evidence.samples("aging", "area", k1=k1, load=load)
     at = int(np.argmin(np.abs(evidence["aging"]["time"].values - until)))
-    found = mean_of(lambda mean: float(mean[at] / mean[0] * start / end), area)
-    return Number("simulated", found, {"k1": k1, "load": load, "sites": sites, "until": until})
+    growth = mean_of(lambda mean: float(mean[at] / mean[0] * start / end), area)
+    return Number("simulated", growth, {"k1": k1, "load": load, "sites": sites, "until": until})
 
 
 @claim("even-forces", spread=(-inf, 0.2))
@@ -175,8 +175,8 @@ def line_contact(evidence: Evidence, k1: float) -> Numbers:
     time, late = evidence["line_point"]["time"].values, np.geomspace(1e12, 1e15, 7)
     depth = evidence["line_point"]["approach"].sel(k1=k1).values
     first = float(1 / site_stiffness(k1, dimension=1))
-    here = within(time, 1e4, time[-1])
-    yield Number("simulated", exact(exponent(time[here], first + depth[here])), {"last": time[-1]})
+    window = within(time, 1e4, time[-1])
+    yield Number("simulated", exact(exponent(time[window], first + depth[window])), {"last": time[-1]})
     yield Number("closed", exact(exponent(late, compliance(k1, late, dimension=1))))
 
 
@@ -188,8 +188,8 @@ def slope_and_mobility(evidence: Evidence, R: float) -> Numbers:
     time = evidence["mobility"]["time"].values
 
     def compared(at_r: Field, at_one: Field) -> float:
-        here, there = growth_slope(time, at_r, 1.0 / R, 100.0 / R), growth_slope(time, at_one, 1.0, 100.0)
-        return here / there if there else math.nan
+        of_r, of_one = growth_slope(time, at_r, 1.0 / R, 100.0 / R), growth_slope(time, at_one, 1.0, 100.0)
+        return of_r / of_one if of_one else math.nan
 
     both = (evidence.samples("mobility", "area", R=each) for each in (R, 1.0))
     yield Number("compared", mean_of(compared, *both))
@@ -222,8 +222,8 @@ def slope_and_viscous_creep(evidence: Evidence) -> Numbers:
         return flowing / creeping
 
     yield Number("closed", exact(_late_slope(10.0) / _late_slope(0.0)))
-    found = mean_of(gain, evidence.samples("exponential", "area"))
-    yield Number("simulated", found, {"viscous": viscous, "k1": evidence.values("exponential", "k1")})
+    gained = mean_of(gain, evidence.samples("exponential", "area"))
+    yield Number("simulated", gained, {"viscous": viscous, "k1": evidence.values("exponential", "k1")})
 
 
 @claim("viscous-slope", increase=(1.1, inf), values=(0.999, 1.001))
@@ -232,8 +232,8 @@ def late_slope_and_viscous_creep(_: Evidence) -> Numbers:
     few, many = 0.01, 10.0
     yield Number("increase", exact(_late_slope(many) / _late_slope(few)), {"few": few, "many": many})
     for viscous, inverse in ((0.0, 8), (few, 4), (many, 4)):
-        found = exact(_late_slope(viscous) / (1 / (inverse * pi)))
-        yield Number("values", found, {"viscous": viscous, "inverse": inverse})
+        ratio = exact(_late_slope(viscous) / (1 / (inverse * pi)))
+        yield Number("values", ratio, {"viscous": viscous, "inverse": inverse})
 
 
 @claim("viscous-load", each="separation.R_viscous", finite=(0.98, 1.02), vanishing=(-1e-2, 1e-2))

@@ -40,9 +40,9 @@ def figure_2(evidence: Evidence) -> PaperFigure:
         theory = tables["dilute"].query("k1 == @k1")
         axes.plot(*(theory[name] for name in columns), color=look.color, linewidth=0.8)
         curves.points(axes, areas.query("k1 == @k1"), *columns, look, f"{k1:g}")
-    one = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
-    curves.points(axes, one, *columns, curves.Look(style.INK, filled=False), "relaxed", size=5)
-    start, level = one["load_per_site"].iloc[0], 3 * one["contact_fraction"].iloc[0]
+    curve = relaxed[relaxed["k1"] == relaxed["k1"].iloc[0]]
+    curves.points(axes, curve, *columns, curves.Look(style.INK, filled=False), "relaxed", size=5)
+    start, level = curve["load_per_site"].iloc[0], 3 * curve["contact_fraction"].iloc[0]
     span = np.array([1.0, max(1.0, 0.6 / level)])
     curves.dotted(axes, start * span, level * span)
     curves.note(axes, "slope 1", (start * 8, level * 15), where="right")

@@ -48,11 +48,11 @@ class Look(NamedTuple):
 
 def looks(values: Iterable[float]) -> dict[float, Look]:
     """Return a look for each of some values in order: dark to light, so that gray print keeps the order."""
-    known = list(values)
-    shades = np.linspace(0, _LIGHTEST, len(known))
+    distinct = list(values)
+    shades = np.linspace(0, _LIGHTEST, len(distinct))
     return {
         value: Look(to_hex(colormaps["viridis"](shade)), _MARKERS[at % len(_MARKERS)])
-        for at, (value, shade) in enumerate(zip(known, shades, strict=True))
+        for at, (value, shade) in enumerate(zip(distinct, shades, strict=True))
     }
 
 
@@ -80,10 +80,10 @@ def over_seeds(
     times = {"time": values["time"].to_numpy()} if "time" in values.dims else {}
     frames = []
     for place in product(*(values[dim].to_numpy() for dim in swept)):
-        here = dict(zip(swept, place, strict=True))
-        found = jackknife(statistic, evidence.samples(study, name, **here))
-        numbers = {key: np.atleast_1d(column) for key, column in columns(called, found).items()}
-        frames.append(pd.DataFrame({**here, **times, **numbers, "seeds": found.runs}))
+        point = dict(zip(swept, place, strict=True))
+        estimate = jackknife(statistic, evidence.samples(study, name, **point))
+        numbers = {key: np.atleast_1d(column) for key, column in columns(called, estimate).items()}
+        frames.append(pd.DataFrame({**point, **times, **numbers, "seeds": estimate.runs}))
     return pd.concat(frames, ignore_index=True)
 
 

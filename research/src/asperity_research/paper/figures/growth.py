@@ -34,8 +34,8 @@ def figure_3(evidence: Evidence) -> PaperFigure:
         areas = evidence.samples("aging", "area", k1=k1, load=load)
         fit = ensemble(saturation, part["time"].to_numpy(), areas)
         growth.loc[part.index, "fitted"] = fit.mean.area_ratio(part["time"])
-        found = all_columns(**{name: fit.parameters[name] for name in ("a", "q", "t0", "C")})
-        row = {"k1": k1, "load": load, "load_per_site": load / sites, **found}
+        columns = all_columns(**{name: fit.parameters[name] for name in ("a", "q", "t0", "C")})
+        row = {"k1": k1, "load": load, "load_per_site": load / sites, **columns}
         rows.append(row | {"rms_misfit": fit.mean.rms_residual, "seeds": float(fit.runs)})
     fits = pd.DataFrame(rows)
     tables, growth = {"growth": growth, "fits": fits}, growth.query("time > 0")
@@ -148,7 +148,7 @@ def _last_intervals(
     ends = last[["area_ratio", "area_ratio_low", "area_ratio_high"]]
     axes.set_ylim(top=1.1 * float(ends.max(axis=None)))
     for k1 in last["k1"].unique():
-        here, top = ends[last["k1"] == k1], k1 == last["k1"].max()
-        level = float((here.max() if top else here.min()).agg("max" if top else "min"))
+        rows, top = ends[last["k1"] == k1], k1 == last["k1"].max()
+        level = float((rows.max() if top else rows.min()).agg("max" if top else "min"))
         away = 0.04 * float(ends.max(axis=None)) * (1 if top else -1)
         curves.note(axes, rf"$k_1/k_0 = {k1:g}$", (middle, level + away), where="center")

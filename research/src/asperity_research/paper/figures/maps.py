@@ -126,9 +126,9 @@ def _statistics(seed: int, maps: ContactMaps, box: int) -> pd.DataFrame:
     touching = np.isin(maps.states, (SiteState.KEPT, SiteState.NEW))
     rows = []
     for time, now in zip(maps.times, touching, strict=True):
-        found, change = patches(now), turnover(touching[0], now)
-        row = {"seed": seed, "time": time, "area": int(now.sum()), "patches": found.count}
-        row |= {name: getattr(found, name) for name in ("mean_size", "largest")}
+        patches_now, change = patches(now), turnover(touching[0], now)
+        row = {"seed": seed, "time": time, "area": int(now.sum()), "patches": patches_now.count}
+        row |= {name: getattr(patches_now, name) for name in ("mean_size", "largest")}
         row |= {name: getattr(change, name) for name in ("gained_attached", "gained_detached", "lost")}
         rows.append(row | {"dispersion": clustering(now, box)})
     return pd.DataFrame(rows)
@@ -241,9 +241,9 @@ def _draw_curve(axes: Axes, curve: pd.DataFrame, color: str, marker: str, line: 
     axes.plot(curve["place"], curve["mean"], line, color=color, linewidth=1.0, zorder=2)
     look: dict[str, Any] = {"color": color, "markersize": 3.5, "elinewidth": 0.9, "capsize": 1.5, "zorder": 3}
     relaxed = np.isinf(curve["time"])
-    for here, face, said in ((curve[~relaxed], color, label), (curve[relaxed], "white", "")):
-        bars = {"yerr": here["half_interval"], "markerfacecolor": face, "label": said}
-        axes.errorbar(here["place"], here["mean"], fmt=marker, **bars, **look)
+    for part, face, text in ((curve[~relaxed], color, label), (curve[relaxed], "white", "")):
+        bars = {"yerr": part["half_interval"], "markerfacecolor": face, "label": text}
+        axes.errorbar(part["place"], part["mean"], fmt=marker, **bars, **look)
 
 
 def _places(times: Field) -> Field:

@@ -56,12 +56,12 @@ def _drawn(sites: pd.DataFrame) -> Figure:
     span = top - bottom
     figure = Figure(figsize=(PAGE, 1.65 * 3 + 0.3), layout="constrained")
     panels = figure.subplots(3, 1, sharex=True, sharey=True)
-    states = [here for _, here in sites.groupby("state", sort=False)]
-    for letter, axes, here in zip("abc", panels, states, strict=True):
+    states = [state for _, state in sites.groupby("state", sort=False)]
+    for letter, axes, state in zip("abc", panels, states, strict=True):
         axes.set_ylim(bottom - 0.04 * span, top + 0.24 * span)
-        axes.set_xlim(-1.0, len(here) + 1.3)
-        _draw_state(axes, here)
-        time = here["time"].iloc[0]
+        axes.set_xlim(-1.0, len(state) + 1.3)
+        _draw_state(axes, state)
+        time = state["time"].iloc[0]
         words = "before contact" if np.isnan(time) else f"in contact, $t\\,k_0 R = {power(time)}$"
         axes.set_title(f"({letter}) {words}", fontsize=LABEL + 1, loc="left")
         axes.set_axis_off()

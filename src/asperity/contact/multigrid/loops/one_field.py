@@ -154,18 +154,18 @@ def products_1(eq: One, coarse: Single, previous: Single, sums: Field) -> None:
             source = b[i - 1, side]
             for k in range(side, end_of(side, sites.columns)):
                 r = k - side + 1
-                known = bed * a[k] - source[k] + uniform
+                fixed = bed * a[k] - source[k] + uniform
                 a1, f1, g1 = a[k] - a_below[k], f[k] - f_below[k], g[k] - g_below[k]
                 a2, f2, g2 = a[k] - a_right[r], f[k] - f_right[r], g[k] - g_right[r]
-                rd += a1 * f1 + a2 * f2 + known * f[k]
-                rq += a1 * g1 + a2 * g2 + known * g[k]
+                rd += a1 * f1 + a2 * f2 + fixed * f[k]
+                rq += a1 * g1 + a2 * g2 + fixed * g[k]
                 dd += f1 * f1 + f2 * f2 + bed * f[k] * f[k]
                 dq += f1 * g1 + f2 * g2 + bed * f[k] * g[k]
                 qq += g1 * g1 + g2 * g2 + bed * g[k] * g[k]
                 sd += f[k]
                 sq += g[k]
-        found = sums[i - 1]
-        found[0], found[1], found[2], found[3], found[4], found[5], found[6] = rd, rq, dd, dq, qq, sd, sq
+        total = sums[i - 1]
+        total[0], total[1], total[2], total[3], total[4], total[5], total[6] = rd, rq, dd, dq, qq, sd, sq
 
 
 @compiled

@@ -169,13 +169,13 @@ def guess(
         for side in range(2):
             for k in range(side, end_of(side, sites.columns)):
                 move, stretch = e[i, side, k], f[i, side, k] + offset
-                found = (move - stretch) * pace - rate[i, side, k]
-                source = -first * rate[i, side, k] - second * found - tau * flow[i, side, k]
+                rate_left = (move - stretch) * pace - rate[i, side, k]
+                source = -first * rate[i, side, k] - second * rate_left - tau * flow[i, side, k]
                 path = growth * move + ahead * last.e[i, side, k] + back * before.e[i, side, k]
                 move = max(bound[i, side, k], path)
                 stretch = growth * stretch + ahead * last.f[i, side, k] + back * before.f[i, side, k]
                 e[i, side, k], f[i, side, k], c[i, side, k] = move, stretch, source
-                middle[i, side, k] = found
+                middle[i, side, k] = rate_left
                 sum_e += move
                 sum_f += stretch
                 sum_c += source
@@ -205,6 +205,6 @@ def finish_step(
         for side in range(2):
             for k in range(side, end_of(side, sites.columns)):
                 before, between = rate[i, side, k], middle[i, side, k]
-                found = (e[i, side, k] - f[i, side, k] - offset - weight * (before + between)) * pace
-                rate_at_end[i, side, k] = found
-                error[i, side, k] = first * before + second * between + third * found
+                defect = (e[i, side, k] - f[i, side, k] - offset - weight * (before + between)) * pace
+                rate_at_end[i, side, k] = defect
+                error[i, side, k] = first * before + second * between + third * defect

@@ -99,10 +99,10 @@ def relax_row_2(eq: Two, i: int, color: int) -> None:
     damping, inverse = eq.damping[row_in(eq.damping, i), side], eq.inverse[row_in(eq.inverse, i), side]
     for k in range(side, end_of(side, sites.columns)):
         beside = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] + first[k]
-        known = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1]) + second[k] + shift
-        value = max(least[k], (beside - bed * damping[k] * known) * inverse[k])
+        fixed = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1]) + second[k] + shift
+        value = max(least[k], (beside - bed * damping[k] * fixed) * inverse[k])
         e_row[k] = value
-        f_row[k] = (value + known) * damping[k]
+        f_row[k] = (value + fixed) * damping[k]
     wrap(e[i], sites)
     wrap(f[i], sites)
 
@@ -228,12 +228,12 @@ def coarse_relax_2(grid: CoarseTwo, i: int, color: int) -> None:
         beside += size * (g * e_other[k - side] + right[k] * e_other[k - side + 1]) + first[k]
         flow = cell[k] * (above * f_up[k] + below * f_down[k])
         flow += size * (g * f_other[k - side] + right[k] * f_other[k - side + 1])
-        known = second[k] + spread * flow
+        fixed = second[k] + spread * flow
         inverse = one / (mass * lagging[k] + spread * lap)
         coupling = bed * mass * inverse
-        value = (beside - coupling * known) / (lap + pin[k] + coupling * mass)
+        value = (beside - coupling * fixed) / (lap + pin[k] + coupling * mass)
         e_row[k] = value
-        f_row[k] = (known + mass * value) * inverse
+        f_row[k] = (fixed + mass * value) * inverse
     wrap(e[i], sites)
     wrap(f[i], sites)
 
