@@ -361,6 +361,16 @@ def test_what_cannot_stick_is_refused():
         asp.pull(plain)
     with refuses("through", "'area'"):
         asp.pull(contact, through="area")
+    scan = Surface(heights, unit="um", pixel_size=1.0, length_unit="um")
+    with refuses("material", "one with adhesion"):
+        asp.predict(half_space(modulus=1e6, adhesion=law), scan, pressure=1e3)
+    in_pa = asp.press(
+        scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN"
+    )
+    with refuses("partial_slip", "adhesion"):
+        in_pa.partial_slip(shear="1 uN", friction=0.5)
+    with refuses("units", "'50 mJ/m^2'"):
+        asp.press(heights, half_space(modulus=1.0, adhesion=Dugdale("50 mJ/m^2", 1.0)), load=1.0)
 
 
 def test_steps_of_whole_fields_age_it():

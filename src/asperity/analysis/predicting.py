@@ -121,6 +121,9 @@ def predict(
         if not isinstance(material, Material):
             listening.stage("reading the material")
             material = material_of(material)
+        if material.solid.adhesion is not None:
+            expected, advice = "a solid that does not stick, whose band follows from the load", "asperity run"
+            raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
         times = _times_within(material, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
