@@ -92,7 +92,8 @@ def press(
     load
         Normal load, the sum of all contact forces: stiffness times height; on a continuum under a surface
         with units in newtons, or a text with a unit, as for the next two: ``"5 mN"``. At 0 the highest sites
-        just touch: from there a `asperity.protocols.Ramp` puts a load on.
+        just touch: from there a `asperity.protocols.Ramp` puts a load on. Of bodies that stick it may be any
+        number, below 0 where it pulls.
     pressure
         Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
@@ -117,6 +118,8 @@ def press(
         The heights, the load, the separation or the solid cannot be used; the message says why.
     ConvergenceError
         The solver did not reach its tolerance.
+    PulledOff
+        The bodies stick, but do not bear the load; the error has the last one that they bore.
 
     Notes
     -----
@@ -238,6 +241,7 @@ def age(
     Returns
     -------
     History
+        It ends where bodies that stick part; its dataset then has the time as attribute ``pulled_off``.
 
     Raises
     ------

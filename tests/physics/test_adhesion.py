@@ -92,18 +92,21 @@ def test_a_ball_is_that_of_maugis(lam, unit, size, loads):
 
 
 @pytest.mark.parametrize(
-    ("lam", "unit", "size"),
+    ("lam", "unit", "size", "through"),
     [
-        (0.1, 6.0, 48),
-        pytest.param(0.3, 16.0, 80, marks=pytest.mark.slow),
-        pytest.param(0.5, 20.0, 112, marks=pytest.mark.slow),
+        (0.1, 6.0, 48, "load"),
+        pytest.param(0.3, 16.0, 80, "load", marks=pytest.mark.slow),
+        pytest.param(0.5, 20.0, 112, "load", marks=pytest.mark.slow),
+        pytest.param(1.0, 24.0, 128, "separation", marks=pytest.mark.slow),
     ],
 )
-def test_it_is_pulled_off_under_the_load_of_maugis(lam, unit, size):
+def test_it_is_pulled_off_under_the_load_of_maugis(lam, unit, size, through):
     solid, one = sticking(lam, unit)
     contact = asp.press(Surface(ball((size, size)), edges="free"), solid, load=0.0)
-    pulled = asp.pull(contact, through="load")
+    pulled = asp.pull(contact, through=through)
     assert pulled.force / one == pytest.approx(-maugis(lam)[0][0], rel=0.02)
+    if through == "separation":
+        return
     with pytest.raises(PulledOff) as off:
         asp.press(pulled.last, load=-1.05 * pulled.force)
     assert off.value.load == pytest.approx(pulled.last.load)
@@ -364,9 +367,7 @@ def test_what_cannot_stick_is_refused():
     scan = Surface(heights, unit="um", pixel_size=1.0, length_unit="um")
     with refuses("material", "one with adhesion"):
         asp.predict(half_space(modulus=1e6, adhesion=law), scan, pressure=1e3)
-    in_pa = asp.press(
-        scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN"
-    )
+    in_pa = asp.press(scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN")
     with refuses("partial_slip", "adhesion"):
         in_pa.partial_slip(shear="1 uN", friction=0.5)
     with refuses("units", "'50 mJ/m^2'"):

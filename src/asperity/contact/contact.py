@@ -58,11 +58,11 @@ class Contact(Bodies, views.InNotebooks):
     control
         What is prescribed: `Load` or `Separation`.
     force
-        Contact force, >= 0; zero off contact.
+        Force of a site: >= 0 in contact, zero off contact. Where bodies stick, it includes their attraction.
     in_contact
         Whether a site is in contact.
     energy
-        Elastic energy, force times length (Jagla, Eq. e).
+        Elastic energy, force times length (Jagla, Eq. e), and that of adhesion, -w for each area in contact.
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields leave,
         relative to the mean contact force; evaluated from u and the anchors as they are kept, measured from
