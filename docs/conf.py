@@ -11,6 +11,8 @@ from sphinx_gallery.sorting import ExplicitOrder
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_ext"))
 
+from thumbnails import scraper  # noqa: E402
+
 from asperity import __version__  # noqa: E402
 from asperity.errors import Remark  # noqa: E402
 
@@ -76,6 +78,7 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "only_warn_on_example_error": False,
     "remove_config_comments": True,
+    "image_scrapers": (scraper,),
     "capture_repr": ("_repr_html_",),
     "show_memory": False,
     "write_computation_times": False,  # the page of times would read the network
@@ -89,6 +92,7 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"Asperity {version}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_search_scorer = str(HERE / "_ext" / "scorer.js")
 html_copy_source = False
 html_show_sourcelink = False
 html_sidebars = {"start": []}  # it has no pages below it

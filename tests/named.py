@@ -62,7 +62,7 @@ LOCAL = {"P", "plt", "pyplot", "figure", "rough", "aged", "found", "areas", "c"}
 COMPOSED = r"_(mean|count|history|paper|s|m|m2|N|Hz)$|^(final|relaxed|surface|fit_q)_"
 """Parts that the source adds to names of quantities."""
 
-FILE = r"[\w.{}-]+\.(csv|gif|html|json|md|mi|mp4|nc|npy|npz|opd|png|py|toml|txt|xlook|yaml|zarr)"
+FILE = r"[\w.{}-]+\.(cff|csv|gif|html|json|md|mi|mp4|nc|npy|npz|opd|png|py|toml|txt|xlook|yaml|zarr)"
 
 
 LOOSE = (

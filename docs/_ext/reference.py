@@ -53,12 +53,15 @@ def pages():
         made[f"{room}.rst"] = room_page(
             f"asperity.{room}", [f"asperity.{room}.{name}" for name in module.__all__], names
         )
-    return made | {
-        "commands.rst": commands(),
-        "keys.rst": keys(),
-        "dataset.rst": dataset(),
-        "house.rst": house_page(),
-    }
+    return (
+        made
+        | commands()
+        | {
+            "keys.rst": keys(),
+            "dataset.rst": dataset(),
+            "house.rst": house_page(),
+        }
+    )
 
 
 def stem(name):
@@ -116,17 +119,26 @@ def room_page(name, inside, names):
 
 
 def commands():
-    """The command line, as its help has it."""
+    """The command line, as its help has it: a page with all commands, and one for each."""
     words, sys.argv = sys.argv, ["asperity"]  # usage lines are made of these
     try:
         text = with_others().generate_docs(output_format="rst")
     finally:
         sys.argv = words
-    start = text.index("::\n", text.index("========"))
-    contents = text.index(".. contents::")
-    after = text.index("**Commands:**")
-    text = re.sub(r"(?<=[ (\[])(--\w[\w-]*)", r"``\1``", text[start:contents] + text[after:])
-    return f"{heading('The command line')}\n{text}"
+    text = re.sub(r"(?<=[ (\[])(--\w[\w-]*)", r"``\1``", text[text.index("**Commands:**") :])
+    start, *parts = re.split(r"^\.\. _cyclopts-[\w-]+:\n\n(?=(?:.+)\n-+\n)", text, flags=re.MULTILINE)
+    made = {}
+    for part in parts:
+        name, _, body = part.split("\n", 2)
+        if "^^^" not in body:  # groups of flags become sections, which the page lists
+            body = re.sub(r"^\*\*(.+):\*\*$", lambda match: heading(match[1], "-"), body, flags=re.MULTILINE)
+        if not name.startswith("-"):
+            made[f"command-{name}.rst"] = f"{heading(f'asperity {name}')}\n{body}"
+    start = re.sub(r"^``(\w+)``$", r":doc:`\1 <command-\1>`", start, flags=re.MULTILINE)
+    names = sorted(path.removesuffix(".rst") for path in made)
+    listed = [f"   {name.replace('command-', 'asperity ')} <{name}>" for name in names]
+    contents = "\n".join((".. toctree::\n   :hidden:\n", *listed))
+    return made | {"commands.rst": f"{heading('The command line')}\n{start}\n{contents}\n"}
 
 
 def keys():
@@ -146,20 +158,23 @@ def keys():
                 usual = ", the usual kind" if not number and section != "protocol" else ""
                 parts.append(f'``kind = "{kind}"``{usual}\n')
             rows = [
-                (
-                    f"``{key.name}``",
-                    what(key),
-                    bounds(key),
-                    by_default(key),
-                    key.description.replace("*", r"\*"),
-                )
+                (f"``{key.name}``", f"{meaning(key)} — {'; '.join(filter(None, facts(key)))}")
                 for key in known.values()
             ]
             if rows:
-                parts.append(
-                    table(("key", "what it is", "range", "default", "meaning"), rows, (16, 20, 10, 14, 40))
-                )
+                parts.append(table(("key", "meaning — what it is; range; default"), rows, (20, 80)))
     return "\n".join(parts)
+
+
+def meaning(key):
+    """What the help of a flag says."""
+    return key.description.replace("*", r"\*")
+
+
+def facts(key):
+    """What a value may be, its range, and what it is where it is not given."""
+    default = by_default(key)
+    return what(key), bounds(key), default and (default if key.required else f"default {default}")
 
 
 def what(key):

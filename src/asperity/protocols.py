@@ -187,7 +187,7 @@ class Hold(Leg):
     duration: _Duration
     hold: Annotated[
         Literal["load", "separation", "area"] | None,
-        Quantity("what is held; by default what was prescribed last"),
+        Quantity("quantity to hold; by default the last that was prescribed"),
     ] = None
     mobility: _Mobility = 1.0
 
@@ -319,8 +319,8 @@ class Slide(Leg):
         As in `Hold`.
     """
 
-    distance: Annotated[float, Gt(0), Quantity("how far it slides; on the lattice of springs, in sites", "m")]
-    velocity: Annotated[float | Literal["inf"], Gt(0), Quantity("how fast it slides; inf for at once", "m/s")]
+    distance: Annotated[float, Gt(0), Quantity("distance to slide; on the lattice of springs, in sites", "m")]
+    velocity: Annotated[float | Literal["inf"], Gt(0), Quantity("sliding velocity; inf takes no time", "m/s")]
     direction: Annotated[
         Literal["x", "-x", "y", "-y"] | str | tuple[int, ...],
         Quantity("where the rough surface goes: x along the rows"),
@@ -328,7 +328,7 @@ class Slide(Leg):
     substeps: Annotated[
         int, Ge(1), Quantity("shifts from site to site; heights between sites are interpolated")
     ] = 1
-    every: Annotated[int, Ge(1), Quantity("record before and after one in so many shifts")] = 1
+    every: Annotated[int, Ge(1), Quantity("record before and after one shift in so many")] = 1
     mobility: _Mobility = 1.0
 
     def __post_init__(self) -> None:

@@ -58,7 +58,9 @@ def test_every_public_name_has_a_page(made, pages):
 
 
 def test_every_page_is_in_the_navigation(made, pages):
-    listed = set(re.findall(r"<(asperity\.[\w.-]+)>$", "\n".join(pages.values()), flags=re.MULTILINE))
+    listed = set(
+        re.findall(r"<((?:asperity\.|command-)[\w.-]+)>$", "\n".join(pages.values()), flags=re.MULTILINE)
+    )
     for page in ("reference.md", "developers.md"):
         listed |= set(re.findall(r"^reference/(.+)$", (DOCS / page).read_text(), flags=re.MULTILINE))
     assert len({name.lower() for name in pages}) == len(pages)  # also where capitals do not count
@@ -66,9 +68,11 @@ def test_every_page_is_in_the_navigation(made, pages):
 
 
 def test_every_command_and_flag_is_described(pages):
-    text = pages["commands.rst"]
-    for command in (name for name in with_others() if not name.startswith("-")):
-        assert f"\n{command}\n---" in text
+    commands = [name for name in with_others() if not name.startswith("-")]
+    text = "".join(pages[f"command-{command}.rst"] for command in commands)
+    for command in commands:
+        assert f":doc:`{command} <command-{command}>`" in pages["commands.rst"]
+        assert pages[f"command-{command}.rst"].startswith(f"asperity {command}\n===")
     assert "pytest" not in text
     for flag in ("--overwrite", "--k1", "--branch", "--pressure", "--dry-run", "--wlf"):
         assert f"``{flag}" in text

@@ -38,9 +38,9 @@ same, gaussian = (
 fig, ax = plt.subplots(layout="constrained")
 ax.semilogx(times, same, "-", color="0.65", linewidth=4, label="theory, heights of this surface")
 ax.semilogx(times, gaussian, "k--", linewidth=1, label="theory, Gaussian heights")
-ax.semilogx(times, area, "o", color="black", markersize=4, label="simulation")
+ax.semilogx(times, area, "o", color="tab:blue", markersize=4, label="simulation")
 ax.set(xlabel=r"hold time $t$ [$1/(k_0 R)$]", ylabel="contact area [sites]")
-ax.set_title(f"{rough.shape[0]} × {rough.shape[1]} sites, of which {contact.area} touch at once")
+ax.set_title(f"{rough.shape[0]} × {rough.shape[1]} sites, of which {contact.area} touch at t = 0")
 ax.legend()
 
 # %%

@@ -37,7 +37,7 @@ fig, ax = plt.subplots(layout="constrained")
 ax.loglog(times, theory, "-", color="0.6", linewidth=4, label="theory of independent contacts")
 late = load * gamma(0.75) / np.pi * times**0.25
 ax.loglog(times, late, "k:", label=r"$F\, \Gamma(3/4)\, t^{1/4} / \pi$: mean of many profiles")
-ax.loglog(times, area, "o", color="black", markersize=4, label="simulation")
+ax.loglog(times, area, "o", color="tab:blue", markersize=4, label="simulation")
 ax.set(xlabel=r"hold time $t$ [$1/(k_0 R)$]", ylabel="contact area [sites]")
 ax.set_title("A line contact grows as a power of time, until dips meet")
 ax.legend()

@@ -2,7 +2,7 @@ r"""
 Does rest make a contact stiffer, and when does it begin to slip?
 =================================================================
 
-Under a shear force :math:`Q` below the friction limit :math:`\mu P` a contact slips from the rim of its
+Under a shear force :math:`Q` below the friction limit :math:`\mu P` a contact slips from the border of its
 patches inwards, and the rest sticks. What sticks is the contact that the same bodies have under the load
 :math:`P - Q/\mu` (Ciavarella; Jaeger), so `partial_slip` needs one press. With rest the contact grows, and
 with it grow its stiffness, the current that it passes, and the part that sticks at a given shear force.
@@ -29,14 +29,14 @@ old = asp.age(young, ["1000 s"]).final
 
 fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.5, 3.7), layout="constrained")
 sides = [0, 64, 0, 64]
-for ax, (name, contact) in zip((left, middle), {"at first": young, "after 1000 s": old}.items(), strict=True):
+for ax, (name, contact) in zip((left, middle), {"young": young, "after 1000 s": old}.items(), strict=True):
     slip = contact.partial_slip(MU * LOAD / 2, MU)
     shown = np.where(slip.stick, 2.0, np.where(slip.slip, 1.0, 0.0))
     ax.imshow(shown, cmap=plt.matplotlib.colors.ListedColormap(["white", "#d55e00", "black"]), extent=sides)
     ax.set(
         title=f"{name}: {slip.stick_fraction:.0%} of the\ncontact sticks (black), the rest slips", xlabel="µm"
     )
-for name, contact, style in (("at first", young, "C0o-"), ("after 1000 s", old, "C1s-")):
+for name, contact, style in (("young", young, "C0o-"), ("after 1000 s", old, "C1s-")):
     parts = np.linspace(0.1, 0.9, 7)
     ways = [contact.partial_slip(part * MU * LOAD, MU, NU).displacement for part in parts]
     right.plot(1e9 * np.array([0, *ways]), [0, *parts], style, label=name)
@@ -49,7 +49,9 @@ right.legend()
 stiffer = old.tangential_stiffness(NU) / young.tangential_stiffness(NU)
 conducts = young.resistance("17 nohm m") / old.resistance("17 nohm m")
 grown = old.area / young.area
-print(f"area {grown:.2f}, stiffness {stiffer:.2f}, conductance {conducts:.2f} times those at first")
+print(
+    f"area {grown:.2f}, stiffness {stiffer:.2f}, conductance {conducts:.2f} times those of the young contact"
+)
 
 # Origin: both are the normal stiffness times constants (Barber 2003; Johnson 1985, section 7.2).
 assert abs(stiffer / conducts - 1) < 1e-9

@@ -29,14 +29,14 @@ bodies = {
     "half-space": (asp.solids.half_space(modulus=1.0, branches=[(0.8, 1.0)]), 40.0),
     "springs": (asp.solids.spring_lattice(k0=1.0, k1=3.0, R=1.0, R_viscous=0.02), 100.0),
 }
-parts = {"expansion": "0.25", "coalescence": "0.55", "births": "0.8"}
+parts = {"expansion": "tab:blue", "coalescence": "tab:cyan", "births": "tab:orange"}
 
 fig, grid = plt.subplots(2, 2, figsize=(8.0, 5.6), sharex=True, layout="constrained")
 histories = {}
 for (name, (solid, load)), (above, below) in zip(bodies.items(), grid.T, strict=True):
     history = asp.age(asp.press(rough, solid, load=load), times, fields_at=[0.0, *times])
     histories[name] = history
-    above.semilogx(times, history["patches"][1:], "o-", color="black", markersize=4)
+    above.semilogx(times, history["patches"][1:], "o-", color="tab:blue", markersize=4)
     above.set(title=name, ylabel="patches", ylim=(0, None))
     gained = [history[f"gained_by_{part}"].cumsum().values[1:] for part in parts]
     lost = (history["lost_by_shrinkage"] + history["lost_by_deaths"]).cumsum().values[1:]

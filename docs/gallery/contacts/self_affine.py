@@ -28,15 +28,12 @@ for k1, marker in ((3.0, "o"), (10.0, "s")):
     area = asp.age(contact, times).dataset["area"].values[1:]
     limits.append(asp.relax(contact).area)
     fits.append(asp.fits.logarithm(times, area))
-    shade = "black" if marker == "o" else "white"
     percent = 100 / rough.size
     ax.semilogx(times, percent * fits[-1].predict(times), "-", color="0.7", linewidth=3)
     ax.semilogx(
         times,
         percent * area,
         marker,
-        color="black",
-        markerfacecolor=shade,
         markersize=5,
         label=f"simulation, $k_1/k_0$ = {k1:g}",
     )

@@ -72,7 +72,7 @@ if __name__ == "__main__":
         mean[1:],
         2 * error[1:],
         fmt="o",
-        color="black",
+        color="tab:blue",
         markersize=4,
         capsize=3,
         label="mean of 24 surfaces, ± 2 standard errors",

@@ -65,7 +65,7 @@ for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
     for (every, score), style in zip(scores.items(), ("s:", "o--", "^-"), strict=True):
         one = score.quantities[axes.tolist().index(ax)]
         label = f"{len(heights) // every}² sites"
-        ax.semilogx(loads, 100 * one.relative, style, color="black", markerfacecolor="white", label=label)
+        ax.semilogx(loads, 100 * one.relative, style, markerfacecolor="white", label=label)
     tolerance = 100 * one.column.tolerance
     ax.axhspan(-tolerance, tolerance, color="0.9", label="tolerance")
     bar = 100 * one.bar / one.certified
@@ -76,8 +76,8 @@ for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
 axes[0].legend(fontsize=8)
 
 # %%
-# From 128² sites on the gap is right to 0.1 %. The area is not: counting squares adds the rim of every
-# contact, which halves with the spacing. The problem asks for the area of the continuum: take off the rim.
+# From 128² sites on the gap is right to 0.1 %. The area is not: counting squares adds the border of every
+# contact, which halves with the spacing. The problem asks for the area of the continuum: take off the border.
 
 gaps = [np.abs(score.quantities[1].relative).max() for score in scores.values()]
 areas = [score.quantities[0].relative for score in scores.values()]

@@ -40,8 +40,8 @@ slope, (low, high) = (np.log(10) * np.asarray(x) for x in (log.slope, log.interv
 print(f"growth per decade {slope:.4f}, 95 % interval {low:.4f} to {high:.4f}; true {growth:g}")
 
 fig, ax = plt.subplots(layout="constrained")
-ax.semilogx(data.time, data.value, "o", color="black", markerfacecolor="white", label="measured")
-for law, shade, width in (("saturation", "0.7", 5), ("logarithm", "black", 1)):
+ax.semilogx(data.time, data.value, "o", color="tab:blue", label="measured")
+for law, shade, width in (("saturation", "tab:orange", 4), ("logarithm", "black", 1)):
     ax.semilogx(hold, found.fits[law].predict(hold), "-", color=shade, linewidth=width, label=law)
 ax.set(xlabel="hold time [s]", ylabel="coefficient of static friction")
 ax.set_title(f"{slope:.4f} per decade, 95 % interval {low:.4f} to {high:.4f}")

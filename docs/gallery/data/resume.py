@@ -66,8 +66,8 @@ ax.semilogx(
     linewidth=4,
     label="undisturbed",
 )
-ax.semilogx(time[kept], area[kept], "o", color="black", label="before the kill, from the checkpoint")
-ax.semilogx(time[~kept], area[~kept], "o", color="black", markerfacecolor="white", label="after it")
+ax.semilogx(time[kept], area[kept], "o", color="tab:blue", label="before the kill, from the checkpoint")
+ax.semilogx(time[~kept], area[~kept], "o", color="tab:orange", label="after it")
 ax.set(xlabel=r"hold time $t$ [$1/(k_0 R)$]", ylabel="contact area [sites]")
 ax.legend()
 print(f"{kept.sum()} of {time.size} times were read, {(~kept).sum()} computed")

@@ -31,7 +31,7 @@ theory = rough.size * asp.theory.dilute_history(
 
 fig, ax = plt.subplots(layout="constrained")
 ax.plot(cycled["time"], theory, "-", color="0.7", linewidth=4, label="theory of independent contacts")
-ax.plot(cycled["time"], cycled["area"], ".-", color="black", linewidth=0.8, label="load in cycles")
+ax.plot(cycled["time"], cycled["area"], ".-", color="tab:blue", linewidth=0.8, label="load in cycles")
 for (load, area), line in zip(held.items(), ("--", ":"), strict=True):
     ax.plot(area["time"], area, line, color="black", label=f"load {load:g} held")
 ax.set(xlabel=r"time [$1/(k_0 R)$]", ylabel="contact area [sites]", ylim=(0, None))

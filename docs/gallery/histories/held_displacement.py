@@ -42,12 +42,9 @@ for (name, apparatus), marker in zip(rigs.items(), "os^", strict=True):
     history = asp.age(contact, times, hold="load" if apparatus is None else "separation").dataset
     found[name] = history["load"].values[1:] / contact.load, history["area"].values[1:] / contact.area
     for ax, values in zip((left, right), found[name], strict=True):
-        fill = "black" if marker == "o" else "white"
-        ax.semilogx(
-            times, values, f"{marker}-", color="black", linewidth=0.7, markerfacecolor=fill, label=name
-        )
-left.set(xlabel="hold time [s]", ylabel="load over that at once", ylim=(0, 1.05))
-right.set(xlabel="hold time [s]", ylabel="contact area over that at once")
+        ax.semilogx(times, values, f"{marker}-", linewidth=0.7, label=name)
+left.set(xlabel="hold time [s]", ylabel="load over instantaneous load", ylim=(0, 1.05))
+right.set(xlabel="hold time [s]", ylabel="area over instantaneous area")
 right.legend(loc="upper left", fontsize=9)
 left.legend(*(entries[:1] for entries in left.get_legend_handles_labels()), loc="lower left")
 

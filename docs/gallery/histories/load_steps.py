@@ -37,12 +37,10 @@ fresh = never.dataset["area"].values[1:]
 fig, (left, right) = plt.subplots(
     1, 2, figsize=(8.0, 3.8), sharey=True, layout="constrained", width_ratios=(2, 3)
 )
-left.semilogx(times[times <= switch], before[1:], "o-", color="black", markersize=4)
+left.semilogx(times[times <= switch], before[1:], "o-", color="tab:blue", markersize=4)
 left.set(xlabel=r"hold time [$1/(k_0 R)$]", ylabel="contact area [sites]", title=f"load {high:g}")
-right.semilogx(since, after, "o-", color="black", markersize=4, label=f"had carried {high:g}")
-right.semilogx(
-    since, fresh, "s-", color="black", markersize=4, markerfacecolor="white", label="had carried nothing"
-)
+right.semilogx(since, after, "o-", color="tab:blue", markersize=4, label=f"had carried {high:g}")
+right.semilogx(since, fresh, "s-", color="tab:orange", markersize=4, label="had carried nothing")
 right.axhline(asp.relax(never.final).area, color="0.5", linestyle="--", label="relaxed state")
 right.set(xlabel=r"time since the load is 80 [$1/(k_0 R)$]", title=f"load {low:g}")
 left.set_ylim(0, None)

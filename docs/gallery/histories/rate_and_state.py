@@ -29,12 +29,11 @@ laws = asp.friction.compare_state_laws(record)
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
 left.plot(record.displacement, record.friction, "o", color="0.6", markersize=3, label="contact")
 for law, line in (("aging", "-"), ("slip", "--")):
-    left.plot(record.displacement, laws.fits[law].predict(record), line, color="black", label=f"{law} law")
+    left.plot(record.displacement, laws.fits[law].predict(record), line, label=f"{law} law")
 left.set(xlabel="slip [sites]", ylabel="friction coefficient")
 left.legend()
-for law, line in ((None, "o"), ("aging", "-"), ("slip", "--")):
+for law, line, color in ((None, "o", "0.6"), ("aging", "-", "C0"), ("slip", "--", "C1")):
     peaks = laws.peaks(law)
-    color = "black" if law else "0.6"
     right.semilogx(peaks.duration, peaks.peak - peaks.before, line, color=color)
 right.set(xlabel="hold time", ylabel="static friction − friction before")
 

@@ -50,9 +50,9 @@ data = asp.friction.add_friction(rested.dataset, shear_strength=0.5)
 peak = float(data["friction"].values[data["leg"] == 1][-1])
 
 fig, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
-axes.plot(0, peak, "^", color="black", label="at the end of the rest")
-axes.plot(way, after_rest, "o-", color="black", markersize=3, label="after a rest of 10")
-axes.plot(way, without, "s-", color="black", markersize=3, markerfacecolor="white", label="without a rest")
+axes.plot(0, peak, "^", color="tab:red", label="at the end of the rest")
+axes.plot(way, after_rest, "o-", color="tab:blue", markersize=3, label="after a rest of 10")
+axes.plot(way, without, "s-", color="tab:orange", markersize=3, label="without a rest")
 axes.set(xlabel="displacement since the second slide began [sites]", ylabel="friction coefficient")
 axes.legend()
 

@@ -40,7 +40,7 @@ modulus, a = np.transpose(
 )
 
 fig, ax = plt.subplots(layout="constrained")
-ax.loglog(thickness / a, modulus / 1e9, "o-", color="black", label="computed")
+ax.loglog(thickness / a, modulus / 1e9, "o-", color="tab:blue", label="computed")
 ax.axhline(film / 1e9, color="0.5", linestyle="--", label="film")
 ax.axhline(base / 1e9, color="0.5", linestyle=":", label="base")
 ax.set(xlabel="thickness of the film over radius of the contact", ylabel="effective modulus [GPa]")

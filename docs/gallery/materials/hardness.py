@@ -37,7 +37,7 @@ for hardness, marker in zip((None, 0.3, 0.1), "osv", strict=True):
     ]
     areas[hardness] = np.array([contact.contact_fraction for contact in up])
     along = loads[: len(up)] / unit
-    left.loglog(along, areas[hardness], f"{marker}-", color="black", linewidth=0.8, label=name)
+    left.loglog(along, areas[hardness], f"{marker}-", linewidth=0.8, label=name)
     if hardness is not None:
         left.loglog(along, along / hardness, "--", color="gray", linewidth=0.8)
     if hardness == 0.3:
@@ -45,8 +45,8 @@ for hardness, marker in zip((None, 0.3, 0.1), "osv", strict=True):
         for load in loads[len(up) - 1 :: -1]:
             contact = asp.press(contact, load=load)
             down.append(contact.contact_fraction)
-        right.plot(along, areas[hardness], "s-", color="black", linewidth=0.8, label="load rises")
-        right.plot(along[::-1], down, "s--", color="black", markerfacecolor="white", label="load falls")
+        right.plot(along, areas[hardness], "s-", color="tab:blue", linewidth=0.8, label="load rises")
+        right.plot(along[::-1], down, "s--", color="tab:orange", label="load falls")
 left.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction")
 left.legend()
 right.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction, H = 0.3 E* h'")

@@ -22,7 +22,6 @@ R, E, pixel = 1e-3, 3.8e9, 1e-6
 solid = asp.solids.half_space(modulus=E)
 fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.0, 3.6), layout="constrained")
 
-# %%
 # Hertz: the pressure along a line through the middle.
 
 ball = asp.surfaces.sphere((128, 128), radius=R, pixel_size=pixel)
@@ -32,11 +31,10 @@ for load in ("20 mN", "100 mN", "400 mN"):
     a = np.cbrt(0.75 * R * hertz.load / E)
     law = 2 * E / (np.pi * R) * np.sqrt(np.maximum(a**2 - fine**2, 0))
     left.plot(1e6 * fine, law / 1e6, "-", color="0.65", linewidth=4)
-    left.plot(1e6 * x, hertz.pressure[64] / 1e6, "k.", markersize=3)
+    left.plot(1e6 * x, hertz.pressure[64] / 1e6, ".", markersize=3)
     left.text(0, law.max() / 1e6, f"{load}\n", ha="center", va="center", fontsize=9)
 left.set(xlabel="x [µm]", ylabel="contact pressure [MPa]", title="one ball: Hertz", ylim=(0, 120))
 
-# %%
 # Lee and Radok: a standard linear solid, which loses three quarters of its modulus, under 100 mN.
 
 share, tau = 0.75, 100.0
@@ -47,11 +45,10 @@ creep = (1 - share * np.exp(-(1 - share) * times / tau)) / (1 - share)  # E* J(t
 a_of_t = np.cbrt(0.75 * R * 0.1 * creep / E)
 found = np.sqrt(crept["contact_area"].values[1:] / np.pi)
 middle.semilogx(times, 1e6 * a_of_t, "-", color="0.65", linewidth=4, label="closed form")
-middle.semilogx(times, 1e6 * found, "ko", markersize=4, label="computed")
+middle.semilogx(times, 1e6 * found, "o", markersize=4, label="computed")
 middle.set(xlabel="time [s]", ylabel="contact radius [µm]", title="the same for hours: Lee and Radok")
 middle.legend(loc="upper left")
 
-# %%
 # Two balls, each under 20 mN, beside one alone under 20 mN.
 
 near, further = pixel * np.array([80, 120, 160, 240, 320]), []
@@ -63,7 +60,7 @@ for d in near:
     further.append(alone.separation - both.separation)
 far_field, d = 0.02 / (np.pi * E * near), np.linspace(70, 330, 200)
 right.plot(d, 1e15 * 0.02 / (np.pi * E * d), "-", color="0.65", linewidth=4, label=r"$F / (\pi E^* d)$")
-right.plot(1e6 * near, 1e9 * np.array(further), "ko", markersize=4, label="computed")
+right.plot(1e6 * near, 1e9 * np.array(further), "o", markersize=4, label="computed")
 right.set(xlabel="distance d of two balls [µm]", ylabel="further approach [nm]", ylim=(0, None))
 right.set_title("two balls: they feel each other")
 right.legend()

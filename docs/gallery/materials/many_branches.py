@@ -49,11 +49,11 @@ fig, (above, below) = plt.subplots(
 above.loglog(
     times, 100 * exact / heights.size, "-", color="0.65", linewidth=4, label="exact for such a solid"
 )
-above.loglog(times, 100 * marched / heights.size, "o", color="black", markersize=4, label="time steps")
+above.loglog(times, 100 * marched / heights.size, "o", color="tab:blue", markersize=4, label="time steps")
 above.set(ylabel="real contact [% of nominal area]")
 above.legend()
 apart = 1e6 * np.abs(other["mean_gap"] / one["mean_gap"] - 1)[1:]
-below.semilogx(times, apart, "o", color="black", markersize=4)
+below.semilogx(times, apart, "o", color="tab:blue", markersize=4)
 below.set(xlabel="hold time [s]", ylabel="difference of the\nmean gap [millionths]", ylim=(0, None))
 
 # %%

@@ -37,14 +37,14 @@ low, high = growth.ratio_band
 print(f"{prediction.between('A')} = {growth.ratio:.3f}, 95 % band {low:.3f} to {high:.3f}")
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
-left.semilogx(prediction.time, prediction.friction, "o-", color="black", markersize=4)
+left.semilogx(prediction.time, prediction.friction, "o-", color="tab:blue", markersize=4)
 left.set(xlabel="hold time [s]", ylabel="coefficient of static friction", ylim=(0, None))
 least, most = (100 * slope for slope in growth.range)
 left.set_title(f"contact grows by {least:.1f} to {most:.1f} % in each decade", fontsize=10)
 last = prediction.dataset.isel(field_time=-1)
 image = right.imshow(
     last["pressure"].where(last["in_contact"]) / 1e6,
-    cmap="viridis_r",
+    cmap="plasma",
     extent=[0, 25.6, 25.6, 0],
     interpolation="nearest",
 )

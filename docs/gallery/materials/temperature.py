@@ -27,14 +27,13 @@ reference = 296.15  # K
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), sharey=True, layout="constrained")
 curves = {}
-for celsius, marker in ((3, "v"), (23, "o"), (43, "^")):
+for celsius, marker, color in ((3, "v", "tab:blue"), (23, "o", "black"), (43, "^", "tab:red")):
     factor = asp.relaxation.arrhenius(100e3, celsius + 273.15, reference)
     warm = series.shifted(factor)
     solid = asp.solids.half_space(modulus=warm.modulus, branches=warm.branches)
     area = asp.age(asp.press(scan, solid, pressure="1 MPa"), times).dataset["contact_fraction"].values[1:]
     curves[celsius] = factor, area
-    shade = "black" if celsius == 23 else "white"
-    style = {"color": "black", "markerfacecolor": shade, "label": f"{celsius} °C"}
+    style = {"color": color, "label": f"{celsius} °C"}
     left.semilogx(times, 100 * area, f"{marker}-", linewidth=0.8, **style)
     right.semilogx(times / factor, 100 * area, marker, **style)
 left.set(xlabel="hold time $t$ [s]", ylabel="real contact [% of nominal area]")

@@ -33,10 +33,10 @@ for thermal, marker in zip(warmth, "vos^D", strict=True):
     area, load = history["area"].sel(time=times).values, history["load"].sel(time=times).values
     slopes.append(np.polyfit(np.log(times), area / area.mean(), 1)[0])
     theory.append(thermal / np.mean(load / area))
-    left.semilogx(times, area / area[0], f"{marker}-", color="black", linewidth=0.8, label=f"kT = {thermal}")
+    left.semilogx(times, area / area[0], f"{marker}-", linewidth=0.8, label=f"kT = {thermal}")
 left.set(xlabel="hold time $t$", ylabel="$A(t) / A(1)$")
 left.legend()
-right.plot(warmth, slopes, "o", color="black", label="$B$ found")
+right.plot(warmth, slopes, "o", color="tab:blue", label="$B$ found")
 right.plot([0, *warmth], [0, *theory], "--", color="gray", label="$s_0 / s$")
 right.set(xlabel="$kT$ over $Q$", ylabel="growth of the area per e-fold of time")
 right.legend()

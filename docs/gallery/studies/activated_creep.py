@@ -32,7 +32,7 @@ lowest, when = {}, {}
 fig, axes = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
 for ax, k0 in zip(axes, (1.0, 0.0), strict=True):
     contact = asp.press(rough, asp.solids.spring_lattice(k0=k0, k1=3.0, R=0.0, creep=law), load=load)
-    for wait, shade in zip(waits, ("0.6", "0.0"), strict=True):
+    for wait, shade in zip(waits, ("tab:blue", "tab:orange"), strict=True):
         protocol = [P.Hold(wait), P.Step(load=0.2 * load), P.Hold(1.01e4 * wait)]
         dataset = asp.age(contact, wait * (1 + times[1:]), protocol=protocol, rtol=2e-2).dataset
         after = dataset["area"].values[dataset["leg"].values >= 1][: times.size]

@@ -39,7 +39,7 @@ viscous = rates(loads[0], viscous=0.1)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.4), layout="constrained")
 for ax, at, B, label in ((left, ratios, by_ratio, r"$k_1/k_0$"), (right, loads, by_load, "load a site")):
-    ax.loglog(at, B[:, 0], "o", color="black", label="simulated")
+    ax.loglog(at, B[:, 0], "o", color="tab:blue", label="simulated")
     ax.loglog(at, B[:, 1], "-", color="black", linewidth=0.8, label="closed form")
     ax.set(xlabel=label, ylabel="$B$")
     ax.set_xticks(at, [f"{one:g}" for one in at])

@@ -41,7 +41,7 @@ for (name, series), color in zip(spectra.items(), ("#56B4E9", "black", "#0072B2"
     slopes[name] = np.polyfit(np.log(times[2:]), creeping[2:], 1)[0]
     # Origin: E. H. Lee and J. R. M. Radok, J. Appl. Mech. 27, 438 (1960); three sites may be on the edge.
     np.testing.assert_allclose(creeping, pressed, atol=3 / at_first)
-ax.set(xlabel="time", ylabel="area over that at first")
+ax.set(xlabel="time", ylabel="area over first area")
 ax.legend()
 
 # %%

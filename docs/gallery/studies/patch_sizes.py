@@ -23,10 +23,9 @@ for pressure, look in ((0.01, "o"), (0.02, "^"), (0.04, "s")):
     contact = asp.press(heights, half_space, load=pressure * heights.size)
     sizes = asp.analysis.patches(contact.in_contact).sizes
     left.loglog(sizes, np.arange(1, sizes.size + 1) / sizes.size, f"{look}-", markersize=3, label=pressure)
-left.set(xlabel="size (sites)", ylabel="share of so many sites or more")
+left.set(xlabel="size (sites)", ylabel="share of patches of this size or larger")
 left.legend(title="load a site")
 
-# %%
 # Now the area is held, on this half-space and on a lattice of springs whose creep conserves the mean.
 
 rough = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=12.0, cutoff=4.0, rms_height=1.0, seed=0)
@@ -45,7 +44,7 @@ for name, start, mark in (
     # Origin: every site of the later map is of a patch before, or of a new one.
     assert abs(net.sum() + born - (maps[-1].sum() - maps[0].sum())) < 1e-9
 right.axhline(0.0, color="0.7")
-right.set(xlabel="size at first (sites)", ylabel="growth at constant area, over that size")
+right.set(xlabel="initial size (sites)", ylabel="growth at constant area, over initial size")
 right.legend()
 
 # %%

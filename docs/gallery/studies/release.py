@@ -40,10 +40,10 @@ for wait in waits:
     added = series.modulus_at(wait * (1 + times)) - fall * series.modulus_at(wait * times)
     latest.append(wait * times[after.argmax()])
     linear.append(wait * times[added.argmax()])
-    ax.semilogx(wait * times, after, "o-", color="black", markersize=3, linewidth=0.8)
+    ax.semilogx(wait * times, after, "o-", color="tab:blue", markersize=3, linewidth=0.8)
     ax.semilogx(wait * times, added, ":", color="0.5")
     ax.plot(latest[-1], after.max(), "o", color="#D55E00", markersize=8)
-ax.set(xlabel="time since the release", ylabel="force over that at first")
+ax.set(xlabel="time since the release", ylabel="force over first force")
 
 # %%
 # The verdict: the time of the maximum, in waiting times.

@@ -23,7 +23,7 @@ solid = asp.solids.half_space(modulus=1.0)
 
 # %%
 # Each load starts from the contact of the one before, which saves time and changes no result. What
-# counting sites adds at the rim of the patches is subtracted.
+# counting sites adds at the border of the patches is subtracted.
 
 reduced = np.geomspace(0.02, 3.0, 14)  # p / (E* h')
 contacts = []
@@ -37,11 +37,11 @@ persson = asp.theory.persson_area(slope * fine, modulus=1.0, slope=slope)
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
 left.plot(fine, 100 * persson, "-", color="0.65", linewidth=4, label="Persson")
-left.plot(reduced, 100 * fraction, "o", color="black", markersize=4, label="computed")
+left.plot(reduced, 100 * fraction, "o", color="tab:blue", markersize=4, label="computed")
 left.set(xlabel=r"$p / (E^* h')$", ylabel="real contact [% of nominal area]", ylim=(0, 102))
 left.legend(loc="lower right")
 right.semilogx(fine, persson / fine, "-", color="0.65", linewidth=4)
-right.semilogx(reduced, fraction / reduced, "o", color="black", markersize=4)
+right.semilogx(reduced, fraction / reduced, "o", color="tab:blue", markersize=4)
 right.axhline(np.sqrt(8 / np.pi), color="black", linestyle=":", label=r"$\sqrt{8/\pi}$")
 right.set(xlabel=r"$p / (E^* h')$", ylabel=r"$(A/A_0)\; E^* h' / p$", ylim=(0, None))
 right.legend()

@@ -33,10 +33,10 @@ for ax, map_, title in (
     (axes[0], contact.in_contact, f"the contact: {asp.analysis.patches(contact.in_contact).count} patches"),
     (axes[1], views[4].seen, f"seen through {blurs[4]:g} µm: {views[4].patches.count} patches"),
 ):
-    ax.imshow(map_, cmap="binary", extent=side, interpolation="nearest")
+    ax.imshow(map_, cmap="Blues", extent=side, interpolation="nearest")
     ax.set_title(title, fontsize=10)
     ax.set(xlabel="x [µm]")
-axes[2].semilogx(blurs, 100 * part, "o-", color="black")
+axes[2].semilogx(blurs, 100 * part, "o-", color="tab:blue")
 axes[2].set(xlabel="full width at half maximum [µm]", ylabel="area seen [% of the contact]", ylim=(0, 105))
 print(f"through {blurs[4]:g} um, {part[4]:.0%} of the area is seen")
 

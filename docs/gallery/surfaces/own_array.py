@@ -44,7 +44,7 @@ fine = np.linspace(0, 1, 400) * np.pi * modulus * amplitude / wavelength
 exact = asp.theory.westergaard_area(fine, modulus=modulus, amplitude=amplitude, wavelength=wavelength)
 ax.plot(fine / 1e6, 100 * exact, "-", color="0.65", linewidth=4, label="Westergaard")
 computed = np.array([contact.contact_fraction for contact in contacts])
-ax.plot(pressures / 1e6, 100 * computed, "o", color="black", label="computed")
+ax.plot(pressures / 1e6, 100 * computed, "o", color="tab:blue", label="computed")
 ax.set(xlabel="mean pressure [MPa]", ylabel="real contact [% of nominal area]")
 ax.set_title("A wave under an elastic half-space")
 ax.legend()

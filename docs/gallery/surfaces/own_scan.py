@@ -3,7 +3,7 @@ How does a scan become a contact?
 =================================
 
 A profilometer writes heights on a grid, tilted and with pixels that it could not see.
-``asp.surfaces.read`` levels the scan, fills what is undefined from its rim, and gives it units; it
+``asp.surfaces.read`` levels the scan, fills undefined pixels from their neighbors, and gives it units; it
 records all of it. Text, and arrays of numpy and MATLAB, are read directly. The formats of instruments need
 the extra ``asperity[instruments]``.
 

@@ -5,9 +5,10 @@ Which lattice resolves my contact?
 A contact is resolved if a finer lattice gives the same area. Here one surface, whose shortest wave is 32
 µm long, is sampled with 16, 8, 4, 2 and 1 µm, and pressed with the same pressure.
 
-Counting sites overestimates the area by a part of each pixel at the rim, so its error is in proportion to
-the spacing. ``contact_area_corrected`` subtracts that part, :math:`(\pi - 1 + \ln 2)/24` times the length
-of the rim times the spacing (V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. 114, 161 (2017)).
+Counting sites overestimates the area by a part of each pixel at the border of a contact, so its error is in
+proportion to the spacing. ``contact_area_corrected`` subtracts that part, :math:`(\pi - 1 + \ln 2)/24` times
+the length of the border times the spacing (V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. 114, 161
+(2017)).
 """
 
 import matplotlib.pyplot as plt
@@ -30,8 +31,8 @@ counted, corrected = np.array(counted), np.array(corrected)
 
 fig, ax = plt.subplots(layout="constrained")
 waves = cutoff / (finest * steps)
-ax.semilogx(waves, 100 * counted, "s-", color="black", markerfacecolor="white", label="counted sites")
-ax.semilogx(waves, 100 * corrected, "o-", color="black", label="less what counting adds at the rim")
+ax.semilogx(waves, 100 * counted, "s-", color="tab:orange", label="counted sites")
+ax.semilogx(waves, 100 * corrected, "o-", color="tab:blue", label="corrected for pixels at the border")
 ax.set(xlabel="sites in the shortest wavelength of the surface", ylabel="real contact [% of nominal area]")
 ax.set_xticks(waves, [f"{wave:g}" for wave in waves])
 ax.minorticks_off()
@@ -52,7 +53,7 @@ for wave, many, few in zip(waves, counted, corrected, strict=True):
 order = np.polyfit(np.log(steps), np.log(counted - extrapolated), 1)[0]
 print(f"order of the counted area: {order:.2f}")
 
-# Origin: the extrapolation, which knows nothing of rims.
+# Origin: the extrapolation, which does not correct pixels.
 assert abs(corrected[-1] / extrapolated - 1) < 0.015
 assert np.abs(corrected / extrapolated - 1)[waves >= 8].max() < 0.03
 assert 0.8 < order < 1.3

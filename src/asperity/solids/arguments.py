@@ -17,16 +17,16 @@ _LARGEST = Le(1e30)
 """Products of stiffnesses and mobilities are taken in single precision, which ends at 3e38."""
 
 _YOUNG = Quantity(
-    "Young's modulus", "Pa", more=" at once, in place of the contact modulus; of two bodies both."
+    "Young's modulus", "Pa", more=", unrelaxed, in place of the contact modulus; two for two bodies."
 )
-_POISSON = Quantity("Poisson's ratio", more=", of two bodies both.")
+_POISSON = Quantity("Poisson's ratio", more="; two for two bodies.")
 _SHARE = Quantity("share of the modulus")
 _TIME = Quantity("relaxation time", "s")
 
 Modulus = Annotated[
     float | str | None,
     *(Gt(0), _LARGEST),
-    Quantity("contact modulus", "Pa", more=" E* at once, before anything relaxes."),
+    Quantity("contact modulus", "Pa", more=" E*, before anything relaxes."),
 ]
 Young = Annotated[float | str | None, Gt(0), _LARGEST, _YOUNG]
 YoungOfBodies = Annotated[float | str | Sequence[float | str] | None, Gt(0), _LARGEST, Len(1, 2), _YOUNG]
@@ -45,9 +45,7 @@ def _at_most_all(name: str, branches: Sequence[tuple[float, float]]) -> object:
 Branches = Annotated[
     Sequence[Branch],
     Also(_at_most_all),
-    Quantity(
-        "share of the modulus and relaxation time of each branch", more="; as often as there are branches."
-    ),
+    Quantity("share of the modulus and relaxation time of each branch", more="; once for each branch."),
 ]
 Thickness = Annotated[float | str, Gt(0), Quantity("thickness of the layer or the film", "m")]
 Apparatus = Annotated[
@@ -56,7 +54,7 @@ Apparatus = Annotated[
     Quantity(
         "stiffness of the apparatus",
         "N/m",
-        more=" that holds it, which may be inf; with it a separation can be held.",
+        more=", or inf; with it a separation can be held.",
     ),
 ]
 Hardness = Annotated[
@@ -80,7 +78,7 @@ Flow = Annotated[
     ]
     | None,
     Quantity(
-        "mobility of creep, and the power of the wave number with which it goes",
+        "mobility of creep, and its power of the wave number",
         more=" (-1 bulk flow, 0 dissolution, 1 and 2 diffusion in the volume and along the surface), in "
         "place of branches.",
     ),
@@ -94,7 +92,7 @@ Bonded = Annotated[
     ),
 ]
 BaseModulus = Annotated[
-    float | str, Gt(0), _LARGEST, Quantity("contact modulus of the base", "Pa", more=" at once.")
+    float | str, Gt(0), _LARGEST, Quantity("contact modulus of the base", "Pa", more=", unrelaxed.")
 ]
 BasePoisson = Annotated[float, Gt(-1), Le(0.5), Quantity("Poisson's ratio of the base")]
 BaseBranches = Annotated[

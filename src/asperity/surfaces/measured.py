@@ -29,7 +29,7 @@ _Path = Annotated[
 ]
 _Undefined = Annotated[
     Literal["fill", "refuse"],
-    Quantity("what is done about undefined pixels", more=": fill (from their rims) or refuse."),
+    Quantity("what is done about undefined pixels", more=": fill (from their neighbors) or refuse."),
 ]
 _MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
 _UndefinedValue = Annotated[
@@ -40,22 +40,20 @@ _UndefinedValue = Annotated[
         more=" in the file, such as -9999.",
     ),
 ]
-_Tilt = Annotated[
-    Tilt, Quantity("what is removed from the heights", more="; quadratic also the bow of a scanner.")
-]
+_Tilt = Annotated[Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")]
 _Despike = Annotated[
-    bool, Quantity("pixels more than 6 robust standard deviations above the median height are filled")
+    bool, Quantity("replace spikes: pixels more than 6 robust standard deviations above the median")
 ]
 _Lines = Annotated[
     Lines,
-    Quantity("how the offsets of lines are levelled", more=". median: subtract its median from each row."),
+    Quantity("offsets of scan lines", more=". median: subtract its median from each row."),
 ]
 _Periodic = Annotated[
     Periodic,
     Quantity(
         "how the surface is made periodic",
         more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the "
-        "mean. mirror: four mirrored copies, for what must be periodic.",
+        "mean. mirror: four mirrored copies, for what must be periodic. free: the body ends.",
     ),
 ]
 _Unit = Annotated[
@@ -70,7 +68,7 @@ _Channel = Annotated[
     str | int | None,
     Quantity("channel of the surface file", more=", by name or number. By default the file's."),
 ]
-_Resample = Annotated[bool, Quantity("pixels that are not square are averaged to the larger spacing")]
+_Resample = Annotated[bool, Quantity("average oblong pixels to squares of the larger spacing")]
 _Crop = Annotated[
     Sequence[float] | None,
     Len(2, 4),
@@ -82,7 +80,7 @@ _Crop = Annotated[
 ]
 _CropUnit = Annotated[
     Literal["pixel", Length] | None,
-    Quantity("unit of length in which the part is given", more=", in place of pixels."),
+    Quantity("unit of that part", more=", in place of pixels."),
 ]
 _Longest = Annotated[
     float | None,
@@ -96,15 +94,15 @@ _Longest = Annotated[
 _Shortest = Annotated[
     float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
 ]
-_FileUnit = Annotated[Length | None, Quantity("unit of the heights in a file that does not say")]
+_FileUnit = Annotated[Length | None, Quantity("unit of the heights, for a file that does not state it")]
 _PixelSize = Annotated[
     float | str | Sequence[float | str] | None,
     *(Gt(0), Len(1, 2)),
     Quantity(
         "distance between pixels",
         dimension="length unit",
-        more=" in a file that does not say: one number, or between rows and between columns. Of a ball, a "
-        "paraboloid, a punch and an array it is that between sites, in m.",
+        more=", for a file that does not state it: one number, or between rows and between columns. For a "
+        "ball, a paraboloid, a punch or an array: between sites, in m.",
     ),
 ]
 _LengthUnit = Annotated[Length | None, Quantity("unit of that distance")]

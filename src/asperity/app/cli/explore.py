@@ -36,8 +36,7 @@ def explore(
     no_browser
         Only print the address.
     export
-        File to write (.html) in place of all that: the page with the results of the folder, which opens
-        anywhere without a server.
+        Write the page with the results to this file (.html), which opens anywhere without a server.
     overwrite
         Replace that file if it exists.
     """

@@ -201,8 +201,8 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     from asperity.solids.arguments import POISSON
 
     words = {
-        "--young": "Young's modulus at once, such as 3GPa, in place of a table; of two bodies both.",
-        "--poisson": "Poisson's ratio, which does not relax; of two bodies, without a table, both. "
+        "--young": "Unrelaxed Young's modulus, such as 3GPa, in place of a table; two for two bodies.",
+        "--poisson": "Poisson's ratio, which does not relax; without a table, two numbers for two bodies. "
         f"[default: {POISSON}]",
         "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
         "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1 or 2]",

@@ -45,7 +45,7 @@ def infer(
     out: Out = Path("inference"),
     results: Results = _RESULTS,
 ) -> None:
-    """Infer what a curve of contact area, or friction, determines of a model, and what it does not.
+    """Infer which parameters of a model a curve of contact area, or friction, determines, and which not.
 
     The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
     (determined, bounded, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml

@@ -16,7 +16,7 @@ __all__ = ["flags_for", "surface"]  # the annotation that `command` writes names
 def surface(
     file: Path, /, *, out: Out | None = None, overwrite: Switch = False, keys: Flags | None = None
 ) -> None:
-    """Say what a surface file holds and what a run would make of it, and draw it.
+    """Describe a surface file as a run would use it, and draw it.
 
     Parameters
     ----------

@@ -13,14 +13,14 @@ _WORK = Work()
 
 @command()
 def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
-    """Do a campaign: many runs from one file, in one folder. The same command again does what is missing.
+    """Run a campaign: many runs from one file, in one folder. The same command again computes the rest.
 
     Parameters
     ----------
     plan
         A TOML file as for a run, with a section [sweep] of lists: load = [200.0, 800.0], seeds = 32, ...
     out
-        Folder of the campaign; made, or gone on with.
+        Folder of the campaign; a new one, or one to continue.
     """
     work.check()
     from asperity.app.campaign import read_plan

@@ -96,10 +96,10 @@ class Aging(Section):
     )
     per_decade: Annotated[int, Field(ge=1, le=1000)] = usual(4, "Times to record in each decade.")
     times: Annotated[list[Time], Field(min_length=1)] | None = usual(
-        None, "The times to record, one by one; instead of the three above."
+        None, "Times to record, one by one; instead of first, last and times per decade."
     )
     hold: Literal["load", "separation"] | None = usual(
-        None, "What is held while it ages. By default what pressed it."
+        None, "Quantity to hold while the contact ages. By default the one that pressed it."
     )
     rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = usual(2e-3, "Relative tolerance of the time steps.")
 
@@ -170,7 +170,7 @@ class Friction(Section):
     rate_coefficient: Share | None = usual(
         None, "Relative growth of the shear strength for each factor e of velocity. By default none."
     )
-    reference_velocity: Velocity | None = usual(None, "Velocity at which the shear strength is what it is.")
+    reference_velocity: Velocity | None = usual(None, "Velocity of sliding at that shear strength.")
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -185,7 +185,7 @@ class Carried(Section):
     """What a half-space's contact carries besides its load, recorded at each time."""
 
     stiffness: bool = usual(
-        False, "Record the normal stiffness; with one Poisson's ratio of the solid the tangential too."
+        False, "Record the normal stiffness and, if the solid has one Poisson's ratio, the tangential one."
     )
     resistivity: OneOrTwo[Resistivity] | None = usual(
         None, "Electrical resistivity, of both bodies or of each: record the resistance."
@@ -193,7 +193,7 @@ class Carried(Section):
     conductivity: OneOrTwo[Conductivity] | None = usual(
         None, "Thermal conductivity, likewise: record the thermal resistance."
     )
-    shear: Force | None = usual(None, "Shear force: record which share of the contact sticks under it.")
+    shear: Force | None = usual(None, "Shear force: record the share of the contact that sticks.")
     friction_coefficient: Positive | None = usual(
         None, "Coefficient of friction of the sites, for the shear force."
     )
@@ -230,11 +230,11 @@ class Output(Section):
     )
     figures: list[Figure] = usual(["png"], 'Formats of the figures; "" for none.')
     pixel: Size | None = usual(
-        None, "Pixel of an instrument that looks at the maps; in sites where there are no units."
+        None, "Pixel of a microscope that looks at the maps; in sites if there are no units."
     )
     blur: Size | None = usual(None, "Full width at half maximum of its point spread function, likewise.")
     threshold: Share | None = usual(
-        None, "Part of full contact from which such a pixel counts. By default all light counts."
+        None, "Part of full contact from which a pixel counts as contact. By default all light counts."
     )
 
     @property

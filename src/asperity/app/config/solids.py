@@ -63,32 +63,31 @@ class OfTable(Section):
         "that gives the branches; and Young's modulus, where no modulus is given.",
     )
     table_kind: Literal["relaxation", "creep", "dynamic"] | None = usual(
-        None, "What that table holds, if the names of its columns do not say."
+        None, "What the table holds, if the names of its columns do not say it."
     )
     table_modulus: TableModulus | None = usual(
-        None, "Which modulus it measures. By default what its names say, else Young's modulus."
+        None, "Modulus in the table. By default the one that its header names, else Young's modulus."
     )
     columns: Words | None = usual(
         None,
-        "Names or numbers, from 0, of its columns: time and modulus, time and compliance, or frequency, "
-        "storage and loss modulus. By default those that are named so.",
+        "Columns by name, or by number from 0: time and modulus, time and compliance, or frequency, storage "
+        "and loss modulus. By default those with such names.",
     )
     units: Words | None = usual(
-        None, 'Units of its columns in place of those of the table: a column and its unit, such as "E=MPa".'
+        None, 'Units in place of those of the table: a column and its unit, such as "E=MPa".'
     )
     noise: Annotated[float, Field(ge=0, lt=1)] | None = usual(
-        None, "Largest relative change in the wrong direction that is taken for noise of it. By default 0.05."
+        None, "Largest relative change in the wrong direction that counts as noise. By default 0.05."
     )
     per_decade: PerDecade | None = usual(
         None,
-        "Relaxation times in each decade of that table: more of them for data with few distinct "
-        "times, fewer for noisy data. By default the fewest free times whose misfit looks like noise, "
-        "five at most, else 1 or 2 a decade.",
+        "Relaxation times per decade of the table; fewer for noisy data. By default as few "
+        "free times as fit within the noise, five at most, else 1 or 2 per decade.",
     )
     extrapolate: Beyond | None = usual(
         None,
-        "What is assumed beyond the times of the data: of a table, plateau, that the last modulus stays; "
-        "of branches with their times, model, that they go on. By default other times are refused.",
+        "What to assume beyond the times of the data. plateau: the last modulus of a table "
+        "stays. model: branches with their times go on. By default other times are refused.",
     )
 
 
@@ -352,8 +351,8 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
     draws: Annotated[list[_Branches], Field(min_length=2)] | None = Field(
         default=None,
         exclude=True,  # no run uses them, and what was not used is not recorded
-        description="Lists of branches that may be in place of these, such as draws of a posterior: their "
-        "spread is in the band of a prediction.",
+        description="Other lists of branches, such as samples of a posterior: their spread is in the band "
+        "of a prediction.",
     )
 
     data_first: Duration | None = usual(

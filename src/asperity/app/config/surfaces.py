@@ -24,8 +24,8 @@ class SurfaceSection(Section):
     kind: str
     edges: Literal["periodic", "reflecting", "free"] | None = usual(
         None,
-        "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default what the kind "
-        "of surface, or how a scan is made periodic, says.",
+        "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default "
+        "they depend on the kind of surface, and on how a scan is made periodic.",
     )
 
     @property
