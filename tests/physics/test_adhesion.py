@@ -1,6 +1,7 @@
 """Contacts that stick: Maugis' ball, Johnson's wavy line, energies of cycles, and histories with jumps."""
 
 import math
+import tomllib
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -10,6 +11,9 @@ from annotated_types import Gt
 
 import asperity as asp
 from asperity.aging.field_steps import FieldSteps
+from asperity.app.config import to_toml
+from asperity.app.config.python import to_python
+from asperity.app.config.reading import config_from
 from asperity.base.parameters import Quantity
 from asperity.contact.choice import chosen_solver
 from asperity.errors import PulledOff, Remark
@@ -381,3 +385,14 @@ def test_steps_of_whole_fields_age_it():
     system = contact.system()
     assert not contact.solid.separable
     assert isinstance(FieldSteps.begin(system, chosen_solver(None, system), contact), FieldSteps)
+
+
+def test_keys_of_a_file_are_the_law():
+    keys = {"adhesion": "dugdale", "adhesion_work": "50 mJ/m^2", "adhesion_range": "10 nm"}
+    solid = {"kind": "half_space", "young": "5 MPa", "poisson": 0.5, **keys}
+    config = config_from({"solid": solid, "contact": {"load": "-1 nN"}}, {}, None)
+    assert config.solid.build().adhesion == Dugdale(work=0.05, range=1e-8)
+    written = to_python(config, [1.0])
+    assert "adhesion=asp.solids.Dugdale(work=0.05, range=1e-08)" in written
+    assert "asp.press(rough, solid, load=-1e-09)" in written
+    assert config_from(tomllib.loads(to_toml(config)), {}, None).solid.build() == config.solid.build()
