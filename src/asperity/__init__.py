@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         theory,
     )
     from asperity.aging import Frame
-    from asperity.analysis import observe, predict
+    from asperity.analysis import law, observe, predict
     from asperity.app import campaign
     from asperity.carried import Carried
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
@@ -64,6 +64,7 @@ __all__ = [
     "friction",
     "infer",
     "inference",
+    "law",
     "observe",
     "predict",
     "press",
@@ -80,7 +81,7 @@ __all__ = [
 
 _HOME = {
     "asperity.aging": ("Frame",),
-    "asperity.analysis": ("observe", "predict"),
+    "asperity.analysis": ("law", "observe", "predict"),
     "asperity.carried": ("Carried",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.inference": ("infer",),

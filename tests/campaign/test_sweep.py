@@ -103,7 +103,9 @@ def test_status_and_gather(done, tmp_path, capsys):
     assert "all.csv exists; try --overwrite" in capsys.readouterr().err
     (tmp_path / "all.csv").write_text("old")
     assert gathered("all.nc", "--overwrite") == 0
-    assert {path.name for path in tmp_path.iterdir()} == {"all.zarr", "all.nc", "all.csv", "all.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {
+        *("all.zarr", "all.nc", "all.csv", "all.png", "all_data.csv")
+    }
     assert (tmp_path / "all.png").stat().st_size > 20_000
     table = [line.split(",") for line in (tmp_path / "all.csv").read_text().splitlines()]
     assert len(table) == 13

@@ -34,8 +34,7 @@ def line(text, name):
 
 def legend_of(figure):
     """The words of the legend, below each other."""
-    legend = figure.axes[0].get_legend()
-    assert legend is not None
+    (legend,) = figure.legends
     return "\n".join(["", *(text.get_text() for text in legend.get_texts())])
 
 
@@ -53,7 +52,7 @@ def test_friction_in_words_figure_and_numbers(says, friction):
     assert (low, high) == pytest.approx([np.log(10) * end for end in rate.interval("slope")], rel=1e-4)
     assert low < 0.01 < high
     assert "the data prefer the logarithm: no sign" in text or "these data do not tell" in text
-    assert "figure written: fit.png\nnumbers written: n.json\n" in text
+    assert "figure written: fit.png; what it draws: fit.csv\nnumbers written: n.json\n" in text
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
     found, fit = json.loads(Path("n.json").read_text()), logarithm(time, mu)
     written, straight = found["fits"]["logarithm"], found["straight_line"]

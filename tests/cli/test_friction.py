@@ -34,7 +34,11 @@ def test_parameters_of_a_table_in_words_files_and_a_picture(says):
     assert (
         "lab.csv: time from 'time_s' in s, displacement from 'displacement_um' in um, friction from" in text
     )
-    names = ["asperity.json", "friction.csv", "friction.png", "friction.toml", "summary.txt"]
+    names = [
+        "asperity.json",
+        *(f"friction{end}" for end in (".csv", ".png", ".toml", "_data.csv")),
+        "summary.txt",
+    ]
     assert sorted(path.name for path in Path("found").iterdir()) == names
     found = tomllib.loads(Path("found/friction.toml").read_text())
     for name in ("a", "b", "D_c", "mu_0"):

@@ -23,8 +23,10 @@ BRIEF = ("--times", "1", "--maps-at", "", "--quiet")
 
 
 def test_all_files_are_there_and_the_history_is_that_of_the_verbs(finished):
-    names = "aging.csv aging.png asperity.json config.toml contacts.png history.zarr"
-    names += " patches.csv patches.png summary.txt"
+    names = (
+        "aging.csv aging.png aging_data.csv asperity.json config.toml contacts.csv contacts.png history.zarr"
+    )
+    names += " patches.csv patches.png patches_data.csv summary.txt"
     assert sorted(p.name for p in finished.iterdir()) == names.split()
     assert list(finished.parent.iterdir()) == [finished]
     dataset = results.load(finished / "history.zarr")

@@ -213,8 +213,9 @@ WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
 """What is given in place of a dataset, a result or a name."""
 
 WITHOUT_NUMBERS = {
-    "analysis": "aging_summary contact_ages contact_maps distributions leg_table predict turnover with_limit",
-    "asperity": "infer predict",
+    "analysis": "aging_summary closure_fits contact_ages contact_maps distributions law law_for leg_table "
+    "predict turnover with_limit",
+    "asperity": "infer law predict",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
     "figures": " ".join(
         name for name, one in vars(asp.figures).items() if inspect.isfunction(one) and name[0] != "_"

@@ -72,6 +72,7 @@ def test_undecided_claims_say_what_it_would_take():
     assert finding([measurement(1.0, 0.2, runs=5)]).needs == "about 20 seeds in place of 5"
     assert "end of its range" in finding([measurement(1.1001, 0.2)]).needs
     assert finding([measurement(1.0, math.nan, runs=1)]).needs == "more than one seed"
+    assert finding([measurement(1.0, 0.2, runs=1)]).needs == "a narrower interval"
     assert finding([AGREES]).needs == ""
     corrected = finding([DIFFERS, AGREES], [AGREES, measurement(1.0, 0.5, low=0.75, high=1.25)])
     assert corrected.waits_for_correction

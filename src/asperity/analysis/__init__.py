@@ -1,7 +1,9 @@
 """Analysis of a history: growth of the contact area, patches and maps of contact, legs, the relaxed limit."""
 
 from asperity.analysis.aging import AgingSummary, aging_summary, with_limit
+from asperity.analysis.contact_law import law
 from asperity.analysis.field_values import Distribution, distributions
+from asperity.analysis.law_words import closure_fits, law_for
 from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
@@ -26,10 +28,13 @@ __all__ = [
     "SiteState",
     "Turnover",
     "aging_summary",
+    "closure_fits",
     "clustering",
     "contact_ages",
     "contact_maps",
     "distributions",
+    "law",
+    "law_for",
     "leg_table",
     "link_patches",
     "observe",

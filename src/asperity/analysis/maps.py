@@ -209,7 +209,11 @@ def loaded(dataset: xr.Dataset) -> int:
     forces = dataset.get("pressure", dataset.get("force"))
     if forces is None:
         return 0
-    load = np.asarray(forces.sum([axis for axis in forces.dims if axis != "field_time"]))
+    return end_of_loading(np.asarray(forces.sum([axis for axis in forces.dims if axis != "field_time"])))
+
+
+def end_of_loading(load: Field) -> int:
+    """Number of the first entry, or where its load is 0 of the first after which the load does not rise."""
     if load[0] > 0:
         return 0
     rises = np.append(np.diff(load) > _STILL * load.max(), False)

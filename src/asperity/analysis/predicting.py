@@ -188,7 +188,7 @@ def predicted(
         raise _of_pressure(error, held, solid) from None
     if ramp:  # switches between legs were recorded, too
         asked = np.isin(dataset["time"], times)
-        dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked))).drop_vars("leg")
+        dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked)))
     bands = bands_of(scan, followed, times[[0, -1]].tolist(), progress) if study else ()
     facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
     known = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}

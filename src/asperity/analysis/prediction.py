@@ -149,7 +149,7 @@ class Band:
 
 
 @dataclass(frozen=True, eq=False)
-class Prediction(views.InNotebooks):
+class Prediction(views.InNotebooks, views.Pictured):
     """The growth of a real contact, predicted from a relaxation table or a solid, a scan and a load.
 
     Attributes

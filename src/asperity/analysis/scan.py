@@ -8,7 +8,7 @@ from typing import Any
 
 from asperity.surfaces.prepare import display_unit, is_length
 
-_PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+_PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 _PREFIXED = {
     "m^2": ("p", "n", "u", "m", ""),
     "m^3": ("n", "u", "m", ""),
@@ -21,6 +21,9 @@ _PREFIXED = {
     "J/m": ("p", "n", "u", "m", "", "k", "M"),
     "J/m^2": ("u", "m", "", "k"),
     "Pa": ("m", "", "k", "M", "G"),
+    "Pa/m": ("", "k", "M", "G", "T"),
+    "S/m^2": ("", "k", "M", "G"),
+    "W/m^2/K": ("", "k", "M", "G"),
     "s": ("n", "u", "m", ""),
     "ohm": ("n", "u", "m", "", "k", "M"),
     "K/W": ("u", "m", "", "k", "M", "G"),

@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from asperity.base.machine import available
 from asperity.base.version import __version__
@@ -100,6 +100,13 @@ def beside(path: Path, ending: str) -> Path:
     return path.with_name(name.decode(errors="ignore") + ending)
 
 
+Format = Literal["png", "pdf", "svg"]
+FORMATS: tuple[Format, ...] = get_args(Format)
+"""In which figures are written."""
+
+OF_FIGURES = "# What a figure of Asperity draws."
+"""First line of the table beside a figure."""
+
 MARKER = "asperity.json"
 """Name of the file that says what a folder of results is: its kind, the version, and names of its files."""
 
@@ -149,3 +156,14 @@ def standing(path: Path) -> Standing:
             marks = (0, 0, 0) if is_folder else (facts.st_ino, facts.st_size, facts.st_mtime_ns)
             visited.add((entry.relative_to(path).as_posix(), *marks))
     return frozenset(visited)
+
+
+def table_beside(path: Path, source: Path | None = None) -> Path:
+    """Where the table of a figure goes: not over any other table, nor over the source of the numbers."""
+    table = path.with_name(f"{path.stem}.csv")
+    if table.exists():
+        with table.open(encoding="utf-8", errors="replace") as file:
+            ours = file.readline().rstrip() == OF_FIGURES
+        if not ours or (source is not None and source.exists() and table.samefile(source)):
+            return path.with_name(f"{path.stem}_data.csv")
+    return table

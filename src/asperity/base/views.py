@@ -10,7 +10,10 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Sized
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _Maker = TypeVar("_Maker", bound=Callable[..., Any])
 _MAKERS: dict[str, Callable[..., Any]] = {}
@@ -48,6 +51,18 @@ def _brief(value: object) -> str:
     if value is None or isinstance(value, int | str):
         return repr(value)
     return f"{type(value).__name__} of {len(value)}" if isinstance(value, Sized) else type(value).__name__
+
+
+class Pictured:
+    """What has pictures of several kinds, which `asperity.figures` draws."""
+
+    def plot(self, kind: str | None = None, ax: Axes | None = None) -> Axes:
+        """Draw one kind of picture, by default the first, into these axes or new ones.
+
+        Kinds, result and errors are those of `asperity.figures.plot_kind`.
+        """
+        axes: Axes = made_by("plot_kind")(self, kind, ax)
+        return axes
 
 
 class InNotebooks:

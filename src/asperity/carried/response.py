@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,24 +17,37 @@ from asperity.contact.partial_slip import PartialSlip, shear_ratio
 from asperity.contact.problem import PUBLISHED, Guess
 from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
-from asperity.lattice import Lattice
+from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
+
+_RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
+"""What `unit_response` found, as long as the contact lives."""
+
+
+def unit_response(contact: Contact) -> tuple[float, float, Field]:
+    """How far a unit of load lowers rigid body and mean of the surface, and the force of each site."""
+    if contact not in _RESPONSES:
+        _RESPONSES[contact] = _flat_punch(contact, contact.relative[2])
+    return _RESPONSES[contact]
+
+
+def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field]:
+    """The same at once, where some sites are a rigid punch on the solid of a contact."""
+    flat = np.where(in_contact, 0.0, -np.inf)
+    mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
+    step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
+    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
+    u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
+    _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
+    force = np.where(in_contact, problem.force(u), 0.0)
+    return -position, -float(lattice.cut(u).mean()), lattice.cut(force)
 
 
 @views.maker
 def normal_stiffness(contact: Contact) -> float:
-    """See `Contact.normal_stiffness`: the contacts, one rigid punch, are pressed with a unit of load."""
-    in_contact = contact.relative[2]
-    if not in_contact.any():
-        return 0.0
-    flat = np.where(in_contact, 0.0, -np.inf)
-    mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
-    step = mechanics.implicit_step(0.0)
-    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
-    guess = Guess(np.zeros_like(flat), in_contact)
-    u = ActiveSet().solve(problem, guess, PUBLISHED).u
-    _, position = step.stretch_modes(mechanics.lattice.forward(u), step.flat_modes(0.0), held)
-    return -1.0 / position if position < 0 else math.inf
+    """See `Contact.normal_stiffness`."""
+    lowered = unit_response(contact)[0] if contact.area else math.inf
+    return 1.0 / lowered if lowered > 0 else math.inf
 
 
 @views.maker

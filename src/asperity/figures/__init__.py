@@ -1,7 +1,7 @@
 """Figures: what analysis found, drawn. Nothing is computed here, and no display is needed.
 
-Each function returns a `matplotlib.figure.Figure`; write it with ``figure.savefig("name.png")``. Those of a
-prediction give pictures and a page.
+Each function returns a `matplotlib.figure.Figure`, as wide as a column or a page of a journal; `write` writes
+it, with what it draws as a table beside it.
 """
 
 from asperity.base.calls import answered as _answered
@@ -15,13 +15,15 @@ from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
 from asperity.figures.inference import inference_page, inference_pictures
+from asperity.figures.law import law_figure
 from asperity.figures.page import prediction_page, prediction_pictures
-from asperity.figures.plots import plot_contact, plot_history, plot_spectrum, plot_surface
+from asperity.figures.plots import plot_contact, plot_history, plot_kind, plot_spectrum, plot_surface
 from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
 from asperity.figures.style import Drawing
 from asperity.figures.surface import surface_figure
+from asperity.figures.writing import write
 
 __all__ = [
     "Drawing",
@@ -37,9 +39,11 @@ __all__ = [
     "html_of",
     "inference_page",
     "inference_pictures",
+    "law_figure",
     "patch_figure",
     "plot_contact",
     "plot_history",
+    "plot_kind",
     "plot_spectrum",
     "plot_surface",
     "prediction_page",
@@ -48,5 +52,6 @@ __all__ = [
     "relaxation_figure",
     "sliding_figure",
     "surface_figure",
+    "write",
 ]
 __dir__ = _answered(globals())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
@@ -14,6 +15,8 @@ from asperity.base import checks
 from asperity.base.words import power
 from asperity.errors import InputError
 from asperity.figures import style
+from asperity.figures.measured import draw_measured, of_history
+from asperity.fits import Measurements
 from asperity.lattice import Field
 from asperity.results.history import check_dataset
 
@@ -21,7 +24,10 @@ _IN_SIGHT = 3.0
 """How far off the curve, in its own heights, the relaxed limit is still drawn."""
 
 
-def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
+@style.drawn
+def aging_curve(
+    dataset: xr.Dataset, summary: AgingSummary, measured: Measurements | Path | str | None = None
+) -> Figure:
     """Draw A(t)/A(0), the saturation law, the dilute theory where it holds, and the relaxed limit.
 
     Where the separation is held, a second panel shows the load.
@@ -32,6 +38,8 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
         The dataset of a `History`, for the conditions in the title.
     summary
         From `asperity.analysis.aging_summary` of it.
+    measured
+        A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
     Returns
     -------
@@ -40,7 +48,7 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     Raises
     ------
     InputError
-        The history holds no time above 0.
+        The history holds no time above 0; or what was measured is no area.
     """
     checks.instance("summary", summary, AgingSummary, "asperity.analysis.aging_summary(history.dataset)")
     check_dataset(dataset)
@@ -48,7 +56,8 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
         expected, advice = "a history with times above 0", "age(contact, times)"
         raise InputError("summary", expected=expected, got="none", advice=advice)
     falls = summary.load is not None
-    figure, grid = style.stacked((6.4, 4.6 + 2.4 * falls), *(3, 2)[: 1 + falls])
+    ratios = [3.0, *[1.0] * (measured is not None), *[1.5] * falls]
+    figure, grid = style.stacked((style.COLUMN, 1.0 + 0.7 * sum(ratios)), *ratios)
     axes = grid[0]
     axes.set_xscale("log")
     _draw_computed(axes, summary.time, summary.area_ratio)
@@ -58,13 +67,18 @@ def aging_curve(dataset: xr.Dataset, summary: AgingSummary) -> Figure:
     axes.set_ylabel(r"contact area $A(t)\,/\,A(0)$")
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
+    if measured is not None:
+        found = of_history(dataset, measured)
+        first = float(dataset["contact_area" if dataset.attrs["si"] else "area"][0])
+        draw_measured(grid[:2], found, summary.time, summary.area_ratio, 1 / first)
     if summary.load is not None:
         ratio = summary.load / summary.initial_load
-        _draw_computed(grid[1], summary.time, ratio)
-        _draw_limit(grid[1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
-        grid[1].set_ylabel(r"load $F(t)\,/\,F(0)$")
+        _draw_computed(grid[-1], summary.time, ratio)
+        _draw_limit(grid[-1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
+        grid[-1].set_ylabel(r"load $F(t)\,/\,F(0)$")
     for one in grid:
-        style.finish(one)
+        style.finish(one, legend=one is not axes)
+    style.legend_below(figure, axes)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
     held = f"{held} {style.said(dataset, held, float(dataset.attrs[f'held_{held}']))} held"
@@ -91,7 +105,7 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
         f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
         *([_wrapped(summary.fit_note)] if summary.fit_note else []),
     ]
-    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.6, "label": "\n   ".join(said)}
+    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.2, "label": "\n   ".join(said)}
     axes.plot(summary.curve_time, summary.fit_curve, "-", **look)
 
 
@@ -102,7 +116,7 @@ def _draw_limit(axes: Axes, ratio: Field, limit: float | None) -> None:
     label = rf"relaxed limit $t \to \infty$: {limit:.5g}"
     low, high = float(ratio.min()), float(ratio.max())
     if min(abs(limit - low), abs(limit - high)) <= _IN_SIGHT * max(high - low, 0.05):
-        axes.axhline(limit, color=style.GRAY, linestyle=":", linewidth=1.6, label=label, zorder=1)
+        axes.axhline(limit, color=style.GRAY, linestyle=":", linewidth=1.2, label=label, zorder=1)
     else:
         axes.plot([], [], " ", label=f"{label} (off the axis)")
 
@@ -114,7 +128,7 @@ def _draw_theory(axes: Axes, summary: AgingSummary) -> None:
     if summary.dilute_time[-1] < summary.curve_time[-1]:
         ends = power(float(f"{summary.dilute_time[-1]:.0e}"))
         label += f", while\ncontacts are far apart: $t$ < ${ends}$"
-    look: dict[str, Any] = {"color": style.VERMILION, "linewidth": 1.8, "zorder": 3}
+    look: dict[str, Any] = {"color": style.VERMILION, "linewidth": 1.2, "zorder": 3}
     axes.plot(summary.dilute_time, summary.dilute_ratio, "--", label=label, **look)
 
 

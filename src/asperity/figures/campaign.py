@@ -26,6 +26,7 @@ _WIDE = 20.0
 Where = Mapping[str, int]
 
 
+@style.drawn
 def campaign_figure(dataset: xr.Dataset) -> Figure:
     """Draw the contact against time at each point of a campaign: means over the seeds, and standard errors.
 
@@ -58,7 +59,9 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
     panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
     columns = min(3, len(panels))
     rows = math.ceil(len(panels) / columns)
-    figure = style.Drawing(figsize=(2.2 + 3.4 * columns, 1.4 + 3.0 * rows), layout="constrained")
+    figure = style.Drawing(
+        figsize=(style.PAGE if columns > 1 else style.COLUMN, 1.2 + 1.9 * rows), layout="constrained"
+    )
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawn = mean.where(mean > 0)
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
@@ -76,15 +79,16 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
             axes.yaxis.set_minor_formatter("{x:g}")
         axes.yaxis.set_major_formatter("{x:g}")
-        axes.set_title(_said(dataset, panel), fontsize=9)
+        axes.set_title(_said(dataset, panel))
         style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
-    if grid[0, 0].get_legend_handles_labels()[1]:
-        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside right center", fontsize=8)
+    style.legend_below(figure, grid[0, 0], 1 + columns)
     what = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
-    figure.supxlabel(style.over_time(dataset, what), fontsize=10)
-    figure.supylabel("real contact [% of nominal area]", fontsize=10)
+    for axes in grid.flat[max(len(panels) - columns, 0) : len(panels)]:
+        axes.set_xlabel(style.over_time(dataset, what))
+        axes.tick_params(labelbottom=True)
+    figure.supylabel("real contact [% of nominal area]")
     style.entitle(figure, "", _title(dataset, others, along))
     return figure
 

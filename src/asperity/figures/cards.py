@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterable
 from functools import singledispatch
 from html import escape
@@ -18,7 +19,7 @@ from asperity.base.words import uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
-from asperity.figures.page import Picture, pixels, quantity
+from asperity.figures.page import pixels, quantity
 from asperity.figures.plots import plot_contact, plot_history, plot_surface
 from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
@@ -221,10 +222,4 @@ def _data_of(axes: Axes) -> str:
     axes.set_title("")
     figure = axes.get_figure(root=True)
     assert figure is not None
-    for one in (inner for outer in figure.axes for inner in (outer, *outer.child_axes)):
-        for text in (one.xaxis.label, one.yaxis.label, *one.get_xticklabels(), *one.get_yticklabels()):
-            text.set_fontsize(7)
-        if (legend := one.get_legend()) is not None:
-            for text in legend.get_texts():
-                text.set_fontsize(6.5)
-    return f"data:image/png;base64,{Picture('', pixels(figure, dpi=_DPI)).data}"
+    return f"data:image/png;base64,{base64.b64encode(pixels(figure, dpi=_DPI)).decode()}"

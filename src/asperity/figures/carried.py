@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+
 import xarray as xr
 from matplotlib.figure import Figure
 
+from asperity.analysis.legs import leg_table
+from asperity.analysis.maps import end_of_loading
 from asperity.errors import InputError
 from asperity.figures import style
+from asperity.figures.history import head, join, series_table
+from asperity.figures.time_axis import time_axis
 from asperity.results.history import check_dataset
 from asperity.results.quantities import select
 
-_STILL = 1e-6  # part of a load by which one that stays may fall by rounding
+_LOOKS = ((style.BLUE, "o"), (style.VERMILION, "s"))
+
+_WIDE = 5.0
+"""Ratio of resistances from which their axis is logarithmic."""
 
 _STICKS = "share of the contact\nthat sticks"
 _PANELS = {
@@ -23,8 +31,12 @@ _PANELS = {
 """What each panel shows: quantities of one unit."""
 
 
+@style.drawn
 def carried_figure(dataset: xr.Dataset) -> Figure:
-    """Draw what `asperity.Carried` asked a history to record.
+    """Draw what `asperity.Carried` asked a history to record, leg by leg as `history_figure` draws the area.
+
+    A dotted line has the value of the first contact, or where the load began with 0, of the first contact
+    under all of it.
 
     Parameters
     ----------
@@ -47,26 +59,32 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
         raise InputError("dataset", expected=expected, got="none", advice=advice)
     panels = {label: [name for name in names if name in known] for label, names in _PANELS.items()}
     panels = {label: names for label, names in panels.items() if names}
-    figure, grid = style.stacked((6.4, 1.4 + 1.7 * len(panels)), *[1] * len(panels))
-    loaded = dataset.isel(time=dataset["load"].values > 0)
-    time = loaded["time"].values
+    time = time_axis(dataset, leg_table(dataset), style.PAGE)
+    figure, grid = style.stacked((style.PAGE, 1.2 + 1.1 * len(panels)), *[1] * len(panels))
+    figure.align_ylabels(grid)
+    load = dataset["load"].values
+    first = end_of_loading(load)
+    begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))
+    dataset = dataset.assign({name: dataset[name].where(load > 0) for name in known})
+    figure.table = series_table(dataset, known)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
-        unit, most = str(loaded[names[0]].attrs["units"]), max(float(loaded[name].max()) for name in names)
+        unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
+        least = float(dataset[names[0]].min())
         said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
-        axes.set_ylabel(said)
-        for name, color in zip(names, (style.BLUE, style.VERMILION), strict=False):
-            curve = known[name] if names[1:] else None
-            style.curve(axes, time, loaded[name].values * factor, "o-", color, curve)
-        axes.set_ylim(bottom=0, top=1 if label == _STICKS else None)
-    positive, load = time[time > 0], loaded["load"].values
-    if (np.diff(load) >= -_STILL * load.max()).all() and positive[-1] >= 10 * positive[0]:
-        if time[0] > 0:
-            grid[0].set_xscale("log")
+        axes.set_ylabel(said, multialignment="center")
+        for name, (color, look) in zip(names, _LOOKS, strict=False):
+            values = factor * dataset[name].values
+            axes.axhline(values[first], color=color, linewidth=0.7, linestyle=":")
+            join(axes, time, values, color, look, known[name] if names[1:] else "")
+        axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
+        if label.endswith("resistance") and most > _WIDE * least:  # the first touch presses all else down
+            axes.set_yscale("log")
+            axes.set_ylim(factor * least / 1.5, 2.5 * factor * most)
+            axes.yaxis.set_major_formatter("{x:g}")
         else:
-            grid[0].set_xscale("symlog", linthresh=positive[0], linscale=0.3)
-            grid[0].set_xlim(left=0.0)
+            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * most)
+    head(grid, time, dataset)
     for axes in grid:
-        style.finish(axes)
-    grid[-1].set_xlabel(style.over_time(dataset, "time $t$"))
-    style.entitle(figure, "What the contact carries", style.conditions(dataset))
+        style.finish(axes, lines_along="y")
+    style.entitle(figure, "What the contact carries", style.conditions(dataset, f"load {whole} at {begins}"))
     return figure

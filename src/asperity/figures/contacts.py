@@ -23,8 +23,8 @@ from asperity.figures import style
 from asperity.lattice import Field
 
 _COLUMNS = 4
-_PANEL = 2.45
-"""Side of a map with its surroundings, inches."""
+_PANEL, _BAR = 2.45, 0.8
+"""Largest side of a map with its surroundings, and width of the bar of heights, inches."""
 
 _FILLED = 0.93
 """Part of it that the map takes."""
@@ -50,6 +50,7 @@ _WORDS = {
 }
 
 
+@style.drawn
 def contact_figure(maps: ContactMaps) -> Figure:
     """Draw which sites touch at each time: since the map of reference, newly, or no longer.
 
@@ -75,10 +76,11 @@ def _map_figure(maps: ContactMaps) -> Figure:
     columns = min(_COLUMNS, panels)
     rows = math.ceil(panels / columns)
     tall = min(3.0, max(0.4, maps.aspect * shape[0] / shape[1]))
-    side = side_of_cells(maps, _PANEL * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
+    panel = min(_PANEL, (style.PAGE - _BAR) / columns)
+    side = side_of_cells(maps, panel * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
     heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
     figure = style.Drawing(
-        figsize=(_PANEL * columns + 0.8, sum(_PANEL * height + 0.4 for height in heights) + 0.9),
+        figsize=(panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9),
         layout="constrained",
     )
     grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
@@ -88,16 +90,17 @@ def _map_figure(maps: ContactMaps) -> Figure:
     image = _draw_heights(whole[0], maps)
     deepest = style.spaced(written(float(maps.indentation.max()), maps.unit, 2))
     yielded = f"\nhas yielded by up to {deepest}" if maps.indentation.any() else ""
-    whole[0].set_title(f"rough surface{yielded}", fontsize=8.5 if yielded else 9)
+    whole[0].set_title(f"rough surface{yielded}")
     label = style.with_unit("height", maps.unit)
-    figure.colorbar(image, ax=whole[0], location="left", shrink=0.9, label=label, pad=0.02, extend="both")
+    figure.colorbar(image, ax=whole[0], location="left", shrink=0.8, label=label, pad=0.02, extend="both")
     states = maps.sampled(side)
     for number, axes in enumerate(whole[1:panels]):
         draw_states(axes, maps, states[number], side)
-        axes.set_title(caption(maps, number), fontsize=8.5)
+        axes.set_title(caption(maps, number), fontsize=style.SMALL)
     if side > 1:
         _draw_close_ups(maps, whole[0], grid[1::2].ravel())
     style.entitle(figure, "Where the solids touch as the contact ages", _scales(maps, side))
+    _tabulate(figure, maps)
     legend(figure, maps, topography=True)
     return figure
 
@@ -158,7 +161,7 @@ def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region | None = None) 
         look: dict[str, Any] = {"transform": mixed, "clip_on": False}
         axes.plot([start, end], [-0.04, -0.04], color=style.INK, linewidth=2.5, **look)
         said = f"  {length:g} {style.spelled(unit)}"
-        axes.text(end, -0.04, said, transform=mixed, va="center", fontsize=8.5)
+        axes.text(end, -0.04, said, transform=mixed, va="center")
 
 
 def _everywhere(maps: ContactMaps) -> Region:
@@ -226,9 +229,7 @@ def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> No
     handles = swatches(maps.states, words)
     if topography and maps.indentation.any():
         handles.append(style.swatch(_YIELDED, "rough surface has yielded"))
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles) or 1, fontsize=9, frameon=False
-    )
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles) or 1, frameon=False)
 
 
 def swatches(states: NDArray[np.int8], words: Mapping[SiteState, str], size: float = 7) -> list[Line2D]:
@@ -244,7 +245,7 @@ def _moment(maps: ContactMaps, time: float) -> str:
 
 
 def _profile_figure(maps: ContactMaps) -> Figure:
-    figure = style.Drawing(figsize=(8.0, 5.6), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window
     step, label = positions(maps)
@@ -252,12 +253,23 @@ def _profile_figure(maps: ContactMaps) -> Figure:
     ends = (SiteState.KEPT, SiteState.NEW)
     draw_sites(upper, maps, ends, color=style.VERMILION, label="contact at the end")
     stretch = "the whole profile" if last - first == maps.heights.size else "the stretch with most contacts"
-    upper.set_title(f"The elastic surface sinks onto the rough one as it ages ({stretch})", fontsize=10)
-    upper.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False)
+    upper.set_title(f"The elastic surface sinks onto the rough one as it ages ({stretch})")
+    upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False)
     _draw_strips(lower, maps, step)
     lower.set_xlabel(label)
     legend(figure, maps)
+    _tabulate(figure, maps)
     return figure
+
+
+def _tabulate(figure: style.Drawing, maps: ContactMaps) -> None:
+    """Let the table of a figure have the areas of the maps."""
+    counts = {state: [maps.count(n, state) for n in range(len(maps.times))] for state in SiteState}
+    touching = np.add(counts[SiteState.KEPT], counts[SiteState.NEW])
+    time = style.with_unit("time", maps.time_unit or "1")
+    figure.table = {time: maps.times, "contact [%]": 100 * touching / maps.heights.size}
+    figure.table |= {"sites": touching, "new": counts[SiteState.NEW], "lost": counts[SiteState.LOST]}
+    figure.elsewhere = "in_contact, u and heights in history.zarr"
 
 
 def draw_profile(axes: Axes, maps: ContactMaps, labels: Mapping[int, str]) -> None:
@@ -314,10 +326,10 @@ def _draw_strips(axes: Axes, maps: ContactMaps, step: float) -> None:
             axes.vlines(step * at, number - 0.38, number + 0.38, **look)
         percent = 100.0 * maps.area(number) / maps.heights.size
         labels.append(f"{_moment(maps, float(time))}:  {percent:.3g} %")
-    axes.set_yticks(range(len(labels)), labels, fontsize=8)
+    axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.set_xlim(-0.5 * step, (maps.heights.size - 0.5) * step)
     title = "Contacts along the whole profile"
     title += ", which is mirrored: one of 2 copies is shown" if maps.copies > 1 else ""
     title += "; ticks are wider than sites" if tick == _TICK else ""
-    axes.set_title(title, fontsize=10)
+    axes.set_title(title)

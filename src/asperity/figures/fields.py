@@ -30,6 +30,7 @@ _LEGEND = 0.2
 _LOOKS = ((style.GRAY, "--"), (style.VERMILION, "-"))
 
 
+@style.drawn
 def patch_figure(dataset: xr.Dataset) -> Figure:
     """Draw number and sizes of the patches, sites gained and lost since the first map, and contact ages.
 
@@ -53,7 +54,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         expected, advice = "a history that kept fields at two times or more", "age(..., fields_at=times)"
         raise InputError("dataset", expected=expected, got=f"{count}", advice=advice)
     time = dataset["field_time"].values.astype(np.float64)
-    figure = style.Drawing(figsize=(7.2, 5.4), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6), layout="constrained")
     (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
     style.curve(number, time, dataset["patches"].values, "o-", style.BLUE, "")
     number.set_ylabel("patches")
@@ -70,7 +71,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         size.set_ylim(top=high * (high / low) ** _LEGEND)
     else:
         size.set_ylim(0.0, high * (1 + _LEGEND))
-    size.legend(fontsize=8, framealpha=0.95, loc="upper center", ncols=3)
+    size.legend(framealpha=0.95, loc="upper center", ncols=3)
     for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
         names, labels, colors = zip(*parts, strict=True)
         sums = [sign * np.cumsum(dataset[name].values) for name in names]
@@ -101,6 +102,7 @@ def _scale(values: Field, axes: Axes, which: str) -> None:
         scale("symlog", linthresh=10.0 ** math.floor(math.log10(float(positive.min()))), linscale=1.0)
 
 
+@style.drawn
 def distribution_figure(dataset: xr.Dataset) -> Figure:
     """Draw which part of the surface has a larger gap, of the contact more pressure, of patches more area.
 
@@ -131,7 +133,7 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         ("area of a patch" if si else "sites of a patch", "m^2" if plane else "m", "patches", sizes),
         *([("contact pressure", "Pa", "contact", pressures)] if pressures else []),
     ]
-    figure = style.Drawing(figsize=(3.4 * len(panels), 3.4), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 2.4), layout="constrained")
     for axes, (name, unit, of_what, samples) in zip(figure.subplots(1, len(panels)), panels, strict=True):
         largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
         label, factor = style.scaled(name, unit if si else "1", largest)

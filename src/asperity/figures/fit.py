@@ -31,6 +31,7 @@ def determined(value: float, stderr: float) -> bool:
     return stderr < abs(value)
 
 
+@style.drawn
 def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> Figure:
     """Draw data and laws, with their numbers in the legend, and a strip of residuals.
 
@@ -38,28 +39,42 @@ def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window:
     `growth.rate` is drawn; where the times do not determine the laws it is drawn anyway.
     """
     checks.instance("growth", growth, MeasuredGrowth, "asperity.fits.measured_growth(...)")
-    figure, (upper, lower) = style.stacked((6.8, 6.0), 3.2, 1)
+    panels = _panels(growth, style.spelled(style.fitted(unit_time, 60)), window=window)
+    figure, (upper, _) = style.figure_of(panels.values())
+    upper.set_ylabel(style.verbatim(style.fitted(quantity, 140)))
+    upper.get_legend().remove()  # type: ignore[union-attr]
+    style.legend_below(figure, upper)
+    upper.margins(x=0.03)
+    return figure
+
+
+def _panels(growth: MeasuredGrowth, unit: str = "", *, window: bool = False) -> dict[str, style.Panel]:
+    along, rate = f"hold time $t$ [{unit or 'unit of the table'}]", growth.rate
+    if not window and growth.initial_from:  # there are laws, and no straight line was asked for
+        rate = None
+    return {
+        "growth": style.Panel(lambda axes: _draw_growth(axes, growth, rate, unit), along, 3.2),
+        "residuals": style.Panel(lambda axes: _draw_residuals(axes, growth, rate), along),
+    }
+
+
+style.panels_of.register(MeasuredGrowth, _panels)
+
+
+def _draw_growth(upper: Axes, growth: MeasuredGrowth, rate: GrowthRate | None, unit: str) -> None:
+    """Draw data and laws, with their numbers in the legend."""
     upper.set_xscale("log")
     _draw_data(upper, growth)
-    unit = style.spelled(style.fitted(unit_time, 150))
-    rate = growth.rate if window or not growth.initial_from else None
     times = np.geomspace(growth.shown.x[0], growth.shown.x[-1], 200)
     for law, fit in growth.fits.items():
         color, dashes, _ = _LINES[law]
         label = _legend(law, fit, unit)
-        upper.plot(times, fit.predict(times), dashes, color=color, linewidth=1.6, label=label)
+        upper.plot(times, fit.predict(times), dashes, color=color, linewidth=1.2, label=label)
     if rate is not None:
         slope, error = (math.log(10) * one for one in (rate.slope, rate.slope_stderr))
         label = f"straight line, {uncertain(slope, error)} per decade"
         ends = np.array([rate.first, rate.last])
-        upper.plot(ends, rate.predict(ends), ":", color=style.INK, linewidth=1.6, label=label)
-    _draw_residuals(lower, growth, rate)
-    upper.set_ylabel(style.verbatim(style.fitted(quantity, 280)))
-    lower.set_xlabel(f"hold time $t$ [{unit or 'unit of the table'}]")
-    for axes in (upper, lower):
-        style.finish(axes, legend=axes is upper)
-    upper.margins(x=0.03)
-    return figure
+        upper.plot(ends, rate.predict(ends), ":", color=style.INK, linewidth=1.2, label=label)
 
 
 def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
@@ -76,6 +91,7 @@ def _draw_data(axes: Axes, growth: MeasuredGrowth) -> None:
 
 
 def _draw_residuals(axes: Axes, growth: MeasuredGrowth, rate: GrowthRate | None) -> None:
+    axes.set_xscale("log")
     axes.axhline(0, color=style.INK, linewidth=0.8)
     shown = growth.shown
     strips = [(_LINES[law], fit.predict, shown) for law, fit in growth.fits.items()]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,9 @@ from matplotlib.figure import Figure
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.errors import InputError
 from asperity.figures import style
+from asperity.figures.measured import draw_measured, of_history
 from asperity.figures.time_axis import BESIDE, GAP, TimeAxis, label_times, time_axis
+from asperity.fits import Measurements
 from asperity.lattice import Field
 from asperity.protocols import Say
 from asperity.results.quantities import select
@@ -32,13 +36,16 @@ _ON_SITES = {
 _EACH_LEG = "time since the beginning of each leg"
 
 
-def history_figure(dataset: xr.Dataset) -> Figure:
+@style.drawn
+def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | None = None) -> Figure:
     """Draw the load above the contact area; above both the separation, where a leg prescribes it.
 
     Parameters
     ----------
     dataset
         The dataset of a `History`, with a protocol or without.
+    measured
+        A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
     Returns
     -------
@@ -47,7 +54,7 @@ def history_figure(dataset: xr.Dataset) -> Figure:
     Raises
     ------
     InputError
-        The history has no protocol and no time above 0.
+        The history has no protocol and no time above 0; or what was measured is no area.
     """
     table = leg_table(dataset)
     if not table:
@@ -55,24 +62,29 @@ def history_figure(dataset: xr.Dataset) -> Figure:
         raise InputError("dataset", expected=expected, got="none", advice=advice)
     by_load = dataset.attrs["held"] == "load" and not any(row.leg.moves_the_body for row in table)
     names = ["load", "area"] if by_load else ["separation", "load", "area"]
-    time = time_axis(dataset, table, _width)
-    ratios = [2.0] * (len(names) - 1) + [3.0]
-    figure, grid = style.stacked((_width(len(time.columns)), 1.6 + 0.8 * sum(ratios)), *ratios)
+    time = time_axis(dataset, table, style.PAGE)
+    last = len(names) - 1
+    ratios = [2.0] * last + [3.0] + [1.5] * (measured is not None)
+    figure, grid = style.stacked((style.PAGE, 1.4 + 0.55 * sum(ratios)), *ratios)
     figure.align_ylabels(grid)
-    for axes, name in zip(grid, names, strict=True):
+    for axes, name in zip(grid, names, strict=False):
         per_site = _draw(axes, time, dataset, name)
-    say = partial(style.said, dataset, digits=5)
-    what = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
-    grid[-1].set_xlabel(style.over_time(dataset, what))
+    head(grid, time, dataset, per_site)
     if time.columns:
-        label_times(grid, time.columns)
-        _head(grid[0], time, say, per_site)
-        _mark_lowest(grid[-1], time, per_site)
-    style.count_nominal_area(grid[-1], 100.0 / (dataset["heights"].size * per_site))
+        _mark_lowest(grid[last], time, per_site)
+    figure.table = series_table(dataset, names)
+    if measured is not None:
+        found, sites = of_history(dataset, measured), dataset["area"].values.astype(np.float64)
+        site = float(dataset["contact_area"][-1]) / sites[-1] if dataset.attrs["si"] else 1.0
+        times = dataset["time"].values
+        drawn = draw_measured(grid[last:], found, times, per_site * sites, per_site / site, time.at)
+        figure.table |= drawn
+    style.count_nominal_area(grid[last], 100.0 / (dataset["heights"].size * per_site))
     for axes in grid:
-        style.finish(axes, legend=axes is grid[-1], lines_along="y")
+        style.finish(axes, legend=axes is grid[last], lines_along="y")
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]
     if not time.columns and (protocol := protocol_of(dataset)):
+        say = partial(style.said, dataset, digits=5)
         title.append(style.verbatim(style.fitted(", ".join(leg.words(say) for leg in protocol), figure.room)))
     style.entitle(figure, "\n".join(title), style.conditions(dataset))
     return figure
@@ -81,13 +93,31 @@ def history_figure(dataset: xr.Dataset) -> Figure:
 def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
     """Draw one series of a history with a protocol, leg by leg; return where its entries are on the axis."""
     width = axes.get_window_extent().width / axes.figure.dpi
-    time = time_axis(dataset, leg_table(dataset), lambda _: width + BESIDE)
+    time = time_axis(dataset, leg_table(dataset), width + BESIDE)
     factor = _draw(axes, time, dataset, name)
-    if time.columns:
-        label_times([axes], time.columns)
-        _head(axes, time, partial(style.said, dataset, digits=5), factor)
-    axes.set_xlabel(style.over_time(dataset, _EACH_LEG if time.columns else "time $t$"))
+    head([axes], time, dataset, factor)
     return time.place
+
+
+def head(grid: list[Axes], time: TimeAxis, dataset: xr.Dataset, per_site: float | None = None) -> None:
+    """Label the times below panels, and say above them what happens; of the area, if a site is so much."""
+    what = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
+    grid[-1].set_xlabel(style.over_time(dataset, what))
+    if time.columns:
+        label_times(grid, time.columns)
+        _head(grid[0], time, partial(style.said, dataset, digits=5), per_site)
+
+
+def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]:
+    """Series over time, and the number of the leg, as columns with their units."""
+    unit = str(dataset["time"].attrs.get("units", ""))
+    columns: dict[str, object] = {"time [s]" if unit == "s" else "time": dataset["time"].values}
+    if "leg" in dataset.coords:
+        columns["leg"] = dataset["leg"].values
+    for name in names:
+        values, label, _ = shown_series(dataset, name)
+        columns[label] = values
+    return columns
 
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
@@ -102,19 +132,22 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     if name == "area":
         unit = str(dataset["contact_area"].attrs["units"])
         scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
-    label, factor = style.scaled(label, unit, float(np.abs(values).max()) * scale)
+    label, factor = style.scaled(label, unit, float(np.nanmax(np.abs(values))) * scale)
     return values * (factor * scale), label, factor * scale
-
-
-def _width(columns: int) -> float:
-    """Width of the figure, inches."""
-    return 6.4 + 0.9 * max(columns - 2, 0)
 
 
 def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
     """Draw one series: each entry once, and what joins them; what one of the series is in what is drawn."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
+    join(axes, time, values)
+    return factor
+
+
+def join(
+    axes: Axes, time: TimeAxis, values: Field, color: str = style.BLUE, look: str = "o", label: str = ""
+) -> None:
+    """Draw each entry of a series once, and what joins them."""
     path, jumps = [], []
     gap, points = (math.nan, math.nan), list(zip(time.place, values, strict=True))
     for i, point in enumerate(points):
@@ -124,32 +157,34 @@ def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
         elif math.isfinite(time.start[i]):
             path.append((time.start[i], points[i - 1][1]))
         path.append(point)
-    axes.plot(*np.transpose(path), "-", color=style.BLUE, linewidth=1.0, zorder=3)
+    axes.plot(*np.transpose(path), "-", color=color, linewidth=1.0, zorder=3)
     if jumps:
         axes.plot(*np.transpose(jumps), "--", color=style.GRAY, linewidth=1.2, zorder=3)
     size = 4.0 if values.size <= _MANY else 2.0
-    common: dict[str, Any] = {"color": style.INK, "markersize": size, "zorder": 4, "clip_on": False}
+    mark = style.INK if color == style.BLUE else color
+    common: dict[str, Any] = {"color": mark, "markersize": size, "zorder": 4, "clip_on": False}
     usual = ~time.after
-    axes.plot(time.place[usual], values[usual], "o", markerfacecolor="white", **common)
+    axes.plot(time.place[usual], values[usual], look, markerfacecolor="white", label=label or None, **common)
     if time.after.any():
         places = time.place[time.after]
-        axes.plot(places, values[time.after], "D", label="just after a jump", **common)
+        jumped = None if label else "just after a jump"
+        axes.plot(places, values[time.after], "D", label=jumped, **common)
+    values = values[np.isfinite(values)]
     axes.ticklabel_format(axis="y", useOffset=False)
     if np.ptp(values) <= 1e-6 * np.abs(values).max():
         axes.set_ylim(values[0] - 0.1 * abs(values[0] or 1), values[0] + 0.1 * abs(values[0] or 1))
     if values.min() >= 0:
         axes.set_ylim(bottom=max(axes.get_ylim()[0], 0.0))
-    return factor
 
 
-def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float) -> None:
+def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float | None) -> None:
     """Say above each column what happens before it and in it, and above the last one what happens after."""
     table, columns = time.table, time.columns
     for number, column in enumerate(columns):
         earlier = columns[number - 1].row.number if number else -1
         parts = [jump(row, say) for row in table[earlier + 1 : column.row.number]]
         parts.append(column.row.leg.words(say))
-        if _sinks(table, column.row):
+        if per_site is not None and _sinks(table, column.row):
             before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
             parts.append(
                 f"area {before:.5g}\u00a0→\u00a0{lowest:.5g} at "
@@ -158,8 +193,10 @@ def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float) -> None:
         if column is columns[-1]:
             parts += [f"then {jump(row, say)}" for row in table[column.row.number + 1 :]]
         room = 72 * (column.right - column.left + GAP) - 6
-        head = "\n".join(style.lines(part.split(" "), room, 8, between=" ") for part in parts)
-        axes.text(column.left, 1.03, head, transform=axes.get_xaxis_transform(), fontsize=8, va="bottom")
+        head = "\n".join(style.lines(part.split(" "), room, style.SMALL, between=" ") for part in parts)
+        axes.text(
+            column.left, 1.03, head, transform=axes.get_xaxis_transform(), fontsize=style.SMALL, va="bottom"
+        )
 
 
 def _sinks(table: list[LegRow], row: LegRow) -> bool:

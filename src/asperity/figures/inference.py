@@ -6,22 +6,38 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
-from asperity.figures.page import Picture, pixels, written_page
+from asperity.figures.page import Picture, written_page
 from asperity.inference import Inference
 from asperity.inference.verdicts import EXCLUDED
 
 _COLUMNS = 3
 _BINS = 41
+_DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
 
 
+@style.drawn
 def curve_figure(found: Inference) -> Figure:
     """Draw the data, and the curve to ten times the last; below, the deviations."""
-    figure, (upper, lower) = style.stacked((6.8, 5.0), 3, 1)
+    return style.figure_of(style.panels_of(found).values())[0]
+
+
+@style.panels_of.register
+def _(found: Inference) -> dict[str, style.Panel]:
+    along = "hold time [s]"
+    return {
+        "curve": style.Panel(lambda axes: _draw_curve(axes, found), along, 3),
+        "deviations": style.Panel(lambda axes: _draw_deviations(axes, found), along),
+    }
+
+
+def _draw_curve(upper: Axes, found: Inference) -> None:
+    """Draw the data, and the curve to ten times the last."""
     t, first = found.time, float(found.time[found.time > 0][0])
     shown = t > 0
     at = np.geomspace(first, 10 * t[-1], 120)
@@ -29,28 +45,29 @@ def curve_figure(found: Inference) -> Figure:
     upper.fill_between(at, low, high, color=style.SKY, alpha=0.5, label="95 % band of acceptable models")
     upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"{found.rivals[0].name}, median")
     upper.axvline(t[-1], color=style.GRAY, linewidth=0.8, linestyle=":")
-    look: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
     measured = t[shown], found.value[shown], found.error[shown]
-    upper.errorbar(*measured, fmt="o", label="data", elinewidth=0.8, **look)
-    deviation = (found.value - found.predicted(t)[1]) / found.error
-    lower.axhline(0, color=style.INK, linewidth=0.8)
-    lower.plot(t[shown], deviation[shown], "o", **look)
+    upper.errorbar(*measured, fmt="o", label="data", elinewidth=0.8, **_DATA)
     upper.set_xscale("log")
     unit = f" [{style.spelled(found.unit)}]" if found.unit else ""
     upper.set_ylabel(style.verbatim(f"{found.quantity}{unit}"))
-    lower.set_ylabel("deviation [errors]")
-    lower.set_xlabel("hold time [s]")
-    upper.legend(frameon=False, fontsize=8)
-    for axes in (upper, lower):
-        style.finish(axes)
-    return figure
 
 
+def _draw_deviations(axes: Axes, found: Inference) -> None:
+    """Draw by how many errors the data deviate."""
+    shown = found.time > 0
+    deviation = (found.value - found.predicted(found.time)[1]) / found.error
+    axes.axhline(0, color=style.INK, linewidth=0.8)
+    axes.plot(found.time[shown], deviation[shown], "o", **_DATA)
+    axes.set_xscale("log")
+    axes.set_ylabel("deviation [errors]")
+
+
+@style.drawn
 def parameters_figure(found: Inference) -> Figure:
     """Draw the posterior of each parameter of the curve over its prior, and its profile likelihood."""
     shown = {name: found.verdicts[name] for name in found.profiles}
     rows = -(-len(shown) // _COLUMNS)
-    figure = style.Drawing(figsize=(8.4, 2.2 * rows), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 1.7 * rows), layout="constrained")
     panels = list(figure.subplots(rows, _COLUMNS, squeeze=False).ravel())
     prior = found.problem.values(found.problem.of_prior(np.random.default_rng(0), 20_000))
     for axes, (name, verdict) in zip(panels, shown.items(), strict=False):
@@ -64,20 +81,20 @@ def parameters_figure(found: Inference) -> Figure:
         for drawn, color, label in ((before, style.GRAY, "prior"), (values, style.BLUE, "posterior")):
             counts = np.histogram(drawn, steps)[0]
             look = {"color": color, "fill": color == style.BLUE, "alpha": 0.7}
-            axes.stairs(counts / counts.max(), steps, label=label if axes is panels[0] else None, **look)
+            axes.stairs(counts / counts.max(), steps, label=label, **look)
         at, deviance = found.profiles[name]
-        told = "profile likelihood" if axes is panels[0] else None
-        axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label=told)
+        axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
         axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
-        axes.set_title(f"{name}{unit}\n{verdict.verdict}", fontsize=9)
+        axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])
-        style.finish(axes)
+        style.finish(axes, legend=axes is panels[0])
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
     return figure
 
 
+@style.drawn
 def corner_figure(found: Inference) -> Figure:
     """Draw the posterior of each pair of parameters that the curve contains, ln of what spans a decade."""
     drawn: dict[str, Floats] = {}
@@ -85,8 +102,10 @@ def corner_figure(found: Inference) -> Figure:
         values = np.clip(found.values[name].ravel(), *np.quantile(found.values[name], (0.002, 0.998)))
         wide = found.model.priors[name].logarithmic and values.max() > 10 * values.min()
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
-    side = max(len(drawn), 2)
-    figure = style.Drawing(figsize=(2.0 * side, 2.0 * side), layout="constrained")
+    side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
+    figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),), layout="constrained")
+    figure.table = {"quantile": shares} | {name: np.quantile(one, shares) for name, one in drawn.items()}
+    figure.elsewhere = "the draws in posterior.nc"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
@@ -98,9 +117,9 @@ def corner_figure(found: Inference) -> Figure:
             elif column < row:
                 axes.hexbin(across, values, gridsize=_BINS // 2, cmap="Blues", mincnt=1, linewidths=0)
             if column == 0 < row:
-                axes.set_ylabel(name, fontsize=9)
+                axes.set_ylabel(name)
             if row == len(drawn) - 1:
-                axes.set_xlabel(other, fontsize=9)
+                axes.set_xlabel(other)
     return figure
 
 
@@ -120,7 +139,7 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
             "Draws of the posterior: every pair of parameters that the curve contains.",
         ),
     }
-    return {name: Picture(caption, pixels(figure)) for name, (figure, caption) in drawn.items()}
+    return {name: Picture(caption, figure) for name, (figure, caption) in drawn.items()}
 
 
 def inference_page(

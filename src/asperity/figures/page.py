@@ -7,7 +7,9 @@ import datetime
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from io import BytesIO
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -21,17 +23,28 @@ from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
 from asperity.figures.carried import carried_figure
 from asperity.figures.relaxation import relaxation_figure
+from asperity.fits import Measurements
 from asperity.surfaces import statistics
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure as pixels, and what it shows."""
+    """A figure, and what it shows."""
 
     caption: str
-    png: bytes
+    figure: Figure
+
+    @cached_property
+    def png(self) -> bytes:
+        """Its pixels."""
+        return pixels(self.figure)
+
+    @property
+    def width(self) -> str:
+        """Its width on a page whose letters are larger than those of a journal."""
+        return f"{1.4 * self.figure.get_figwidth():.2f}in"
 
     @property
     def data(self) -> str:
@@ -39,22 +52,33 @@ class Picture:
         return base64.b64encode(self.png).decode("ascii")
 
 
-def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
+def prediction_pictures(
+    prediction: Prediction, *, measured: Measurements | Path | str | None = None
+) -> dict[str, Picture]:
     """Draw a prediction.
 
     Parameters
     ----------
     prediction
         From `asperity.predict`.
+    measured
+        A measured area against time, a table with units, to be drawn too.
 
     Returns
     -------
     dict
         Pictures by the names of their files, without suffix, in the order of the page.
+
+    Raises
+    ------
+    InputError
+        What was measured is no area.
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
-    beside = ""
+    beside, ratio = "", ""
+    if measured is not None:
+        ratio = " Diamonds: measured, and below them the ratio to what is computed."
     if prediction.relaxing is not None:
         name, symbol = prediction.beside
         beside = (
@@ -67,9 +91,9 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
         beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
     captions: dict[str, tuple[Figure, str]] = {
         "growth": (
-            drawn.growth_figure(prediction),
-            f"Real contact area against time{beside}. Below: its growth in each decade, and the 95 % band of "
-            f"the mean over all.{friction}",
+            drawn.growth_figure(prediction, measured),
+            f"Real contact area against time{beside}.{ratio} Below: its growth in each decade, and the 95 % "
+            f"band of the mean over all.{friction}",
         ),
         "contacts": (
             drawn.contact_maps_figure(prediction),
@@ -84,7 +108,7 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
     }
     if "normal_stiffness" in prediction.dataset:
         captions["carried"] = (
-            carried_figure(prediction.dataset.isel(time=slice(1, None))),
+            carried_figure(prediction.dataset),
             "What the contact carries: stiffness and resistance of the constrictions, from the contacts at "
             "each time (docs/carried.md).",
         )
@@ -99,7 +123,7 @@ def prediction_pictures(prediction: Prediction) -> dict[str, Picture]:
             drawn.observed_figure(prediction),
             "The contact at the last time, its image in the instrument, and what of it counts as contact.",
         )
-    return {name: Picture(caption, pixels(figure)) for name, (figure, caption) in captions.items()}
+    return {name: Picture(caption, figure) for name, (figure, caption) in captions.items()}
 
 
 def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, command: str = "") -> str:

@@ -42,6 +42,7 @@ _SINCE = {SiteState.KEPT: "touches, then and now", SiteState.NEW: "new", SiteSta
 
 
 @views.maker
+@style.drawn
 def plot_contact(
     contact: Contact, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True
 ) -> Axes:
@@ -79,7 +80,7 @@ def plot_contact(
     if maps.heights.ndim == 1:
         colored = _draw_line(axes, maps, pressure, told=since is not None)
         if colorbar:
-            axes.legend(fontsize=7.5, loc="lower left", framealpha=0.95)
+            axes.legend(loc="lower left", framealpha=0.95)
     else:
         side = cells_in(axes, maps)
         if since is not None:
@@ -92,11 +93,12 @@ def plot_contact(
         draw_scale_bar(axes, maps)
     if colorbar and colored is not None:
         axes.figure.colorbar(colored, ax=axes, label=label, extend="min", shrink=0.9)
-    axes.set_title(_said(contact, maps), fontsize=9)
+    axes.set_title(_said(contact, maps))
     return axes
 
 
 @views.maker
+@style.drawn
 def plot_history(
     dataset: xr.Dataset,
     ax: Axes | None = None,
@@ -193,6 +195,7 @@ def draw_series(
 
 
 @views.maker
+@style.drawn
 def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     """Draw a surface as a map of heights, a profile as a line, and of a mirrored scan the scan.
 
@@ -212,6 +215,7 @@ def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
 
 
 @views.maker
+@style.drawn
 def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
     """Draw a power spectrum, with the power law of its self-affine range if it has one.
 
@@ -226,13 +230,50 @@ def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
     return axes
 
 
+@views.maker
+@style.drawn
+def plot_kind(thing: views.Pictured, kind: str | None = None, ax: Axes | None = None) -> Axes:
+    """Draw one panel of what a result shows.
+
+    Parameters
+    ----------
+    thing
+        A prediction, an inference, or a fit of relaxation, of growth, or of friction.
+    kind
+        By default the first. Of a prediction ``"area"``, ``"growth"``, ``"pressure"``, ``"contacts"``,
+        ``"friction"``, or a series of its dataset such as ``"normal_stiffness"``; of an inference ``"curve"``
+        or ``"deviations"``; of relaxation ``"moduli"``, ``"deviations"`` or ``"branches"``; of growth
+        ``"growth"`` or ``"residuals"``; of friction ``"record"``, ``"residuals"``, ``"state"`` or
+        ``"healing"``.
+    ax
+        Where to draw; by default a new figure, as wide as a column of a journal.
+
+    Raises
+    ------
+    InputError
+        The result has no such panel.
+    """
+    checks.instance("thing", thing, views.Pictured, "asperity.predict(...)")
+    panels = style.panels_of(thing)
+    kind = next(iter(panels)) if kind is None else kind
+    if kind not in panels:
+        raise InputError("kind", expected=f"one of {', '.join(panels)}", got=checks.shown(kind))
+    axes, panel = axes_for(ax), panels[kind]
+    panel.draw(axes)
+    if panel.along:
+        axes.set_xlabel(panel.along)
+        style.finish(axes)
+    return axes
+
+
 def axes_for(ax: Axes | None) -> Axes:
     """Axes that were given, or those of a new figure, which a notebook or ``pyplot.show()`` shows."""
     if ax is not None:
         return checks.instance("ax", ax, Axes, "fig, ax = matplotlib.pyplot.subplots()")
-    return shown_figure((5.6, 4.2)).subplots()
+    return shown_figure((style.COLUMN, 2.6)).subplots()
 
 
+@style.drawn
 def shown_figure(size: tuple[float, float]) -> Figure:
     """Make a figure, of this size in inches, that a notebook or ``pyplot.show()`` shows."""
     import matplotlib.pyplot as plt  # it looks for a display, so only where a figure is to be shown
@@ -283,7 +324,7 @@ def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, told: bool) ->
 def _explain(axes: Axes, maps: ContactMaps) -> None:
     if handles := swatches(maps.states[-1], _SINCE, 6):
         corner = (1.0, 0.0 if maps.pixel_size is None else -0.07)
-        look: dict[str, Any] = {"ncols": len(handles), "fontsize": 8, "frameon": False}
+        look: dict[str, Any] = {"ncols": len(handles), "frameon": False}
         axes.legend(handles=handles, loc="upper right", bbox_to_anchor=corner, **look)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,37 +19,79 @@ from asperity.analysis.scan import readable
 from asperity.base.words import power
 from asperity.figures import style
 from asperity.figures.contacts import COLORS
+from asperity.figures.measured import draw_measured
+from asperity.figures.plots import draw_series
+from asperity.fits import Measurements
+from asperity.fits.measurements import measured as in_units
+from asperity.results.quantities import select
 
-_BINS = 60
+_BINS, _WIDE = 60, 28
+"""Of the distribution of pressures; and letters of a label that leave no room for another beside it."""
 
 
-def growth_figure(prediction: Prediction) -> Figure:
-    """Draw the area against the logarithm of time, its growth in each decade, and friction."""
-    friction = prediction.friction
-    panels = 2 if friction is None else 3
-    figure, grid = style.stacked((6.8, 3.2 + 2.1 * (panels - 1)), *(3, 2, 2)[:panels])
+@style.drawn
+def growth_figure(prediction: Prediction, measured: Measurements | Path | str | None = None) -> Figure:
+    """Draw the area against the logarithm of time, its growth in each decade, and friction.
+
+    A measured area is drawn beside the first, and below it the ratio of both.
+    """
+    panels = style.panels_of(prediction)
+    chosen = [panels[kind] for kind in ("area", "growth", "friction") if kind in panels]
+    if measured is not None:
+        chosen.insert(1, style.Panel(lambda _: None, "", 1.2))
+    figure, grid = style.figure_of(chosen)
+    if measured is not None:
+        _, square = _areas(prediction)
+        area = square * prediction.series("contact_area_corrected")
+        draw_measured(grid[:2], in_units(measured), prediction.time, area, square)
+    figure.suptitle(f"{prediction.between('A')} = {prediction.growth.ratio:.5g}")
+    for axes in grid:
+        # Above the panel: areas that do not grow would leave no room in it.
+        if shown := axes.get_legend_handles_labels()[1]:
+            columns = 1 if max(map(len, shown)) > _WIDE else 2
+            axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False)
+    return figure
+
+
+@style.panels_of.register
+def _(prediction: Prediction) -> dict[str, style.Panel]:
+    time = "time since the loading began [s]" if prediction.ramp else "time under load [s]"
+    draws = {"area": draw_growth, "growth": _draw_decades}
+    if prediction.friction is not None:
+        draws["friction"] = _draw_friction
+    panels = {
+        kind: style.Panel(partial(draw, prediction=prediction), time, 3 if kind == "area" else 1.6)
+        for kind, draw in draws.items()
+    }
+    panels["pressure"] = style.Panel(partial(_draw_pressures, prediction=prediction), "")
+    panels["contacts"] = style.Panel(partial(_draw_touching, prediction=prediction), "")
+    data = prediction.dataset
+    for name in select("series"):
+        if name in data and name not in panels:
+            panels[name] = style.Panel(partial(draw_series, dataset=data, quantity=name), "")
+    return panels
+
+
+def _draw_decades(axes: Axes, prediction: Prediction) -> None:
+    """Draw the growth of the area in each decade, and the band of its mean."""
     growth = prediction.growth
-    draw_growth(grid[0], prediction)
     begin, end, slope = np.transpose(growth.decades)
     edges, label = np.append(begin, end[-1]), "decade by decade"
-    grid[1].stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.8, label=label)
+    axes.stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.2, label=label)
     low, high = (100 * edge for edge in growth.band)
-    label = f"mean of all {100 * growth.per_decade:.3g} %, 95 % band"
-    grid[1].axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
-    grid[1].set_ylabel("growth per decade\n[% of first area]")
-    time = "time since the loading began [s]" if prediction.ramp else "time under load [s]"
-    figure.suptitle(f"{prediction.between('A')} = {growth.ratio:.5g}", fontsize=10)
-    if friction is not None:
-        label = "shear strength × area / load"
-        style.curve(grid[2], prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
-        grid[2].set_ylabel("static friction $\\mu$")
-    for axes in grid:
-        style.finish(axes, legend=False)
-        # Above the panel: areas that do not grow would leave no room in it.
-        columns = 2 if len(axes.get_legend_handles_labels()[1]) == 4 else 3
-        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, fontsize=8, frameon=False)
-    grid[-1].set_xlabel(time)
-    return figure
+    label = f"mean {100 * growth.per_decade:.3g} %, 95 % band"
+    axes.axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
+    axes.set_xscale("log")
+    axes.set_ylabel("growth per decade\n[% of first area]", multialignment="center")
+
+
+def _draw_friction(axes: Axes, prediction: Prediction) -> None:
+    """Draw the coefficient of static friction, which a shear strength gives."""
+    friction, label = prediction.friction, "shear strength × area / load"
+    assert friction is not None
+    style.curve(axes, prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
+    axes.set_xscale("log")
+    axes.set_ylabel("static friction $\\mu$")
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
@@ -75,12 +119,13 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
 
 
+@style.drawn
 def contact_maps_figure(prediction: Prediction) -> Figure:
     """Draw where the scan touches at the first and the last time, and with which pressure."""
     heights = np.asarray(prediction.dataset["heights"])
-    times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
+    touching, pressure = (_ends(prediction, name) for name in ("in_contact", "pressure"))
     tall = heights.shape[0] * prediction.spacing[0] / (heights.shape[1] * prediction.spacing[1])
-    figure = style.Drawing(figsize=(8.4, 1.2 + 6.1 * min(max(tall, 0.3), 1.6)), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 1.0 + 4.8 * min(max(tall, 0.3), 1.6)), layout="constrained")
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     unit, extent = _extent(prediction, heights.shape)
     low, high = color_range(heights)
@@ -89,58 +134,85 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     limits = LogNorm(*np.quantile(pressure[pressure > 0] * scale, (0.02, 1.0)))
     shown: dict[str, Any] = {"extent": extent, "interpolation_stage": "rgba", **style.PIXELS}
     gray: dict[str, Any] = {"cmap": "gray", "clim": (low * factor, high * factor), "alpha": 0.75}
-    for column, time in enumerate(times):
+    for column in range(2):
         upper, lower = grid[:, column]
         relief = upper.imshow(heights * factor, **gray, **shown)
-        colors = np.zeros((*heights.shape, 4))
-        colors[touching[column]] = to_rgba(COLORS[SiteState.NEW])
-        colors[touching[0]] = to_rgba(COLORS[SiteState.KEPT])
-        upper.imshow(colors, **shown)
-        percent = 100 * touching[column].mean()
-        upper.set_title(f"$t$ = ${power(float(time))}$ s: {percent:.3g} % of the pixels touch", fontsize=9)
+        _draw_touching(upper, prediction, -column)
         lower.set_facecolor("0.93")
         values = np.where(touching[column], pressure[column] * scale, np.nan)
         image = lower.imshow(values, cmap=style.PRESSURE_MAP, norm=limits, **shown)
         lower.set_xlabel(style.with_unit("x", unit))
+        upper.set_xlabel("")
     for axes in grid[:, 0]:
         axes.set_ylabel(style.with_unit("y", unit))
     figure.colorbar(relief, ax=grid[0, :], label=height_label, shrink=0.9, extend="both")
     figure.colorbar(image, ax=grid[1, :], label=pressure_label, shrink=0.9, extend="min")
-    handles = [
-        style.swatch(COLORS[SiteState.KEPT], "touches since the first time"),
-        style.swatch(COLORS[SiteState.NEW], "touches at the last time only"),
-    ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=2, fontsize=9, frameon=False)
+    words = {
+        SiteState.KEPT: "touches since the first time",
+        SiteState.NEW: "touches at the last time only",
+        SiteState.LOST: "touches at the first time only",
+    }
+    lost = (touching[0] & ~touching[1]).any()
+    handles = [style.swatch(COLORS[state], word) for state, word in list(words.items())[: 2 + lost]]
+    figure.table = {
+        "time [s]": _ends(prediction, "field_time"),
+        "contact [%]": 100 * touching.mean(axis=(1, 2)),
+        "largest pressure [Pa]": pressure.max(axis=(1, 2)),
+    }
+    figure.elsewhere = "in_contact, pressure and heights in history.zarr"
+    figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
     return figure
 
 
+def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None:
+    """Color the pixels that touch in a map, by whether they touched at first, and that touched then."""
+    touching = np.asarray(prediction.dataset["in_contact"])[[0, number]]
+    time = float(prediction.dataset["field_time"][number])
+    colors = np.zeros((*touching[0].shape, 4))
+    colors[touching[0]] = to_rgba(COLORS[SiteState.LOST])
+    colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
+    colors[touching[0] & touching[1]] = to_rgba(COLORS[SiteState.KEPT])
+    unit, extent = _extent(prediction, touching[0].shape)
+    axes.imshow(colors, extent=extent, interpolation_stage="rgba", **style.PIXELS)
+    axes.set_title(f"$t$ = ${power(time)}$ s: {100 * touching[1].mean():.3g} % of the pixels touch")
+    axes.set_xlabel(style.with_unit("x", unit))
+    axes.set_ylabel(style.with_unit("y", unit))
+
+
+@style.drawn
 def pressure_figure(prediction: Prediction) -> Figure:
+    """Draw the distribution of the contact pressure at the first and the last time."""
+    figure, (axes,) = style.stacked((style.COLUMN, 2.4), 1)
+    _draw_pressures(axes, prediction)
+    return figure
+
+
+def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
     """Draw the distribution of the contact pressure at the first and the last time."""
     times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
     unit, scale = readable("Pa", float(np.quantile(pressure[touching], 0.9)))
-    figure, (axes,) = style.stacked((6.8, 3.6), 1)
     edges = np.linspace(0, scale * float(np.quantile(pressure[0][touching[0]], 0.98)), _BINS + 1)
     looks = ((style.GRAY, "--"), (style.VERMILION, "-"))
     for field, mask, time, (color, dash) in zip(pressure, touching, times, looks, strict=True):
         values = scale * field[mask]
         density = np.histogram(values, bins=edges)[0] / values.size / np.diff(edges)
         label = f"$t$ = ${power(float(time))}$ s, mean {values.mean():.3g} {unit}"
-        axes.stairs(density, edges, color=color, linestyle=dash, linewidth=1.6, label=label)
+        axes.stairs(density, edges, color=color, linestyle=dash, linewidth=1.2, label=label)
         axes.axvline(values.mean(), color=color, linestyle=":", linewidth=1.2)
     axes.set_xlim(0, edges[-1])
     axes.set_ylim(0, None)
     axes.set_xlabel(f"contact pressure [{unit}]")
     axes.set_ylabel(f"part of the contact area\nper pressure [1/{unit}]")
     style.finish(axes, legend=False)
-    axes.legend(loc="upper right", fontsize=8, framealpha=0.95)
-    return figure
+    axes.legend(loc="upper right", framealpha=0.95)
 
 
+@style.drawn
 def observed_figure(prediction: Prediction) -> Figure:
     """Draw the contact at the last time, its image in the instrument, and what of it counts as contact."""
     observation = prediction.observed[-1]
     touching = np.asarray(prediction.dataset["in_contact"])[-1]
-    figure = style.Drawing(figsize=(9.0, 3.9), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 3.0), layout="constrained")
     grid = figure.subplots(1, 3, sharex=True, sharey=True)
     unit, extent = _extent(prediction, touching.shape)
     rows, columns = (n * side for n, side in zip(observation.image.shape, observation.spacing, strict=True))
@@ -155,11 +227,14 @@ def observed_figure(prediction: Prediction) -> Figure:
     )
     for axes, (field, where, look, title) in zip(grid, maps, strict=True):
         axes.imshow(field, cmap="gray_r", clim=(0, 1), extent=where, **look)
-        axes.set_title(title, fontsize=9)
+        axes.set_title(title)
         axes.set_xlabel(style.with_unit("x", unit))
         axes.set_xlim(extent[0], extent[1])
         axes.set_ylim(extent[2], extent[3])
     grid[0].set_ylabel(style.with_unit("y", unit))
+    shares = [float(np.mean(field)) for field, *_ in maps]
+    figure.table = {f"{title} [%]": [100 * share] for (*_, title), share in zip(maps, shares, strict=True)}
+    figure.elsewhere = "area_observed and in_contact in history.zarr"
     return figure
 
 

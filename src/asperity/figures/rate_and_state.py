@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,12 +23,13 @@ _MANY = 400
 """Entries above which the record is drawn as dots without edges."""
 
 
+@style.drawn
 def rate_and_state_figure(found: StateLaws) -> Figure:
     """Draw record, both laws, what they miss, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     peaks, fit = found.peaks(), found.fits[found.preferred]
     holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
-    figure = style.Drawing(figsize=(9.6 if holds else 6.8, 7.2 if of_machine else 5.8), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8), layout="constrained")
     heights = [3.0, 1, 1.2][: 2 + of_machine]
     widths = [1.7, 1][: 1 + holds]
     grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)
@@ -35,25 +37,37 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     below = [figure.add_subplot(grid[n, 0], sharex=upper) for n in range(1, len(heights))]
     for axes in (upper, *below[:-1]):
         axes.tick_params(labelbottom=False)
+    panels = style.panels_of(found)
+    healing = panels.pop("healing", None)
+    for axes, panel in zip((upper, *below), panels.values(), strict=True):
+        panel.draw(axes)
+    below[-1].set_xlabel(panel.along)
+    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
+    if healing is not None:
+        healing.draw(axes := figure.add_subplot(grid[:, 1]))
+        axes.set_xlabel(healing.along)
+    for axes in figure.axes:
+        style.finish(axes, legend=False)
+    return figure
+
+
+@style.panels_of.register
+def _(found: StateLaws) -> dict[str, style.Panel]:
+    fit = found.fits[found.preferred]
     slip, label, factor = found.record.displacement, "slip [length of the record]", 1.0
     if isinstance(fit, MachineFit):
         slip, label = fit.slip, "slip of the fit [length of the record]"
     if found.record.si:
         label, factor = style.scaled(label.partition(" [")[0], "m", float(np.nanmax(slip)))
     slip = factor * slip
-    _draw_record(upper, found, slip)
-    _draw_residuals(below[0], found, slip)
-    if of_machine:
-        _draw_state(below[1], found, slip)
-    upper.set_ylabel(r"friction coefficient $\mu$")
-    below[0].set_ylabel(r"$\mu$ − law")
-    below[-1].set_xlabel(label)
-    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), fontsize=8, frameon=False)
-    if holds:
-        _draw_peaks(figure.add_subplot(grid[:, 1]), found)
-    for axes in figure.axes:
-        style.finish(axes, legend=False)
-    return figure
+    draws = {"record": _draw_record, "residuals": _draw_residuals}
+    if isinstance(fit, MachineFit):
+        draws["state"] = _draw_state
+    panels = {kind: style.Panel(partial(draw, found=found, slip=slip), label) for kind, draw in draws.items()}
+    if found.peaks().duration.size > 1:
+        held = f"hold time [{'s' if found.record.si else 'time of the record'}]"
+        panels["healing"] = style.Panel(partial(_draw_peaks, found=found), held)
+    return panels
 
 
 def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
@@ -62,7 +76,8 @@ def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
         if isinstance(fit, MachineFit):
             color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,), numticks=7))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_ylabel(rf"state $\theta$ [{'s' if found.record.si else 'time'}]")
@@ -78,7 +93,8 @@ def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     for law in STATE_LAWS:
         color, dashes = _LINES[law]
         friction = np.where(shown, found.fits[law].predict(record), np.nan)
-        axes.plot(slip, friction, dashes, color=color, linewidth=1.5, label=_legend(found, law))
+        axes.plot(slip, friction, dashes, color=color, linewidth=1.2, label=_legend(found, law))
+    axes.set_ylabel(r"friction coefficient $\mu$")
 
 
 def _legend(found: StateLaws, law: StateLaw) -> str:
@@ -104,6 +120,7 @@ def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
     for law, marker in zip(STATE_LAWS, "os", strict=True):
         fit = found.fits[law]
         axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
+    axes.set_ylabel(r"$\mu$ − law")
 
 
 def _draw_peaks(axes: Axes, found: StateLaws) -> None:
@@ -116,6 +133,5 @@ def _draw_peaks(axes: Axes, found: StateLaws) -> None:
         order = np.argsort(of_law.duration)
         healed = (of_law.peak - of_law.before)[order]
         axes.plot(of_law.duration[order], healed, dashes, color=color, linewidth=1.5, label=f"{law} law")
-    axes.set_xlabel(f"hold time [{'s' if found.record.si else 'time of the record'}]")
     axes.set_ylabel("static friction − friction before the hold")
-    axes.legend(loc="best", fontsize=8)
+    axes.legend(loc="best")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ _COLORS = (style.BLUE, style.VERMILION)
 _MARKERS = ("o", "s")
 
 
+@style.drawn
 def relaxation_figure(fit: Fit) -> Figure:
     """Draw data and fit, and below them the deviations and the branches.
 
@@ -31,23 +33,20 @@ def relaxation_figure(fit: Fit) -> Figure:
     Figure
     """
     checks.instance("fit", fit, Fit, "asperity.relaxation.fit(data)")
-    figure, grid = style.stacked((6.8, 7.0), 3.0, 1.0, 1.3)
-    upper, middle, lower = grid
-    draw_moduli(upper, fit)
-    x, _ = fit.data.columns
-    for i, deviation in enumerate(fit.residuals()):
-        middle.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
+    figure, _ = style.figure_of(style.panels_of(fit).values())
     found = counted(len(fit.series.branches), "branch", "branches")
     missed = f"{100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
-    upper.set_title(f"{found} over {fit.decades:.1f} decades; data missed by {missed}", fontsize=10)
-    middle.axhline(0, color=style.INK, linewidth=0.8)
-    reach = 1.25 * max(100 * fit.series.error, 1e-3)
-    middle.set_ylim(-reach, reach)
-    middle.set_ylabel("data − fit [%]")
-    _draw_branches(lower, fit)
-    for axes in grid:
-        style.finish(axes)
+    style.entitle(figure, "", [f"{found} over {fit.decades:.1f} decades", f"data missed by {missed}"])
     return figure
+
+
+@style.panels_of.register
+def _(fit: Fit) -> dict[str, style.Panel]:
+    frequency, time = "angular frequency, 1 / relaxation time [rad/s]", "time, relaxation time [s]"
+    along, kinds = frequency if isinstance(fit.data, Dynamic) else time, ("moduli", "deviations", "branches")
+    draws = zip((draw_moduli, _draw_deviations, _draw_branches), (3.0, 1.0, 1.3), strict=True)
+    panels = (style.Panel(partial(draw, fit=fit), along, tall) for draw, tall in draws)
+    return dict(zip(kinds, panels, strict=True))
 
 
 def draw_moduli(axes: Axes, fit: Fit) -> None:
@@ -67,6 +66,18 @@ def draw_moduli(axes: Axes, fit: Fit) -> None:
     axes.set_ylabel(f"{'compliance' if isinstance(fit.data, Creep) else 'modulus'} [{unit}]")
 
 
+def _draw_deviations(axes: Axes, fit: Fit) -> None:
+    """Draw what the fit misses."""
+    x, _ = fit.data.columns
+    for i, deviation in enumerate(fit.residuals()):
+        axes.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
+    axes.set_xscale("log")
+    axes.axhline(0, color=style.INK, linewidth=0.8)
+    reach = 1.25 * max(100 * fit.series.error, 1e-3)
+    axes.set_ylim(-reach, reach)
+    axes.set_ylabel("data − fit [%]")
+
+
 def _look(quantity: int) -> dict[str, Any]:
     """Of the points of one of the quantities that were measured."""
     return {"color": _COLORS[quantity], "markersize": 4.5, "markerfacecolor": "white"}
@@ -75,17 +86,15 @@ def _look(quantity: int) -> dict[str, Any]:
 def _draw_branches(axes: Axes, fit: Fit) -> None:
     """Shares against relaxation times, at 1/time where the axis is that of frequencies."""
     branches = np.array(fit.series.branches).reshape(-1, 2)
-    dynamic = isinstance(fit.data, Dynamic)
-    at = 1 / branches[:, 1] if dynamic else branches[:, 1]
-    axes.vlines(at, 0, 100 * branches[:, 0], color=style.GRAY, linewidth=1.6)
+    at = 1 / branches[:, 1] if isinstance(fit.data, Dynamic) else branches[:, 1]
+    axes.vlines(at, 0, 100 * branches[:, 0], color=style.GRAY, linewidth=1.2)
     axes.plot(at, 100 * branches[:, 0], "D", color=style.INK, markersize=4)
-    axes.set_ylim(0, 118 * max(branches[:, 0], default=1.0))
+    axes.set_ylim(0, 150 * max(branches[:, 0], default=1.0))
     axes.set_ylabel("share of each\nbranch [%]")
-    frequency, time = "angular frequency, 1 / relaxation time [rad/s]", "time, relaxation time [s]"
-    axes.set_xlabel(frequency if dynamic else time)
+    axes.set_xscale("log")
     said = f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5}
-    axes.text(0.015, 0.93, said, transform=axes.transAxes, va="top", fontsize=8, bbox=box)
+    axes.text(0.015, 0.93, said, transform=axes.transAxes, va="top", bbox=box)
 
 
 def _unit(fit: Fit) -> tuple[float, str]:

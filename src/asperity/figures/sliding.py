@@ -19,6 +19,7 @@ _NARROWEST = 1e-3
 """Least height of the axis, of the largest value."""
 
 
+@style.drawn
 def sliding_figure(dataset: xr.Dataset) -> Figure:
     """Draw friction (`asperity.friction.add_friction`) against displacement; without it, the contact area.
 
@@ -38,7 +39,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     if dataset.attrs.get("si"):
         label, factor = style.scaled("displacement", unit, float(way.max()))
     way = factor * way
-    figure, (axes,) = style.stacked((6.4, 4.2), 1)
+    figure, (axes,) = style.stacked((style.COLUMN, 2.6), 1)
     numbers = numbers_of(dataset)
     shaded = False
     speeds: dict[float, str] = {}

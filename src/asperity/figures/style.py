@@ -1,26 +1,49 @@
-"""What the figures share: colors that survive gray printing and color blindness, and number formats.
+"""What the figures share: the widths and letters of journals, colors that survive gray printing, numbers.
 
 The hues are of the set of M. Okabe and K. Ito, "Color Universal Design" (2008), chosen so that their
-luminances differ too. Styles are set on each artist: no global state is touched.
+luminances differ too, also for color-blind readers.
 """
 
 from __future__ import annotations
 
+import functools
 import json
+import math
 import re
+from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import IO, Any, Literal
+from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
-from matplotlib import font_manager, rc_context
+from matplotlib import font_manager, rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asperity.analysis.scan import readable, written
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+COLUMN, PAGE = 85 / 25.4, 175 / 25.4
+"""Widths of a figure in one column of a journal and across its page, inches."""
+
+SMALL = 7.0
+"""Size of the smallest letters, points."""
+
+LOOK: Any = {
+    **dict.fromkeys(("font.size", "axes.labelsize", "axes.titlesize", "figure.titlesize"), 8.0),
+    **dict.fromkeys(("legend.fontsize", "xtick.labelsize", "ytick.labelsize"), SMALL),
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **{"figure.labelsize": 8.0, "legend.handlelength": 1.6, "legend.borderpad": 0.3, "figure.dpi": 150.0},
+}
+"""Settings of matplotlib with which figures are drawn."""
+
+_AS_TEXT: Any = {"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}
 
 INK = "#000000"
 BLUE = "#0072B2"
@@ -35,8 +58,8 @@ HEIGHT_MAP = "cividis"
 PRESSURE_MAP = "viridis"
 """Maps of the contact pressure, on light gray where nothing touches."""
 
-RESOLUTION = 200
-"""Dots per inch of figures that are written as pixels."""
+RESOLUTION = 300
+"""Dots per inch of figures that are written as pixels, as journals ask for."""
 
 PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
 """How ``imshow`` draws maps of which a pixel may hold many sites."""
@@ -46,18 +69,40 @@ _MARGIN = 12.0
 
 
 class Drawing(Figure):
-    """A figure that is written at `RESOLUTION`, with the fonts that journals ask for.
+    """A figure in the letters that journals ask for, written at `RESOLUTION`.
 
-    Text in PDF is of TrueType fonts, which can be searched and edited, in place of the Type 3 fonts that
-    matplotlib embeds by default. In SVG it stays outlines: it looks the same where the font is missing.
+    Text in PDF and SVG stays text, which can be searched and edited. Both leave out the title: what it says
+    belongs into a caption, and stands in the table that `asperity.figures.write` writes beside the figure.
     """
+
+    table: Mapping[str, object] | None = None
+    """What is drawn, by columns "name [unit]", where its artists do not tell."""
+    elsewhere = ""
+    """Where the arrays are that it draws as maps."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
         self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object
     ) -> None:
         """Write the figure, as matplotlib does."""
-        with rc_context({"pdf.fonttype": 42, "ps.fonttype": 42}):
-            super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
+        suffix = str(kwargs.get("format") or getattr(fname, "name", fname)).rpartition(".")[2].lower()
+        title = self._suptitle if suffix in ("pdf", "svg", "eps") else None  # type: ignore[attr-defined]
+        if title is not None:
+            title.set(visible=False, in_layout=False)
+        try:
+            with rc_context(_AS_TEXT):
+                super().savefig(fname, transparent=transparent, **{"dpi": RESOLUTION, **kwargs})
+        finally:
+            if title is not None:
+                title.set(visible=True, in_layout=True)
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw the figure; letters of ticks that appear only now are as those that it began with."""
+        with rc_context(self._look):
+            super().draw(renderer)
 
     @property
     def room(self) -> float:
@@ -65,7 +110,19 @@ class Drawing(Figure):
         return 72 * float(self.get_figwidth()) - 2 * _MARGIN
 
 
-def fitted(text: str, width: float, size: float = 10) -> str:
+def drawn(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let a function draw with `LOOK`, unless it draws into axes of the user, whose settings count there."""
+
+    @functools.wraps(function)
+    def within(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        own = not any(isinstance(one, Axes) for one in (*args, *kwargs.values()))
+        with rc_context(LOOK if own else {}):
+            return function(*args, **kwargs)
+
+    return within
+
+
+def fitted(text: str, width: float, size: float = 8) -> str:
     """Reduce a text from outside to what can be drawn: glyphs that the font has, and as many as fit.
 
     Width and font size are in points. Write the result with `verbatim`.
@@ -79,7 +136,7 @@ def fitted(text: str, width: float, size: float = 10) -> str:
     return known
 
 
-def lines(parts: list[str], width: float, size: float = 10, between: str = ", ") -> str:
+def lines(parts: list[str], width: float, size: float = 8, between: str = ", ") -> str:
     """Lay parts out, with commas between, on lines that fit; a part that is too long alone is cut."""
     laid: list[str] = []
     for part in parts:
@@ -96,6 +153,32 @@ def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Ax
     figure = Drawing(figsize=size, layout="constrained")
     grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
     return figure, list(grid[:, 0])
+
+
+class Panel(NamedTuple):
+    """One panel of a figure: what draws it, the label of its x axis, and its height."""
+
+    draw: Callable[[Axes], object]
+    along: str
+    tall: float = 1.0
+
+
+@functools.singledispatch
+def panels_of(thing: object) -> dict[str, Panel]:
+    """The panels of a result, by the kinds that `plot_kind` knows."""
+    raise NotImplementedError(type(thing))
+
+
+def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
+    """Make a figure of panels above a common axis, as wide as a column."""
+    panels = list(panels)
+    ratios = [panel.tall for panel in panels]
+    figure, grid = stacked((COLUMN, 0.9 + 0.72 * sum(ratios)), *ratios)
+    for axes, panel in zip(grid, panels, strict=True):
+        panel.draw(axes)
+        finish(axes)
+    grid[-1].set_xlabel(panels[-1].along)
+    return figure, grid
 
 
 def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
@@ -130,7 +213,7 @@ def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
 
 def entitle(figure: Drawing, title: str, parts: list[str]) -> None:
     """Write a title above a figure, if there is one, and under it what must be said, on lines that fit."""
-    figure.suptitle("\n".join(filter(None, [title, lines(parts, figure.room)])), fontsize=10)
+    figure.suptitle("\n".join(filter(None, [title, lines(parts, figure.room)])))
 
 
 def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "both"] = "both") -> None:
@@ -138,7 +221,16 @@ def finish(axes: Axes, *, legend: bool = True, lines_along: Literal["x", "y", "b
     axes.grid(visible=True, axis=lines_along, color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
     if legend and axes.get_legend_handles_labels()[1]:
-        axes.legend(loc="best", fontsize=8, framealpha=0.95)
+        axes.legend(loc="best", framealpha=0.95)
+
+
+def legend_below(figure: Drawing, axes: Axes, columns: int = 1) -> None:
+    """Explain the curves of a panel below the figure, which becomes as much higher: they stay free."""
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
+        rows = sum(1 + label.count("\n") for label in labels) / columns
+        figure.set_figheight(figure.get_figheight() + 0.13 * math.ceil(rows))
 
 
 def said(dataset: xr.Dataset, name: str, value: float, digits: int = 6) -> str:
@@ -212,6 +304,7 @@ def spelled(unit: str) -> str:
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
     known = {"angstrom": "Å", "rms": "rms height"}
-    if re.fullmatch(r"[pnumkMG]?(m|m\^2|m\^3|N|J|Pa|N/m|J/m|m/s|s)", unit):
-        return re.sub(r"^u(?=[mNJPs])", "µ", unit).replace("^2", "²").replace("^3", "³")
+    unit = unit.replace("ohm", "Ω")
+    if re.fullmatch(r"[pnumkMGT]?(Ω|m|m\^2|m\^3|N|J|Pa|Pa/m|S/m\^2|W/m\^2/K|N/m|J/m|m/s|s)", unit):
+        return re.sub(r"^u(?=[mNJPsΩ])", "µ", unit).replace("^2", "²").replace("^3", "³")
     return known.get(unit, verbatim(unit))

@@ -93,6 +93,7 @@ class SurfaceView:
         )
 
 
+@style.drawn
 def surface_figure(
     surface: Surface, *, title: str, note: str = "", spectrum: PowerSpectrum | None = None
 ) -> Figure:
@@ -122,7 +123,7 @@ def surface_figure(
     view = SurfaceView(surface)
     flat = view.heights.ndim == 2
     figure = style.Drawing(
-        figsize=(9.0, 7.4) if flat else (9.0, 5.6), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
+        figsize=(style.PAGE, 5.6 if flat else 4.4), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
     )
     grid: list[Any] = [["profile", "profile"], ["heights", "waves"]]
     ratios: dict[str, Any] = {}
@@ -134,11 +135,12 @@ def surface_figure(
         draw_map(panels["map"], view)
         middle = float(view.along(0, view.heights.shape[0] // 2))
         panels["map"].axhline(middle, color="white", linestyle="--", linewidth=1.0)
-    panels["profile"].set_title("profile along the dashed line" if flat else "profile", fontsize=9)
+    panels["profile"].set_title("profile along the dashed line" if flat else "profile")
     draw_heights(panels["profile"], view)
     _draw_histogram(panels["heights"], view)
     measured = power_spectrum(surface) if spectrum is None else spectrum
     draw_spectrum(panels["waves"], view.in_units(measured))
+    figure.elsewhere = "the surface itself" * flat
     style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure
 
@@ -163,7 +165,7 @@ def draw_map(axes: Axes, view: SurfaceView) -> None:
     )
     axes.set_xlabel(style.with_unit("x", view.length_unit))
     axes.set_ylabel(style.with_unit("y", view.length_unit))
-    axes.set_title("height map", fontsize=9)
+    axes.set_title("height map")
     label = style.with_unit("height", view.unit)
     axes.figure.colorbar(image, ax=axes, label=label, shrink=0.85, extend="both")
 
@@ -175,12 +177,12 @@ def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
         middles = (edges[:-1] + edges[1:]) / 2
         axes.plot(middles, normal, "--", color=style.INK, linewidth=1.2, label="Gaussian, same rms")
         axes.margins(y=0.45)  # room for the legend
-        axes.legend(fontsize=7, loc="upper left", framealpha=0.9)
+        axes.legend(loc="upper left", framealpha=0.9)
     unit = style.spelled(view.unit)
     per = f"1/({unit})" if " " in unit else f"1/{unit}"
     axes.set_xlabel(style.with_unit("height", view.unit))
     axes.set_ylabel("density" if view.unit == "1" else f"density [{per}]")
-    axes.set_title("heights", fontsize=9)
+    axes.set_title("heights")
 
 
 def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
@@ -197,7 +199,7 @@ def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
         label = f"H = {uncertain(fit.hurst, fit.interval[1] - fit.hurst)} (95 %)"
         axes.loglog(q, fit.power(q), color=style.VERMILION, linewidth=1.5, label=label)
     if shown.any():
-        axes.legend(fontsize=7, loc="lower left", framealpha=0.9)
+        axes.legend(loc="lower left", framealpha=0.9)
     else:
         axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center")
     across = style.spelled(spectrum.length_unit)
@@ -207,7 +209,7 @@ def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
         axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
     window = "" if spectrum.window == "none" else f", {spectrum.window} window"
-    axes.set_title(f"power spectrum{window}", fontsize=9)
+    axes.set_title(f"power spectrum{window}")
 
 
 def _power_unit(spectrum: PowerSpectrum) -> str:

@@ -8,7 +8,7 @@ linear axis.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -72,9 +72,17 @@ class TimeAxis:
     start: Field
     """Where the column of an entry begins, if the entry before it is the state then; NaN otherwise."""
 
+    def at(self, time: Field) -> Field:
+        """Coordinates of other times, such as those of measurements."""
+        place = np.array(time, dtype=np.float64)
+        for column in self.columns:
+            inside = (time >= column.row.begin) & (time <= column.row.end)
+            place[inside] = column.place(time[inside] - column.row.begin)
+        return place
 
-def _columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> list[Column]:
-    """Lay columns out in the width that so many of them have."""
+
+def _columns_of(dataset: xr.Dataset, table: list[LegRow], width: float) -> list[Column]:
+    """Lay columns out in a width in inches."""
     time, numbers = dataset["time"].values, numbers_of(dataset)
     lasting = [row for row in table if row.end > row.begin]
     firsts: list[float | None] = []
@@ -88,7 +96,7 @@ def _columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int],
     recorded = [wide for wide, first in zip(decades, firsts, strict=True) if first is not None]
     if len(lasting) > _MOST_COLUMNS or max(recorded, default=0) < math.log10(_WIDEST_LINEAR):
         return []
-    room = width(len(lasting)) - BESIDE - GAP * (len(lasting) - 1)
+    room = width - BESIDE - GAP * (len(lasting) - 1)
     share = np.maximum(decades, _FEWEST_DECADES)
     widths = np.maximum(share / share.sum() * room, _NARROWEST)
     widths *= room / widths.sum()
@@ -99,8 +107,8 @@ def _columns_of(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int],
     ]
 
 
-def time_axis(dataset: xr.Dataset, table: list[LegRow], width: Callable[[int], float]) -> TimeAxis:
-    """Find the places of legs and entries, in the width in inches that a figure of so many columns has."""
+def time_axis(dataset: xr.Dataset, table: list[LegRow], width: float) -> TimeAxis:
+    """Find the places of legs and entries in a figure of this width in inches."""
     time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
     columns = _columns_of(dataset, table, width)
     steps = np.array([row.leg.duration == 0 for row in table])

@@ -27,7 +27,7 @@ _SHOWN_BINS = 100
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeasuredGrowth(views.Brief):
+class MeasuredGrowth(views.Brief, views.Pictured):
     """What a table of values against hold time says.
 
     Attributes

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from asperity.base import views
+from asperity.base import units, views
 from asperity.base.checks import Floats
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, position
-from asperity.base.tables import Table
+from asperity.base.tables import Table, read_table
 from asperity.errors import InputError
 
+_EXAMPLES = {"s": "s or min", "m^2": "um^2", "1": "none"}
+_ADVICE = {"times": "a header such as time_s", "values": "a header such as area_um2"}
 _ROLES = Role("time", "s", rf"{TIME.words}|hold|halte"), Role("value", "", ""), Role("stderr", "", "$^")
 
 
@@ -118,6 +123,50 @@ def read_measurements(
         value_unit=of_values,
         source=columns_read.read,
     )
+
+
+def measured(source: Path | str | Measurements, *, time: str = "s", value: str = "m^2") -> Measurements:
+    """Read measurements with the column of their errors, if there is one, in the units that are asked for.
+
+    Parameters
+    ----------
+    source
+        A table, as for `read_measurements`, or what that has read.
+    time, value
+        Units of times and values, in Pint's spelling; "1" for numbers without.
+
+    Raises
+    ------
+    InputError
+        As there; or the table has other units, or none.
+    """
+    name = "measured"
+    if not isinstance(source, Measurements):
+        name = str(source)
+        source = read_measurements(source, stderr=errors_beside(read_table(Path(source)).names))
+    factors = []
+    for what, unit, target in (("times", source.time_unit, time), ("values", source.value_unit, value)):
+        written = units.spelled(unit or "1") or ""
+        factor = 1.0 if written == target else units.factor(written, target)
+        if factor is None:
+            expected = f"{what} in a unit such as {_EXAMPLES[target]}"
+            raise InputError(name, expected=expected, got=unit or "none", advice=_ADVICE[what])
+        factors.append(factor)
+    by, up = factors
+    stderr = None if source.stderr is None else up * source.stderr
+    numbers: dict[str, Any] = {"time": by * source.time, "value": up * source.value, "stderr": stderr}
+    return replace(source, **numbers, time_unit=time, value_unit=value)
+
+
+def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
+    """The column whose name says that it has standard errors; `InputError` where that is not clear."""
+    error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
+    found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
+    if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
+        expected = "one column of standard errors, in the unit of the values"
+        got = ", ".join(map(repr, found))
+        raise InputError("stderr", expected=expected, got=got, advice=advice)
+    return found[0] if found else None
 
 
 def _begins_with_index(table: Table) -> bool:

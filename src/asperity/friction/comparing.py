@@ -35,7 +35,7 @@ _SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StateLaws(views.Brief):
+class StateLaws(views.Brief, views.Pictured):
     """The two laws of the state beside each other.
 
     Attributes

@@ -66,7 +66,7 @@ _OF_SOLID = 100
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Inference(views.Brief):
+class Inference(views.Brief, views.Pictured):
     """What a curve determines of a model with its priors.
 
     Attributes

@@ -38,7 +38,7 @@ _DIGITS, _ROUNDING = 1e-5, 1e-9  # misfits, rms, of the digits printed in a tabl
 
 
 @dataclass(frozen=True, eq=False)
-class Fit(views.InNotebooks):
+class Fit(views.InNotebooks, views.Pictured):
     """A generalized Maxwell solid fitted to data.
 
     Attributes

@@ -148,7 +148,8 @@ def experiment(
     out
         Folder for the comparison: report.md, verdicts.csv, figure and data; made, or gone on with.
     surface
-        Scans of your own, with units, in place of surfaces that are made: each is one sample.
+        Scans of your own, with units, in place of surfaces that are made: each is one sample. For fractures,
+        the apertures of each specimen in order: numbers or pictures.
     record
         File of the measured record, for experiments whose record is not in the package.
     """

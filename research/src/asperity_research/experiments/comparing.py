@@ -10,13 +10,19 @@ import pandas as pd
 from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
-from asperity_research.experiments import p655, pmma_2018, printed_2017, ptfe_2009
+from asperity_research.experiments import fracture_2018, p655, pmma_2018, printed_2017, ptfe_2009
 from asperity_research.experiments.record import names
 from asperity_research.studies.report import row, write_table
 from asperity_research.studies.study import Concluded, Study
 from asperity_research.studies.typeset import plain
 
-_ALL = (p655.P655, pmma_2018.PMMA_2018, printed_2017.PRINTED_2017, ptfe_2009.PTFE_2009)
+_ALL = (
+    fracture_2018.FRACTURE_2018,
+    p655.P655,
+    pmma_2018.PMMA_2018,
+    printed_2017.PRINTED_2017,
+    ptfe_2009.PTFE_2009,
+)
 COMPARISONS = {one.name: one for one in _ALL}
 """Studies by the names of the experiments that they stand beside."""
 
@@ -36,6 +42,8 @@ def comparison_of(name: str, scans: Sequence[Path] = (), record: Path | None = N
         return p655.of_record(record)
     if record is not None:
         raise InputError("--record", expected="none, for simulations", got=str(record))
+    if name == fracture_2018.FRACTURE_2018.name:
+        return fracture_2018.of_files(scans)
     if not scans:
         return study
     if name not in _ON_SCANS:
@@ -72,7 +80,8 @@ def run(
     directory
         The folder; made, or gone on with.
     scans
-        Files of scans of your own, with units, in place of surfaces that are made: each is one sample.
+        Files of scans of your own, with units, in place of surfaces that are made: each is one sample; or of
+        the apertures of each specimen, in order.
     record
         File of a record of friction that is compared, where it is no part of the package.
     quick

@@ -100,7 +100,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         one = rows[(rows["law"] == law) & (rows["stiffness"] == k)]
         x, over = np.arange(len(one)) + 0.15 * (n - 1), one["value"] / one["published"]
         errors = [over - one["low"] / one["published"], one["high"] / one["published"] - over]
-        ax.errorbar(x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k}")
+        ax.errorbar(
+            x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/um"
+        )
     ax.axhline(1, color=style.INK, linewidth=0.8)
     ax.set_xticks(range(len(NUMBERS)), NUMBERS)
     WORDS.dress(ax)

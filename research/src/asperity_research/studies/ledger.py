@@ -60,6 +60,8 @@ class Measurement:
         half = max(measured.high - measured.value, measured.value - measured.low)
         if not math.isfinite(half):
             return "more than one seed"
+        if measured.runs == 1:
+            return "a narrower interval"
         distance = min(abs(measured.value - self.low), abs(measured.value - self.high))
         seeds = math.ceil(measured.runs * (half / distance) ** 2) if distance > 0 else MOST_SEEDS + 1
         if seeds > MOST_SEEDS:

@@ -138,8 +138,9 @@ def write_drawing(folder: Path, name: str, figure: Figure) -> dict[str, Path]:
     for suffix, metadata in (("svg", {"Date": None}), ("pdf", {"CreationDate": None}), ("png", {})):
         written[suffix] = path = _in(folder) / f"{name}.{suffix}"
         # Letters as paths, so that the drawing looks the same where a font is missing.
-        with whole_file(path) as part, mpl.rc_context({"svg.fonttype": "path", "svg.hashsalt": "asperity"}):
-            figure.savefig(part, format=suffix, dpi=250, metadata=metadata)
+        look: Any = {"svg.fonttype": "path", "svg.hashsalt": "asperity", "pdf.fonttype": 42}
+        with whole_file(path) as part, mpl.rc_context(look):
+            Figure.savefig(figure, part, format=suffix, dpi=250, metadata=metadata)
     return written
 
 

@@ -281,7 +281,6 @@ def _at_separation(run: Run) -> bool:
 def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
     """What all runs have in common, key by key, and the file of the campaign."""
     tables = to_tables(plan.runs[0].config)
-    tables["output"].pop("figures")
     swept: dict[str, Any] = {}
     for number, axis in enumerate(plan.axes):
         at = {run.point[number]: run.config for run in reversed(plan.runs)}

@@ -39,7 +39,7 @@ _NOT_SWEPT = (
     *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
     *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
     *("pixel", "blur", "threshold", "draws", "data_first", "data_last", "table_kind", "table_modulus"),
-    *("columns", "units", "noise"),
+    *("columns", "units", "noise", "measured"),
 )
 _STORE_FORMAT = 3
 
@@ -163,6 +163,8 @@ def read_plan(path: str | Path) -> Plan:
     output = tables.setdefault("output", {})
     if isinstance(output, dict):
         output.setdefault("maps_at", [])
+        if "measured" in output:
+            problems.append("[output] measured: expected none in a campaign, whose runs are many curves")
     if problems:
         problems = [f"{path}: {problem}" for problem in problems]
         try:  # the rest of the file may hold mistakes too

@@ -18,7 +18,7 @@ from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import PlaceTakenError, whole_folder, write_into
 
-_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction")
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law.png")
 """What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
 
 

@@ -11,11 +11,11 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
-from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
-from asperity.app.cli.options import Reading
+from asperity.app.cli.new_files import check_figures, check_new_file
+from asperity.app.cli.options import Drawn, Reading
 from asperity.errors import InputError
 
-_READING = Reading()
+_DRAWN, _READING = Drawn(), Reading()
 
 
 @command()
@@ -29,6 +29,7 @@ def fit(
     overwrite: Switch = False,
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
     reading: Reading = _READING,
+    drawn: Drawn = _DRAWN,
     column_time: str | None = None,
     column_value: str | None = None,
     column_stderr: str | None = None,
@@ -68,7 +69,7 @@ def fit(
     unit_time
         Unit of the hold times, such as s, for the figure. [default: that of the table]
     """
-    figure_before = check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
+    figures = check_figures("--out", out, drawn.figures, overwrite=overwrite, source=file)
     if json is not None:
         numbers_before = check_new_file("--json", json, (".json",), overwrite=overwrite)
     first, last = window or (None, None)
@@ -79,7 +80,7 @@ def fit(
     chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
         data = read_measurements(file, **chosen, **vars(reading))
-    from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers
     from asperity.figures import fit_figure
@@ -102,8 +103,7 @@ def fit(
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
     figure = fit_figure(growth, quantity=label, unit_time=unit, window=window is not None)
-    write_figure(figure, out, overwrite=figure_before)
-    written = f"figure written: {out}"
+    written = f"figure written: {write_figures(figure, figures)}"
     if json is not None:
         write_numbers(growth, json, numbers_before, file=str(file), quantity=named, unit_time=unit)
         written += f"\nnumbers written: {json}"

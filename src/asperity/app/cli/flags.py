@@ -224,7 +224,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         ("aging", Aging, {"first", "last", "per_decade"}),
         ("friction", Friction, {"shear_strength"}),
         ("carried", Carried, set(Carried.model_fields)),
-        ("output", Output, {"pixel", "blur", "threshold"}),
+        ("output", Output, {"figures", "measured", "pixel", "blur", "threshold"}),
     ):
         for name, key in keys_of(model).items():
             if name in names:

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, flag, in_flags
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Reading, Results
+from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.base.files import kind_of
 from asperity.base.words import number
 from asperity.errors import InputError
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from asperity.friction import Record
 
-_RESULTS, _READING = Results(), Reading()
+_RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
 _SAME = ("a", "events", "stiffness", "calibration", "shear_strength", "strength_at_rest")
 _FLAGS = {name: flag(name) for name in _SAME} | OF_TABLES
 _FLAGS |= {"V_0": "--reference-velocity", "start": "--from", "stop": "--to"}
@@ -44,6 +44,7 @@ def friction(
     strength_at_rest: Switch = False,
     out: Out = Path("friction"),
     results: Results = _RESULTS,
+    drawn: Drawn = _DRAWN,
 ) -> None:
     """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
@@ -97,9 +98,8 @@ def friction(
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: what is no record is told before all is imported.
     from asperity.app.cli.computing import folder_of_results, tell_results
-    from asperity.app.cli.output import write_figure
     from asperity.app.cli.reports.friction import events_report, friction_report
-    from asperity.figures import rate_and_state_figure
+    from asperity.figures import rate_and_state_figure, write
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
     with in_flags(_FLAGS):
@@ -114,7 +114,7 @@ def friction(
             save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
         if by_event is not None:
             by_event.to_csv(folder / "events.csv", index=False)
-        write_figure(rate_and_state_figure(found), folder / "friction.png")
+        write(rate_and_state_figure(found), folder / "friction", drawn.figures or ["png"])
     tell_results(rows, out, results)
 
 

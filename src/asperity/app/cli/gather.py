@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from pathlib import Path
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Switch
+from asperity.app.cli.options import Drawn
 from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
+_DRAWN = Drawn()
 _TOLD = ("sites", "seconds")
 """Columns whose names are their units."""
 
 
 @command()
-def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -> None:
+def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, drawn: Drawn = _DRAWN) -> None:
     """Gather a campaign into one Dataset with ensemble means, a table (CSV) of its runs, and a figure.
 
     Parameters
@@ -31,7 +34,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
     check_campaign("gather", out)
     import asperity.app.campaign as campaign
     from asperity.app.campaign.gather import with_ends
-    from asperity.app.cli.output import write_figure
+    from asperity.app.cli.output import write_figures
     from asperity.app.cli.report import aligned
     from asperity.base.files import standing
     from asperity.base.tables import with_unit
@@ -45,8 +48,11 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
         raise InputError("--to", expected="a name that ends in .zarr, or in .nc for netCDF", got=target)
     # Gathering again, with more runs, is what one does: the default place is always replaced.
     replace = overwrite or to is None
-    csv, picture = target.with_suffix(".csv"), target.with_suffix(".png")
-    before = {there: standing(there) for there in (csv, picture, *[target] * (target.suffix == ".nc"))}
+    csv = target.with_suffix(".csv")
+    formats = drawn.figures or tomllib.loads(dataset.attrs["config"])["output"]["figures"]
+    pictures = [target.with_suffix(f".{one}") for one in formats]
+    pictures += [target.with_name(f"{target.stem}_data.csv")] * bool(formats)
+    before = {there: standing(there) for there in (csv, *pictures, *[target] * (target.suffix == ".nc"))}
     for there in before:
         if there.exists() and not replace:
             raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
@@ -70,7 +76,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False) -
         ("written", f"{target}: all series and their ensemble; {opener} opens it"),
         ("", f"{csv}: one row a run, {len(runs)} rows"),
     ]
-    if float(dataset["time"].max()) > 0:
-        write_figure(campaign_figure(dataset), picture, overwrite=before[picture])
-        rows.append(("", f"{picture}: growth of the contact, with standard errors"))
+    if formats and float(dataset["time"].max()) > 0:
+        files = write_figures(campaign_figure(dataset), {there: before[there] for there in pictures})
+        rows.append(("", f"growth of the contact, with standard errors: {files}"))
     sys.stdout.write(f"{aligned(rows)}\n")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -13,11 +12,11 @@ from typing import Any, Literal
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Reading, Results
+from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
-_RESULTS, _READING = Results(), Reading()
+_RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
 _SAME = ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
 _FLAGS = {name: flag(name) for name in _SAME} | {"absolute": "--unit-area"}
 
@@ -44,6 +43,7 @@ def infer(
     workers: int | None = None,
     out: Out = Path("inference"),
     results: Results = _RESULTS,
+    drawn: Drawn = _DRAWN,
 ) -> None:
     """Infer which parameters of a model a curve of contact area, or friction, determines, and which not.
 
@@ -128,7 +128,7 @@ def infer(
         progress.stage("writing the results")
         with folder_of_results("inference", out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(found, folder, source=file.name, command=typed)
+            write_inference(found, folder, drawn.figures or ["png"], source=file.name, command=typed)
     tell_results(rows, out, results)
 
 
@@ -144,6 +144,7 @@ def _data(
     """Times in s, values and errors; remarks on them, what was read, and what it is."""
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
+    from asperity.fits.measurements import errors_beside
 
     names = read_table(file).names
     if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):
@@ -160,7 +161,8 @@ def _data(
         about = {"quantity": None, "absolute": False, "unit": ""}
         return time, value, _error(error, value, 1.0), (), record.read, about
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
-        chosen["stderr"] = _errors_beside(names)
+        with in_flags({"stderr": "--column-stderr"}):
+            chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
     table = read_measurements(file, **chosen, **reading)
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
@@ -191,16 +193,6 @@ def _of_ball(quantity: str | None, name: str) -> str:
         expected, got = "depth or radius of the contact of the ball", f"a column {name!r}"
         raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
     return quantity or found[0]
-
-
-def _errors_beside(names: Sequence[str]) -> str | None:
-    error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
-    found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
-    if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
-        expected = "one column of standard errors, in the unit of the values"
-        got = ", ".join(map(repr, found))
-        raise InputError("--column-stderr", expected=expected, got=got, advice="its name, or --error 1%")
-    return found[0] if found else None
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:

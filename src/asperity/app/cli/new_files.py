@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
-from asperity.base.files import MARKER, Standing, marker_of, named, standing
+from asperity.base.files import FORMATS, MARKER, Format, Standing, marker_of, named, standing, table_beside
 from asperity.errors import InputError, OutputError
 
-FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
+FIGURE_SUFFIXES = tuple(f".{one}" for one in FORMATS)
 
 
 def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> Standing:
@@ -22,6 +23,27 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
         raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
     try_writing(flag, target, target.parent)
     return standing(target)
+
+
+def check_figures(
+    flag: str, out: Path, formats: Sequence[Format] | None, *, overwrite: bool, source: Path | None = None
+) -> dict[Path, Standing]:
+    """Names of a figure in its formats, by default that of its name, with what stands there.
+
+    The table of what it draws is the last of them, but never over the source of the numbers.
+    """
+    files = [out.with_name(f"{out.stem}.{one}") for one in formats or ()] or [out]
+    found = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
+    table = table_beside(out, source)
+    return found | {table: standing(table)}
+
+
+def check_measured(path: str, *, bare: bool = True) -> None:
+    """Read a measured area before anything is computed, to tell a mistake; it may be bare of units."""
+    from asperity.fits.measurements import measured, read_measurements  # for which the help does not wait
+
+    if not bare or read_measurements(path).value_unit:
+        measured(path)
 
 
 def check_free(out: Path, *, overwrite: bool) -> Standing:

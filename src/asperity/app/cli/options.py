@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass
-from typing import TypeVar, dataclass_transform
+from typing import Annotated, TypeVar, dataclass_transform
 
 from cyclopts import Parameter
 
 from asperity.app.cli.flags import Columns, Open, Quiet, Switch, Units, Whole
+from asperity.base.files import Format
 from asperity.errors import InputError
 
 _Flags = TypeVar("_Flags")
@@ -56,6 +57,20 @@ class Results:
     overwrite: Switch = False
     quiet: Quiet = False
     show: Open = False
+
+
+@flags_of_fields
+class Drawn:
+    """How pictures are written.
+
+    Parameters
+    ----------
+    figures
+        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it. [default:
+        png, or that of the name of the file]
+    """
+
+    figures: Annotated[list[Format] | None, Parameter(negative=(), consume_multiple=True)] = None
 
 
 @flags_of_fields

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,8 +20,9 @@ from asperity.figures import (
     history_figure,
     patch_figure,
     sliding_figure,
+    write,
 )
-from asperity.figures.style import RESOLUTION
+from asperity.figures.writing import write_one
 from asperity.results.quantities import RUN, select
 from asperity.results.store import whole_file
 
@@ -43,10 +44,21 @@ def write_run(outcome: Outcome, folder: Path) -> list[str]:
     return _write_figures(outcome, folder)
 
 
+def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> str:
+    """Write a figure under names that `check_figures` gave; return them in words."""
+    for path, before in files.items():
+        write_figure(figure, path, overwrite=before)
+    *pictures, table = map(str, files)
+    return f"{', '.join(pictures)}; what it draws: {table}"
+
+
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
-    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused."""
+    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused.
+
+    With the suffix .csv it is the table of what the figure draws.
+    """
     with whole_file(path, overwrite=overwrite) as part:
-        figure.savefig(part, dpi=RESOLUTION)
+        write_one(figure, part)
 
 
 def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
@@ -55,11 +67,11 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
         return []
     remarks = []
     drawings: dict[str, Callable[[], Figure]] = {}
-    summary = outcome.summary
+    summary, measured = outcome.summary, outcome.config.output.measured
     if summary is None:
-        drawings["history"] = lambda: history_figure(outcome.dataset)
+        drawings["history"] = lambda: history_figure(outcome.dataset, measured)
     elif summary.time.size:
-        drawings["aging"] = lambda: aging_curve(outcome.dataset, summary)
+        drawings["aging"] = lambda: aging_curve(outcome.dataset, summary, measured)
     if "displacement" in outcome.dataset:
         drawings["sliding"] = lambda: sliding_figure(outcome.dataset)
     if "normal_stiffness" in outcome.dataset:
@@ -74,8 +86,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
         drawings["patches"] = lambda: patch_figure(outcome.dataset)
     for name, draw in drawings.items():
         try:
-            for kind in outcome.config.output.figures:
-                draw().savefig(folder / f"{name}.{kind}", dpi=RESOLUTION)
+            write(draw(), folder / name, outcome.config.output.figures)
         except (ValueError, ArithmeticError, RuntimeError) as error:
             remarks.append(f"the figure {name!r} could not be drawn: {error}")
     return remarks

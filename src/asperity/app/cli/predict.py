@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
-from asperity.app.cli.new_files import check_free
+from asperity.app.cli.new_files import check_free, check_measured
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -89,7 +89,9 @@ def predict(
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
-    asked, compute = prediction_asked(material, flags, vars(wanted), ramp)
+    asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
+    if output.measured is not None:
+        check_measured(output.measured, bare=False)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
@@ -100,7 +102,7 @@ def predict(
         f"{asked}{resolution_study}",
         functools.partial(compute, resolution_study=resolution_study),
         report=report,
-        write=functools.partial(write_files, command=shlex.join(["asperity", *sys.argv[1:]])),
+        write=functools.partial(write_files, output=output, command=shlex.join(["asperity", *sys.argv[1:]])),
         every=_CHECKPOINT_EVERY,
         results=results,
         replaceable=replaceable,

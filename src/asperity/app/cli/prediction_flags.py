@@ -40,16 +40,18 @@ def _named(wanted: Iterable[str], *sections: str) -> dict[str, str]:
 
 def prediction_asked(
     material: Path | None, flags: Sections, wanted: dict[str, Any], ramp: str | None
-) -> tuple[str, Callable[..., Prediction]]:
-    """What is asked, in a text that is the same for the same numbers, and what computes it."""
+) -> tuple[str, Callable[..., Prediction], Output]:
+    """What is asked, in a text that is the same for the same numbers; what computes it; what is written."""
     loading = None if ramp is None else _with_unit("--ramp", ramp, "s")
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
         asked, compute = repr((config, loading)), functools.partial(_of_config, config)
+        output = config.output
     else:
         scan, of_table, how = _scan(flags), *_arguments(flags, wanted)
         asked = repr((material, scan, of_table, how, loading))
+        output = section_from("output", Output, flags.get("output", {}))
         with in_flags(_named(wanted, "solid") | {"units": "--unit"}):
             table = material_of(material, **of_table)
         compute = functools.partial(_of_table, table, scan, how)
@@ -58,7 +60,7 @@ def prediction_asked(
         with in_flags(_named(("surface", "ramp"))):
             return compute(ramp=loading, **more)
 
-    return asked, of_flags_alone
+    return asked, of_flags_alone, output
 
 
 def _of_config(config: RunConfig, **more: Any) -> Prediction:

@@ -7,14 +7,23 @@ from pathlib import Path
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, flags_for, given
-from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
+from asperity.app.cli.new_files import check_figures
+from asperity.app.cli.options import Drawn
+
+_DRAWN = Drawn()
 
 __all__ = ["flags_for", "surface"]  # the annotation that `command` writes names flags_for
 
 
 @command("preparation")
 def surface(
-    file: Path, /, *, out: Out | None = None, overwrite: Switch = False, keys: Flags | None = None
+    file: Path,
+    /,
+    *,
+    out: Out | None = None,
+    overwrite: Switch = False,
+    drawn: Drawn = _DRAWN,
+    keys: Flags | None = None,
 ) -> None:
     """Describe a surface file as a run would use it, and draw it.
 
@@ -34,10 +43,9 @@ def surface(
     of_run = file.suffix.lower() == ".toml"
     settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
-    before = check_new_file("--out", target, FIGURE_SUFFIXES, overwrite=overwrite)
-    from asperity.app.cli.output import write_figure  # takes a second: mistakes are told before
+    figures = check_figures("--out", target, drawn.figures, overwrite=overwrite, source=file)
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
     from asperity.app.cli.reports.surface import drawn_and_told
 
     figure, told = drawn_and_told(settings)
-    write_figure(figure, target, overwrite=before)
-    sys.stdout.write(f"{told}\n\nfigure written: {target}\n")
+    sys.stdout.write(f"{told}\n\nfigure written: {write_figures(figure, figures)}\n")

@@ -37,14 +37,13 @@ from asperity.app.config.sections import (
 )
 from asperity.app.config.solids import SOLIDS, SolidSection
 from asperity.app.config.surfaces import SURFACES, SurfaceSection
+from asperity.base.files import Format
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
 from asperity.protocols import KINDS as LEGS_OF_PROTOCOLS
 from asperity.protocols import Leg, leg_of
 
-Figure = Literal["png", "pdf", "svg"]
-
-FILES = {"surface": "path", "solid": "relaxation"}
+FILES = {"surface": "path", "solid": "relaxation", "output": "measured"}
 """Keys that name files, by their sections."""
 
 KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid": SOLIDS}
@@ -228,7 +227,12 @@ class Output(Section):
     maps_at: list[Time] | None = usual(
         None, "Times at which to keep and draw the contact. By default 0 and five others."
     )
-    figures: list[Figure] = usual(["png"], 'Formats of the figures; "" for none.')
+    figures: list[Format] = usual(["png"], 'Formats of the figures; "" for none.')
+    measured: str | None = usual(
+        None,
+        "Table of a measured contact area against time, with units: drawn with its errors into the figure "
+        "of the area, above the ratio of both.",
+    )
     pixel: Size | None = usual(
         None, "Pixel of a microscope that looks at the maps; in sites if there are no units."
     )

@@ -8,19 +8,19 @@ from pathlib import Path
 import pandas as pd
 
 from asperity.analysis.prediction import Prediction
+from asperity.app.config.models import Output
 from asperity.base.words import tables_to_toml
+from asperity.figures import write
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 
 
-def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
+def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> None:
     """Write all but history and summary to a folder; the page tells the command that made it."""
-    pictures = prediction_pictures(prediction)
+    pictures = prediction_pictures(prediction, measured=output.measured)
     page = prediction_page(prediction, pictures, command=command)
     (folder / "prediction.html").write_text(page, encoding="utf-8")
-    for name, picture in pictures.items():
-        (folder / f"{name}.png").write_bytes(picture.png)
     dataset = prediction.dataset
     names = [name for name in areas_first(select(table=PREDICT)) if name in dataset.variables]
     unit_of = {name: dataset[name].attrs["units"] for name in names}
@@ -40,6 +40,8 @@ def write_files(prediction: Prediction, folder: Path, *, command: str) -> None:
         pd.DataFrame(rows).to_csv(folder / "resolution.csv", index=False, lineterminator="\n")
     if prediction.fit is not None:
         (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
+    for name, picture in pictures.items() if output.figures else ():
+        write(picture.figure, folder / name, output.figures)
 
 
 def _solid(prediction: Prediction, fit: Fit) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from asperity.app.cli.report import Row, aligned
+from asperity.base.files import Format
 from asperity.base.words import counted, tables_to_toml
-from asperity.figures import inference_page, inference_pictures
+from asperity.figures import inference_page, inference_pictures, write
 from asperity.inference import Inference
 
 
@@ -28,13 +30,15 @@ def inference_report(found: Inference, source: str) -> list[Row]:
     return [*rows, *(("remark", remark) for remark in found.remarks)]
 
 
-def write_inference(found: Inference, folder: Path, *, source: str, command: str) -> None:
+def write_inference(
+    found: Inference, folder: Path, formats: Sequence[Format] = ("png",), *, source: str, command: str
+) -> None:
     """Write the page, its pictures, tables, draws, and the solid that follows."""
     pictures = inference_pictures(found)
     page = inference_page(found, pictures, source=source, command=command)
     (folder / "inference.html").write_text(page, encoding="utf-8")
     for name, picture in pictures.items():
-        (folder / f"{name}.png").write_bytes(picture.png)
+        write(picture.figure, folder / name, formats)
     found.table.to_csv(folder / "verdicts.csv", index=False, lineterminator="\n")
     priors = tables_to_toml({name: prior.table for name, prior in found.model.priors.items()})
     (folder / "priors.toml").write_text(priors, encoding="utf-8")

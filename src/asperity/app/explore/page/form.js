@@ -138,7 +138,7 @@ class Form {
     this.note = "";
     for (const section of Object.keys(this.values)) this.take(section, config[section] || {});
     for (const section of Object.keys(this.values)) this.fill(section);
-    const { maps_at: _maps, figures: _figures, ...output } = config.output || {};
+    const { maps_at: _maps, figures: _figures, measured: _measured, ...output } = config.output || {};
     this.output = output;
     this.takeHistory(config.protocol || []);
     this.mistakes([]);

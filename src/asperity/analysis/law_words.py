@@ -1,0 +1,175 @@
+"""A law in the words of other programs, and the formulas in which rock mechanics writes one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, get_args
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.optimize import least_squares
+
+from asperity.analysis.contact_law import check_law
+from asperity.analysis.scan import written
+from asperity.base import checks, units
+from asperity.errors import InputError
+from asperity.lattice import Field
+
+Program = Literal["calculix", "moose"]
+FILES: dict[Program, str] = {"calculix": "calculix.inp", "moose": "moose.i"}
+"""Programs, and names of their files."""
+
+_MOST_ROWS = 200
+"""Rows of a table of CalculiX 2.20."""
+
+_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
+
+
+def law_for(
+    program: Program,
+    dataset: xr.Dataset,
+    *,
+    age: float | str | None = None,
+    direction: Literal["loading", "unloading"] = "loading",
+    millimeters: bool = False,
+) -> str:
+    """Write a law as text for another program.
+
+    Parameters
+    ----------
+    program
+        ``"calculix"``: surface interactions for CalculiX 2.20, a table of pressure and overclosure, and one
+        of gap conductance. ``"moose"``: functions of type PiecewiseLinear.
+    dataset
+        What `asperity.law` returned.
+    age
+        Which of its ages, s or with a unit; needed where there are several.
+    direction
+        Whether the pressure rises, or falls from the largest.
+    millimeters
+        Write N, mm, s, MPa in place of SI.
+
+    Returns
+    -------
+    str
+        Tables begin at pressure 0 and first touch; of unloading, where the tangent at the lowest pressure
+        ends.
+
+    Raises
+    ------
+    InputError
+        There are several ages and none was named, the law has no such age or direction, or it has more
+        pressures than the program takes.
+    """
+    checks.choice("program", program, get_args(Program))
+    table = _one_age(dataset, age, direction)
+    unit = 1e-3 if millimeters else 1.0
+    factors = {"Pa": unit**2, "m": 1 / unit, "Pa/m": unit**3, "W/m^2/K": unit, "S/m^2": unit**2}
+    columns = {
+        name: np.append(0.0, table[name].values * factors[str(table[name].attrs["units"])])
+        for name in ("pressure", "approach", *_OF_PRESSURE)
+        if name in table.variables
+    }
+    if direction == "unloading":
+        columns["approach"][0] = columns["approach"][1] - columns["pressure"][1] / columns["stiffness"][1]
+    head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, age "
+    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa' if millimeters else 'SI units'}"
+    return (_calculix if program == "calculix" else _moose)(columns, head)
+
+
+def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr.Dataset:
+    """The part of a law of one age and direction."""
+    check_law(dataset)
+    checks.choice("direction", direction, dataset["direction"].values.tolist())
+    times = dataset["time"].values
+    found = times if age is None else units.number("age", age, "s", least=0)
+    near = np.flatnonzero(np.isclose(times, found, rtol=1e-6, atol=0))
+    if near.size != 1:
+        expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in times.tolist())}"
+        advice = f'age="{written(float(times[-1]), "s")}"'
+        raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
+    return dataset.sel(direction=direction).isel(time=int(near[0]))
+
+
+def _calculix(columns: dict[str, Field], head: str) -> str:
+    pressure, approach = columns["pressure"], columns["approach"]
+    if pressure.size > _MOST_ROWS:
+        expected = f"at most {_MOST_ROWS - 1} pressures for CalculiX"
+        raise InputError("pressures", expected=expected, got=pressure.size - 1, advice="fewer")
+    lines = [
+        f"** {head}",
+        "** Pressure, overclosure. CalculiX 2.20 reads the table in *CONTACT PAIR, TYPE=NODE TO SURFACE",
+        "** alone: in surface-to-surface contact it passes no pressure.",
+        "*SURFACE INTERACTION, NAME=ROUGH",
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
+        *(f"{p:.10g}, {a:.10g}" for p, a in zip(pressure, approach, strict=True)),
+    ]
+    if "thermal_conductance" in columns:
+        lines += [
+            "** Conductance, pressure, temperature. For heat CalculiX 2.20 knows the pressure of a line",
+            "** and not of a table: use this under a known load, with TYPE=SURFACE TO SURFACE.",
+            "*SURFACE INTERACTION, NAME=ROUGH_HEAT",
+            "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+            f"{pressure[-1] / approach[-1]:.10g}",
+            "*GAP CONDUCTANCE",
+            *(
+                f"{h:.10g}, {p:.10g}, 0"
+                for h, p in zip(columns["thermal_conductance"], pressure, strict=True)
+            ),
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _moose(columns: dict[str, Field], head: str) -> str:
+    pressure, lines = columns["pressure"], [f"# {head}", "[Functions]"]
+    tables = {"pressure_of_approach": (columns["approach"], pressure)}
+    tables |= {f"{name}_of_pressure": (pressure, columns[name]) for name in _OF_PRESSURE if name in columns}
+    for name, axes in tables.items():
+        first = int(name.startswith("hydraulic"))  # a gap is not 0 where nothing presses
+        x, y = (" ".join(f"{value:.10g}" for value in axis[first:]) for axis in axes)
+        lines += [f"  [{name}]", "    type = PiecewiseLinear", f"    x = '{x}'", f"    y = '{y}'", "  []"]
+    return "\n".join([*lines, "[]"]) + "\n"
+
+
+def closure_fits(
+    dataset: xr.Dataset,
+    *,
+    age: float | str | None = None,
+    direction: Literal["loading", "unloading"] = "loading",
+) -> pd.DataFrame:
+    """Fit the formulas of joints in rock to a law, by least squares of the relative error of the approach.
+
+    Parameters
+    ----------
+    dataset, age, direction
+        As for `law_for`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Of the hyperbola of Barton and Bandis, a = p / (K + p / V), and of a power, a = c (p / 1 MPa)^n, the
+        two numbers (K Pa/m and V m, c m and n), and the relative error, rms and at most.
+
+    References
+    ----------
+    S. C. Bandis, A. C. Lumsden, N. R. Barton, Int. J. Rock Mech. Min. Sci. 20, 249 (1983),
+    DOI 10.1016/0148-9062(83)90595-8.
+    """
+    table = _one_age(dataset, age, direction)
+    p, a = table["pressure"].values, table["approach"].values
+    formulas: dict[str, tuple[Callable[..., Field], tuple[float, float]]] = {
+        "Barton-Bandis": (lambda p, k, v: -np.logaddexp(k - np.log(p), -v), (p[0] / a[0], 1.2 * a[-1])),
+        "power": (lambda p, c, n: c + np.exp(n) * np.log(p / 1e6), (a[-1], 0.5)),
+    }
+    found = []
+    for name, (of, begin) in formulas.items():  # logarithms of all: numbers are above 0
+        best = least_squares(partial(_lack, of, p, a), np.log(begin)).x
+        error = np.expm1(_lack(of, p, a, best))
+        found.append((name, *np.exp(best), np.sqrt((error**2).mean()), np.abs(error).max()))
+    return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
+
+
+def _lack(formula: Callable[..., Field], pressure: Field, approach: Field, logs: Field) -> Field:
+    return formula(pressure, *logs) - np.log(approach)

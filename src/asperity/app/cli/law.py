@@ -1,0 +1,114 @@
+"""The command ``asperity law``: a table of a rough contact for other programs."""
+
+from __future__ import annotations
+
+import functools
+import math
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from asperity.app.cli.command import command
+from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flags_for, given, in_flags
+from asperity.app.cli.new_files import check_free
+from asperity.app.cli.options import Results
+from asperity.errors import InputError
+
+__all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
+
+_RESULTS = Results()
+_Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
+_FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "shear", "solid")}
+
+
+@command("preparation", "solid", "carried")
+def law(
+    material: Path | None = None,
+    /,
+    *,
+    surface: Path | None = None,
+    pressures: Annotated[list[str] | None, _Several] = None,
+    per_decade: Whole = 10,
+    times: Annotated[list[str] | None, _Several] = None,
+    write: Annotated[
+        list[Literal["calculix", "moose"]], Parameter(negative=(), consume_multiple=True, show_default=False)
+    ] = [],  # noqa: B006
+    age: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
+    millimeters: Switch = False,
+    out: Out = Path("law"),
+    results: Results = _RESULTS,
+    keys: Flags | None = None,
+) -> None:
+    """Tabulate approach, stiffness and conductance of a rough contact against pressure, for other programs.
+
+    The approach is that of the rough layer alone. Each pressure is put on at once, and held for each age. Do
+    not interpolate between ages while the load changes: what has crept depends on its history.
+
+    Parameters
+    ----------
+    material
+        Relaxation table, or a TOML file as for asperity run, which flags override. Without: the solid of the
+        flags, a half-space unless they name another.
+    surface
+        The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
+    pressures
+        Load over nominal area: two are the ends of a range, such as 0.1MPa 100MPa, more are taken one by one.
+    per_decade
+        Pressures in each decade of a range.
+    times
+        Ages, such as 0s 1h "1 year". [default: 0s, where nothing creeps]
+    write
+        Programs for which to write a file: calculix, moose.
+    age
+        The age of the law in these files; needed where there are several.
+    millimeters
+        Write these files in N, mm, s, MPa in place of SI.
+    out
+        Folder for the results, which appears when all is written; it must not exist yet.
+    """
+    flags = given(keys, units=True)
+    for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s")):
+        check_unit(f"--{name}", quantities or [], unit)
+    if pressures is None:
+        advice = "--pressures 0.1MPa 100MPa"
+        raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
+    if surface is not None:
+        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
+    solid, config = flags.setdefault("solid", {}), None
+    if material is not None and material.suffix == ".toml":
+        config = material
+    elif surface is None:
+        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
+    else:
+        solid |= {} if material is None else {"relaxation": str(material)}
+        solid.setdefault("kind", "half_space")
+    if times is not None:
+        flags["aging"] = {"times": times}
+    from asperity.app.config.reading import read_config, to_toml
+    from asperity.base.units import quantity
+
+    settings = read_config(config, flags)
+    ages = settings.aging.times or [0.0]
+    if write and (ages[1:] or age):
+        check_unit("--age", age or "", "s")
+        if age is None or not any(math.isclose(quantity(age, "s", "--age"), one) for one in ages):
+            expected = f"one of the ages of the law, {', '.join(f'{one:g} s' for one in ages)}"
+            raise InputError("--age", expected=expected, got=age or "none", advice=f"--age {ages[-1]:g}s")
+    replaceable = check_free(out, overwrite=results.overwrite)
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.reports.law import law_report, write_law
+    from asperity.app.runs.law import law_of_config
+
+    with in_flags(_FLAGS):
+        compute_into(
+            "law",
+            out,
+            f"{to_toml(settings)}{pressures}{per_decade}",
+            functools.partial(law_of_config, settings, pressures=pressures, per_decade=per_decade),
+            report=law_report,
+            write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
+            every=0.0,
+            results=results,
+            replaceable=replaceable,
+        )

@@ -1,0 +1,70 @@
+"""What a law says, as rows of words, and its files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import xarray as xr
+
+from asperity.analysis.law_words import FILES, Program, closure_fits, law_for
+from asperity.analysis.scan import understood, written
+from asperity.app.cli.report import Row
+from asperity.app.config import to_toml
+from asperity.app.runs import Outcome
+from asperity.base.tables import with_unit
+from asperity.figures import law_figure
+
+
+def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
+    """Say what was tabulated, and what it comes to at the ends."""
+    dataset, attrs = found.dataset, found.dataset.attrs
+    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
+    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
+    rows = [
+        ("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
+        *understood(scan),
+        ("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        ("pressures", f"{dataset.sizes['pressure']}: {_ends(dataset, 'pressure')}, each held"),
+    ]
+    for time in dataset["time"].values.tolist():
+        table = dataset.sel(direction="loading", time=time)
+        area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % at last"
+        said = f"approach {_ends(table, 'approach')}, stiffness {_ends(table, 'stiffness')}, {area}"
+        rows.append((f"age {written(time, 's')}", said))
+        for name, first, second, rms, most in closure_fits(dataset, age=time).itertuples():
+            said = f"a = p / (K + p / V): K = {written(first, 'Pa/m')}, V = {written(second, 'm')}"
+            if name == "power":
+                said = f"a = c (p / 1 MPa)^n: c = {written(first, 'm')}, n = {second:.4g}"
+            rows.append((name, f"{said}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
+    rows.append(("taken off", "what a flat solid does: the approach is that of the mean of the surface"))
+    if dataset.sizes["direction"] > 1:
+        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, at once"))
+    if dataset.sizes["time"] > 1:
+        said = "do not interpolate between them while the load changes: what has crept depends on its history"
+        rows.append(("ages", said))
+    rows.append(("effort", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
+    return [*rows, *(("remark", remark) for remark in found.remarks)]
+
+
+def _ends(table: xr.Dataset, name: str) -> str:
+    return " to ".join(written(float(table[name][n]), str(table[name].attrs["units"])) for n in (0, -1))
+
+
+def write_law(
+    found: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
+) -> None:
+    """Write the table, its figure, what was used of the configuration, and files for other programs."""
+    dataset = found.dataset
+    order = ["direction", "time", "pressure", *map(str, dataset.data_vars)]
+    names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
+    table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
+    table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
+    law_figure(dataset).savefig(folder / "law.png")
+    (folder / "config.toml").write_text(to_toml(found.config), encoding="utf-8")
+    for program in programs:
+        for direction in dataset["direction"].values.tolist():
+            text = law_for(program, dataset, age=age, direction=direction, millimeters=millimeters)
+            prefix = "" if direction == "loading" else f"{direction}_"
+            (folder / f"{prefix}{FILES[program]}").write_text(text, encoding="utf-8")

@@ -1,0 +1,64 @@
+"""The law of a contact: pressure, stiffness and what else it tabulates, at each age."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+
+from asperity.analysis.contact_law import check_law
+from asperity.analysis.scan import readable, written
+from asperity.figures import style
+
+_PANELS = {
+    "approach": "approach",
+    "stiffness": "stiffness\nper area",
+    "thermal_conductance": "thermal\nconductance\nper area",
+    "conductance": "conductance\nper area",
+    "contact_fraction": "contact",
+}
+
+
+def law_figure(dataset: xr.Dataset) -> style.Drawing:
+    """Draw a law: a color for each age, with its band; dashed the law of a pressure that falls.
+
+    Parameters
+    ----------
+    dataset
+        What `asperity.law` returned.
+
+    Raises
+    ------
+    InputError
+        It is something else.
+    """
+    check_law(dataset)
+    names = [name for name in _PANELS if name in dataset]
+    figure, grid = style.stacked((6.4, 1.6 + 1.7 * len(names)), *[1.4, *[1] * (len(names) - 1)])
+    across, factor = readable("Pa", float(dataset["pressure"][-1]))
+    pressure, ages = dataset["pressure"].values * factor, dataset["time"].values.tolist()
+    colors = dict(zip(ages, colormaps["viridis"](np.linspace(0, 0.85, len(ages))), strict=True))
+    dashes = {"loading": "-", "unloading": "--"}
+    for axes, name in zip(grid, names, strict=True):
+        unit, scale = readable(str(dataset[name].attrs["units"]), float(dataset[name].max()))
+        if name == "contact_fraction":
+            unit, scale = "%", 100.0
+        for direction, age in itertools.product(dataset["direction"].values.tolist(), ages):
+            values = dataset[name].sel(direction=direction, time=age).values * scale
+            said = f"age {written(age, 's')}" if direction == "loading" else None
+            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=said)
+        last = dataset.sel(direction="loading", time=ages[-1])
+        low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
+        axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)
+        axes.set_ylabel(f"{_PANELS[name]}\n[{style.spelled(unit)}]")
+        axes.set(xscale="log", yscale="linear" if name == "approach" else "log")
+        style.finish(axes, legend=axes is grid[0])
+    figure.align_ylabels(grid)
+    grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
+    parts = ["shaded: 95 % band for another scan of this size, at the last age"]
+    if dataset.sizes["direction"] > 1:
+        parts.append("dashed: unloading from the largest pressure, at once")
+    style.entitle(figure, "Law of the rough layer", parts)
+    return figure

@@ -1,0 +1,62 @@
+"""Measured values beside computed ones, and the ratio of both."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from asperity.figures import style
+from asperity.fits import Measurements
+from asperity.fits.measurements import measured
+from asperity.lattice import Field
+
+
+def draw_measured(
+    grid: Sequence[Axes],
+    found: Measurements,
+    time: Field,
+    computed: Field,
+    factor: float,
+    place: Callable[[Field], Field] = np.asarray,
+) -> dict[str, object]:
+    """Draw measured values with their errors into a panel, and in that below it measured over computed.
+
+    Computed values are as they are drawn: `factor` times those of the unit of the measured ones. Between
+    their times they are interpolated over ln t; beyond these there is no ratio. `place` says where on the
+    axis a time is. Returns what it draws, as columns.
+    """
+    upper, lower = grid
+    positive = time > 0
+    later = np.log(np.maximum(found.time, 1e-300))
+    beside = np.interp(later, np.log(time[positive]), computed[positive], left=np.nan, right=np.nan)
+    at, value = place(found.time), factor * found.value
+    error = None if found.stderr is None else factor * found.stderr
+    look: dict[str, Any] = {
+        "fmt": "D",
+        "color": style.INK,
+        "markerfacecolor": style.ORANGE,
+        "markersize": 3.5,
+    }
+    look |= {"elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
+    upper.errorbar(at, value, error, label="measured", **look)
+    low, high = upper.get_ylim()
+    ends = (value, value) if error is None else (value - error, value + error)
+    room = 0.05 * (high - low)
+    upper.set_ylim(min(low, float(ends[0].min()) - room), max(high, float(ends[1].max()) + room))
+    lower.errorbar(at, value / beside, None if error is None else error / beside, **look)
+    lower.axhline(1, color=style.INK, linewidth=0.8)
+    lower.set_ylabel("measured /\ncomputed", multialignment="center")
+    columns: dict[str, object] = {style.with_unit("measured: time", found.time_unit): found.time}
+    columns |= {f"measured: {upper.get_ylabel()}": value, "measured / computed": value / beside}
+    return columns if error is None else columns | {f"standard error: {upper.get_ylabel()}": error}
+
+
+def of_history(dataset: xr.Dataset, source: Measurements | Path | str) -> Measurements:
+    """What was measured, in the units of a history: SI, or none; `InputError` where it has others."""
+    si = bool(dataset.attrs.get("si"))
+    return measured(source) if si else measured(source, time="1", value="1")

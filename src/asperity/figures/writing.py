@@ -1,0 +1,152 @@
+"""Figures as files: in the formats that are asked for, each with a table of what it draws beside it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.container import ErrorbarContainer
+from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
+
+from asperity.base import checks
+from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
+from asperity.errors import InputError
+from asperity.figures.style import Drawing
+
+_PLAIN = {
+    **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
+    **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁴": "^4", "Å": "angstrom", "Ω": "ohm", "−": "-"},
+    **{"χ": "chi", "θ": "theta", "→": "to", "±": "+-", "\u00a0": " ", "#": "no."},
+}
+_MATHEMATICS = re.compile(r"\\[,; ]|[${}\\]")
+
+
+def write(figure: Figure, path: Path | str, formats: Iterable[Format] = ()) -> list[Path]:
+    """Write a figure in one format or several, and what it draws as a table beside it.
+
+    Parameters
+    ----------
+    figure
+        Of this package; of any other the table has its curves, error bars, bands and histograms.
+    path
+        Its name; without formats, its suffix is the one.
+    formats
+        ``"png"``, with 300 dots per inch; ``"pdf"`` and ``"svg"``, whose text stays text and which have no
+        title.
+
+    Returns
+    -------
+    list of Path
+        The files, the table last: of the same name, or with "_data" behind it where that is another table.
+
+    Raises
+    ------
+    InputError
+        There is no such format.
+    """
+    checks.instance("figure", figure, Figure, "asperity.figures.history_figure(history.dataset)")
+    path = expanded(path)
+    suffixes: list[str] = [formats] if isinstance(formats, str) else list(formats)
+    for one in suffixes or [path.suffix.removeprefix(".")]:
+        if one not in FORMATS:
+            raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=one or "none")
+    files = [path.with_name(f"{path.stem}.{one}") for one in suffixes] or [path]
+    files.append(table_beside(path))
+    for file in files:
+        write_one(figure, file)
+    return files
+
+
+def write_one(figure: Figure, file: Path) -> None:
+    """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
+    if file.suffix == ".csv":
+        file.write_text(table_of(figure), encoding="utf-8")
+    else:
+        figure.savefig(file)
+
+
+def table_of(figure: Figure) -> str:
+    """What a figure draws, as a table in text, which `asperity` reads: the title as a comment, and columns.
+
+    Each curve has a column, after one of its places along the axis unless the curve before has the same.
+    """
+    about = figure.get_suptitle().splitlines()
+    columns: Mapping[str, Any] = {}
+    if isinstance(figure, Drawing):
+        about += [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
+        columns = figure.table or {}
+    columns = columns or dict(_unlike(_columns(figure)))
+    cells = ([f"{value:.12g}" for value in np.ravel(values).astype(float)] for values in columns.values())
+    rows = [",".join(row) for row in zip_longest(*cells, fillvalue="")]
+    names = ",".join(f'"{plain(name)}"' for name in columns)
+    return "\n".join([OF_FIGURES, *(f"# {plain(line)}" for line in about), names, *rows, ""])
+
+
+def plain(text: str) -> str:
+    """A label of a figure without mathematics and without letters that a header cannot have."""
+    for letter, word in _PLAIN.items():
+        text = text.replace(letter, word)
+    return " ".join(_MATHEMATICS.sub("", text).replace('"', "'").split())
+
+
+def _unlike(columns: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Number columns of one name."""
+    seen: dict[str, int] = {}
+    for name, values in columns:
+        seen[name] = seen.get(name, 0) + 1
+        quantity, bracket, unit = name.partition(" [")
+        yield (name if seen[name] == 1 else f"{quantity} ({seen[name]}){bracket}{unit}"), values
+
+
+def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
+    place: tuple[str, Any] = ("", ())
+    for axes in figure.axes:
+        if axes.get_label() == "<colorbar>" or not axes.get_visible():
+            continue
+        shared = axes.get_shared_x_axes().get_siblings(axes)
+        title = axes.get_title().partition("\n")[0]
+        across = next((one.get_xlabel() for one in (axes, *shared[::-1]) if one.get_xlabel()), title or "x")
+        along = axes.get_ylabel() or title or "y"
+        for label, x, series in _curves(axes):
+            if (across, tuple(x)) != place:
+                place = across, tuple(x)
+                yield place
+            named = "" if not label or label.startswith("_") else f"{label.partition(chr(10))[0]}: "
+            for ending, values in series.items():
+                quantity, bracket, unit = along.partition(" [")
+                yield f"{named}{quantity}{ending}{bracket}{unit}", values
+
+
+def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
+    """Name, places and values of what is drawn by its data: curves, error bars, histograms and bands."""
+    bars = [one for one in axes.containers if isinstance(one, ErrorbarContainer) and one.lines[0] is not None]
+    taken = {id(line) for one in bars for line in (one.lines[0], *one.lines[1])}
+    for line in axes.lines:
+        if id(line) not in taken and line.get_transform() == axes.transData and np.size(line.get_xdata()) > 0:
+            yield str(line.get_label()), line.get_xdata(orig=False), {"": line.get_ydata(orig=False)}
+    for bar in bars:
+        x, y = bar.lines[0].get_data(orig=False)
+        series = {"": y}
+        if bar.lines[2]:
+            segments = [np.asarray(one) for one in bar.lines[2][0].get_segments()]
+            ends = np.array([one[:, 1] if one.shape == (2, 2) else np.full(2, np.nan) for one in segments])
+            series |= {" low": ends[:, 0], " high": ends[:, 1]}
+        yield str(bar.get_label()), x, series
+    for patch in axes.patches:
+        if isinstance(patch, StepPatch):
+            values, edges, _ = patch.get_data()
+            yield str(patch.get_label() or ""), edges, {" up to the next": np.append(values, np.nan)}
+    for band in axes.collections:
+        if isinstance(band, PolyCollection) and len(band.get_paths()) == 1:
+            corners = np.asarray(band.get_paths()[0].vertices)
+            count = (len(corners) - 3) // 2
+            low, high = corners[1 : count + 1], corners[count + 2 : 2 * count + 2][::-1]
+            if count > 0 and np.array_equal(low[:, 0], high[:, 0]):
+                yield str(band.get_label()), low[:, 0], {" low": low[:, 1], " high": high[:, 1]}

@@ -1,0 +1,92 @@
+"""``--figures`` and ``--measured``: every command that draws writes what is asked for, and nothing else."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.app.campaign import read_plan
+from asperity.app.cli import main
+from asperity.errors import ConfigError
+
+LENGTHS = 'file_unit = "nm"\npixel_size = 50.0\nlength_unit = "nm"'
+SOLID = '[solid]\nkind = "half_space"\nyoung = "3 GPa"\npoisson = 0.4\nbranches = [[0.2, "1 s"]]\n'
+TIMES = '[contact]\npressure = "40 MPa"\n[aging]\nfirst = "0.1 s"\nlast = "10 s"\nper_decade = 2\n'
+
+
+@pytest.fixture
+def asked(tmp_path: Path) -> Path:
+    """A TOML file of a prediction that asks for PDF, with a scan."""
+    heights = asp.surfaces.spectral((24, 24), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
+    np.savetxt(tmp_path / "scan.txt", heights)
+    (tmp_path / "area.csv").write_text("time_s,area_um2,std_um2\n0.5,0.3,0.02\n5,0.4,0.02\n")
+    path = tmp_path / "asked.toml"
+    path.write_text(f'[surface]\npath = "scan.txt"\n{LENGTHS}\n{SOLID}{TIMES}[output]\nfigures = ["pdf"]\n')
+    return path
+
+
+def suffixes(out: Path) -> set[str]:
+    """Suffixes of the pictures in a folder."""
+    return {path.suffix for path in out.iterdir()} & {".png", ".pdf", ".svg"}
+
+
+@pytest.mark.parametrize(
+    ("flags", "found"), [((), {".pdf"}), (("--figures", "svg", "png"), {".svg", ".png"})]
+)
+@pytest.mark.parametrize("command", ["run", "predict"])
+def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
+    assert main([command, str(asked), *flags, "--quiet", "--measured", "area.csv", "--out", "out"]) == 0
+    assert suffixes(Path("out")) == found
+    table = Path("out", "growth.csv" if command == "predict" else "aging_data.csv").read_text("utf-8")
+    assert "measured / computed" in table
+    assert main([command, str(asked), "--quiet", "--figures", "", "--out", "bare"]) == 0
+    assert not suffixes(Path("bare"))
+
+
+def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken):
+    Path("force.csv").write_text("time_s,force_mN\n0.5,0.3\n5,0.4\n")
+    asked.write_text(asked.read_text() + 'measured = "force.csv"\n')
+    for command in ("run", "predict"):
+        said = mistaken(command, str(asked), "--quiet", "--out", "out")
+        assert "force.csv: expected values in a unit such as um^2, got mN" in said
+    assert not Path("out").exists()
+
+
+def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
+    text = "time_s,area\n" + "".join(f"{t},{1 + 0.1 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
+    Path("fit.csv").write_text(text)
+    for more in ((), ("--overwrite",)):
+        status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf", "svg", *more)
+        assert (status, Path("fit.csv").read_text()) == (0, text)
+        assert "fit.pdf, fit.svg; what it draws: fit_data.csv" in said
+    # Nor is that of another figure replaced by its own.
+    assert asperity("fit", "fit_data.csv", "--out", "fit_data.png", "--overwrite")[0] == 0
+    assert Path("fit_data_data.csv").exists()
+    assert asperity("fit", "fit.csv", "--figures", "pdf")[0] == 2  # it is there
+    np.savetxt("rough.csv", np.arange(64.0).reshape(8, 8) % 5, delimiter=",")
+    before = Path("rough.csv").read_bytes()
+    assert asperity("surface", "rough.csv", "--figures", "pdf", "png")[0] == 0
+    assert Path("rough.csv").read_bytes() == before
+    assert {path.name for path in Path().glob("rough*")} == {
+        "rough.csv",
+        "rough.pdf",
+        "rough.png",
+        "rough_data.csv",
+    }
+
+
+def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
+    plan = Path("plan.toml")
+    base = "[surface]\nshape = [8, 8]\n[aging]\nlast = 1.0\nper_decade = 1\n"
+    base += "[sweep]\nload = [2.0, 4.0]\n[output]\n"
+    plan.write_text(base + 'figures = ["svg"]\n')
+    assert asperity("sweep", "plan.toml", "--out", "study", "--workers", "1", "--quiet")[0] == 0
+    assert asperity("gather", "study")[0] == 0
+    names = {path.name for path in Path("study").glob("gathered*")}
+    assert names == {"gathered.csv", "gathered.svg", "gathered.zarr", "gathered_data.csv"}
+    assert asperity("gather", "study", "--figures", "pdf")[0] == 0
+    assert Path("study", "gathered.pdf").exists()
+    plan.write_text(base + 'measured = "area.csv"\n')
+    with pytest.raises(ConfigError, match="measured: expected none in a campaign"):
+        read_plan(plan)

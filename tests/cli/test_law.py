@@ -1,0 +1,93 @@
+"""``asperity law``: its files, its words, and the same numbers as in Python."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.analysis.contact_law import OF_LAWS
+
+HEIGHTS = asp.surfaces.spectral((40, 48), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
+LENGTHS = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
+RANGE = ("--pressures", "1MPa", "20MPa", "--per-decade", "2")
+FILES = {"asperity.json", "config.toml", "history.zarr", "law.csv", "law.png", "summary.txt"}
+
+
+@pytest.fixture
+def scan():
+    np.savetxt("scan.txt", HEIGHTS)
+    return "--surface", "scan.txt", *LENGTHS
+
+
+def test_a_table_of_relaxation_gives_a_law_at_each_age(says, scan):
+    time = np.geomspace(1.0, 1e4, 13)
+    lines = (f"{t:.6g},{1000 + 1500 * np.exp(-t / 90):.8g}" for t in time)
+    Path("relax.csv").write_text("\n".join(["time_s,E_MPa", *lines]))
+    ages = ("--times", "0s", "1h", "--age", "1h", "--write", "calculix", "moose", "--millimeters")
+    says("law", "relax.csv", *scan, *RANGE, *ages, "--conductivity", "0.2W/m/K", "-q")
+    words = Path("law/summary.txt").read_text()
+    for said in ("age 3600 s", "Barton-Bandis", "taken off", "unloading", "do not interpolate"):
+        assert said in words
+    written = {path.name for path in Path("law").iterdir()}
+    programs = {f"{kind}{name}" for name in ("calculix.inp", "moose.i") for kind in ("", "unloading_")}
+    assert written == FILES | programs
+    marker = json.loads(Path("law/asperity.json").read_text())
+    assert marker["kind"] == "law"
+    assert set(marker["files"]) | {"asperity.json"} == written
+    dataset = asp.results.load("law")
+    rows = list(csv.DictReader(Path("law/law.csv").read_text().splitlines()))
+    assert len(rows) == dataset["approach"].size
+    columns = {
+        "time_s",
+        "pressure_Pa",
+        "approach_m",
+        "approach_low_m",
+        "stiffness_Pa_per_m",
+        "contact_fraction",
+    }
+    assert columns | {"thermal_conductance_W_per_m2_per_K", "tangential_stiffness_Pa_per_m"} <= rows[0].keys()
+    for name, column in (("approach", "approach_m"), ("stiffness_high", "stiffness_high_Pa_per_m")):
+        found = [float(row[column]) for row in rows]
+        assert found == pytest.approx(dataset[name].values.ravel().tolist(), rel=1e-14)
+    text = asp.analysis.law_for("moose", dataset, age="1 h", direction="unloading", millimeters=True)
+    assert Path("law/unloading_moose.i").read_text() == text
+    # The configuration that was written gives the same law.
+    says("law", "law/config.toml", *RANGE, "--out", "again", "-q")
+    again = asp.results.load("again")
+    assert again["approach"].values == pytest.approx(dataset["approach"].values, rel=1e-6)
+
+
+def test_a_solid_in_numbers_gives_what_python_gives(says, scan):
+    says("law", *scan, *RANGE, "--young", "3GPa", "--poisson", "0.3", "--write", "calculix", "-q")
+    found = asp.results.load("law")
+    assert {path.name for path in Path("law").iterdir()} == FILES | {"calculix.inp"}
+    solid = asp.solids.half_space(young="3 GPa", poisson=0.3)
+    surface = asp.surfaces.read(
+        "scan.txt", file_unit="nm", pixel_size=50.0, length_unit="nm", periodic="reflect"
+    )
+    law = asp.law(
+        solid, surface, pressures=["1 MPa", "20 MPa"], per_decade=2, carried=asp.Carried(poisson=0.3)
+    )
+    for name in OF_LAWS.keys() & law.keys():
+        assert found[name].values == pytest.approx(law[name].values, rel=1e-9), name
+    assert found["stiffness"].attrs["units"] == "Pa/m"
+
+
+def test_the_figure_has_a_curve_for_each_age_and_direction():
+    surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
+    solid = asp.solids.half_space(modulus="3 GPa", branches=[(0.4, 10.0)])
+    law = asp.law(solid, surface, pressures=[1e6, 4e6, 16e6], times=[0.0, 60.0])
+    axes = asp.figures.law_figure(law).axes
+    assert [len(one.lines) for one in axes] == [4, 4, 4]
+    drawn = axes[0].lines[1].get_ydata() / law["approach"].sel(direction="loading", time=60.0).values
+    assert drawn == pytest.approx(drawn[0])
+
+
+def test_a_file_with_legs_is_refused(mistaken, scan):
+    Path("legs.toml").write_text(
+        '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
+    )
+    assert mistaken("law", "legs.toml", *scan, *RANGE, "-q").startswith("[[protocol]]: expected none")
