@@ -371,6 +371,8 @@ def test_what_cannot_stick_is_refused():
     scan = Surface(heights, unit="um", pixel_size=1.0, length_unit="um")
     with refuses("material", "one with adhesion"):
         asp.predict(half_space(modulus=1e6, adhesion=law), scan, pressure=1e3)
+    with refuses("solid", "one with adhesion"):
+        asp.law(half_space(modulus=1e6, adhesion=law), scan, pressures=[1e3])
     in_pa = asp.press(scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN")
     with refuses("partial_slip", "adhesion"):
         in_pa.partial_slip(shear="1 uN", friction=0.5)
