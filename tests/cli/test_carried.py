@@ -19,11 +19,13 @@ from tests.refusals import refuses
 P = asp.protocols
 RUN = """--surface sphere --shape 32 32 --radius 1mm --pixel-size 1um --solid half_space --young 3GPa
     --poisson 0.3 --branch '0.5 1s' --load 1mN --times 0.1 1 10 --stiffness --resistivity '17 nOhm m'
-    --conductivity '0.2 W/m/K' --shear 0.2mN --friction-coefficient 0.4"""
+    --conductivity '0.2 W/m/K' --shear 0.2mN --friction-coefficient 0.4
+    --work-of-adhesion '2 J/m^2'"""
 PREDICT = """--surface scan.npy --file-unit m --pixel-size 1e-6 --length-unit m --young 3GPa --branch '0.5 1s'
     --first 0.1s --last 100s --pressure 1kPa --stiffness --resistivity '17 nOhm m' --conductivity '0.2 W/m/K'
-    --shear 0.1nN --friction-coefficient 0.4"""
-NAMES = ["normal_stiffness", "tangential_stiffness", "resistance", "thermal_resistance", "stick_fraction"]
+    --shear 0.1nN --friction-coefficient 0.4 --work-of-adhesion '2 J/m^2'"""
+NAMES = ["normal_stiffness", "tangential_stiffness", "resistance", "thermal_resistance"]
+NAMES += ["stick_fraction", "pull_off"]
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +38,7 @@ def contact():
 @pytest.fixture(scope="module")
 def history(contact):
     how: dict[str, Any] = {"resistivity": "17 nOhm m", "shear": "0.2 mN", "friction": 0.4}
-    carried = asp.Carried(conductivity=0.2, poisson=0.3, **how)
+    carried = asp.Carried(conductivity=0.2, poisson=0.3, work_of_adhesion=2.0, **how)
     return asp.age(contact, [0.1, 1.0, 10.0], carried=carried)
 
 
@@ -44,7 +46,11 @@ def test_a_history_records_what_its_contacts_carry(contact, history):
     for place, one in ((0, contact), (-1, history.final)):
         carries = (
             *(one.normal_stiffness, one.tangential_stiffness(0.3), one.resistance(17e-9)),
-            *(one.thermal_resistance(0.2), one.partial_slip(2e-4, 0.4).stick_fraction),
+            *(
+                one.thermal_resistance(0.2),
+                one.partial_slip(2e-4, 0.4).stick_fraction,
+                one.pull_off(2.0).force,
+            ),
         )
         found = [float(history.dataset[name][place]) for name in NAMES]
         np.testing.assert_allclose(found, carries, rtol=1e-6)
@@ -70,8 +76,8 @@ def test_a_checkpoint_is_of_what_is_recorded(contact):
 
 
 def test_the_figure_draws_what_was_recorded(history):
-    stiffness, resistance, thermal, sticks = carried_figure(history.dataset).axes
-    panels = (stiffness, resistance, thermal, sticks)
+    panels = carried_figure(history.dataset).axes
+    assert len(panels) == 5
     drawn = [line for axes in panels for line in axes.get_lines() if line.get_marker() in ("o", "s")]
     assert len(drawn) == len(NAMES)
     for line, name in zip(drawn, NAMES, strict=True):
@@ -98,7 +104,7 @@ def test_a_run_has_the_columns_and_says_them(history, tmp_path):
     rows = rows_of(out / "aging.csv")
     assert [float(row["resistance_ohm"]) for row in rows] == data["resistance"].values.tolist()
     said = (out / "summary.txt").read_text("utf-8")
-    assert all(name in said for name in ("thermal resistance", "stick fraction"))
+    assert all(name in said for name in ("thermal resistance", "stick fraction", "pull-off force"))
     assert (out / "carried.png").stat().st_size > 10_000
     again = tmp_path / "again"
     assert main(["run", str(out / "config.toml"), "--figures", "", "--quiet", "--out", str(again)]) == 0
@@ -132,6 +138,7 @@ def test_a_prediction_shows_them(tmp_path):
     assert (data["normal_stiffness"] > 0).all()
     assert "What the contact carries" in (out / "prediction.html").read_text("utf-8")
     row = rows_of(out / "history.csv")[0]
+    assert float(row["pull_off [N]"]) > 0
     assert float(row["resistance [ohm]"]) > 0
 
 
@@ -147,6 +154,11 @@ def test_what_cannot_be_asked(contact):
     for name, got, one, carried in asked:
         with refuses(name, got):
             asp.age(one, [1.0], carried=carried)
-    for key, value in (("shear", 1.0), ("friction_coefficient", 0.4), ("resistivity", [1.0, 2.0, 3.0])):
+    for key, value in (
+        ("shear", 1.0),
+        ("friction_coefficient", 0.4),
+        ("resistivity", [1.0, 2.0, 3.0]),
+        ("work_of_adhesion", 0.0),
+    ):
         with pytest.raises(ConfigError):
             config_from({"carried": {key: value}}, {}, None)

@@ -26,7 +26,7 @@ _MOVED = {
     **{name: f"asperity.relaxation.material(..., {name}=...)" for name in _OF_MATERIALS},
     **{
         name: f"carried=asperity.Carried({name}=...)"
-        for name in ("resistivity", "conductivity", "shear", "friction")
+        for name in ("resistivity", "conductivity", "shear", "friction", "work_of_adhesion")
     },
     **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
 }

@@ -1,8 +1,9 @@
-"""What a contact carries: how it resists more load and shear, what it conducts, and where it slips."""
+"""What a contact carries: how it resists load, shear and pull, what it conducts, and where it slips."""
 
 from asperity.base.calls import answered as _answered
+from asperity.carried.pull_off import PullOff
 from asperity.carried.record import Carried
 from asperity.carried.response import check_half_space
 
-__all__ = ["Carried", "check_half_space"]
+__all__ = ["Carried", "PullOff", "check_half_space"]
 __dir__ = _answered(globals())

@@ -27,6 +27,9 @@ class Carried:
         coefficient of friction. It is 0 where the bodies slide: where the load is at most shear / friction,
         as at the beginning of a ramp from load 0. See `Contact.partial_slip`. At each time alone: the force
         is put on at that time.
+    work_of_adhesion
+        Record ``pull_off``, the largest tension if the contact were pulled apart at that time, with this work
+        of adhesion; 0 without contact. See `Contact.pull_off`.
 
     Raises
     ------
@@ -39,6 +42,7 @@ class Carried:
     poisson: float | None = None
     shear: float | str | None = None
     friction: float | None = None
+    work_of_adhesion: float | str | None = None
 
     def __post_init__(self) -> None:
         if (self.shear is None) != (self.friction is None):
@@ -65,4 +69,6 @@ class Carried:
             force, mu = sheared(contact, self.shear, self.friction)
             slides = force >= mu * contact.load
             found["stick_fraction"] = 0.0 if slides else contact.partial_slip(force, mu).stick_fraction
+        if self.work_of_adhesion is not None:
+            found["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
         return found

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+    PullOff = Any
+
 WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results.load_contact(path, solid)"
 """Where a user gets a contact."""
 
@@ -342,6 +344,31 @@ class Contact(Bodies, views.InNotebooks):
         """
         slip: PartialSlip = views.made_by("partial_slip")(self, shear, friction, poisson)
         return slip
+
+    def pull_off(self, work: float | str) -> PullOff:
+        """Pull the bodies apart, at once, by an adhesion whose range is below the pixel.
+
+        From the contacts that have aged without adhesion; creep is frozen, so that rates are out of it. Sites
+        open for good where that releases the work of adhesion; see `asperity.carried.pull_off`.
+
+        Parameters
+        ----------
+        work
+            Work of adhesion of fast separation, energy per area, > 0; with units J/m^2, or a text:
+            ``"50 mJ/m^2"``.
+
+        Returns
+        -------
+        PullOff
+            ``force``, the largest tension; ``path``, a Dataset; ``ratio``, load over that force.
+
+        Raises
+        ------
+        InputError
+            The solid is defined on sites, or no or all sites are in contact, or the work is out of its range.
+        """
+        pulled: PullOff = views.made_by("pull_off")(self, work)
+        return pulled
 
     def plot(self, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
         """Draw where it touches and with which pressure; see `asperity.figures.plot_contact`.

@@ -1,4 +1,4 @@
-"""What a contact carries through time: stiffness, resistances, and the part that sticks."""
+"""What a contact carries through time: stiffness, resistances, the part that sticks, the pull-off force."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ _PANELS = {
     "resistance": ("resistance",),
     "thermal resistance": ("thermal_resistance",),
     _STICKS: ("stick_fraction",),
+    "pull-off force": ("pull_off",),
 }
 """What each panel shows: quantities of one unit."""
 

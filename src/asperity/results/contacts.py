@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from asperity.base import checks, views
+from asperity.carried import PullOff
 from asperity.contact import Contact, Load, Separation
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
@@ -17,8 +19,9 @@ from asperity.contact.publish import contact_from
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Lattice
+from asperity.patches import patches
 from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe
-from asperity.results.quantities import had_by
+from asperity.results.quantities import had_by, units_of
 from asperity.results.store import load
 from asperity.solids import Solid
 
@@ -36,6 +39,38 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
     )
     describe(dataset, contact)
     return dataset.assign_attrs({"title": "A rough contact", **attributes_of(contact, contact.control)})
+
+
+@views.maker
+def pull_off_path(found: PullOff, contact: Contact) -> xr.Dataset:
+    """See `PullOff.path`."""
+    numbers = patches(contact.in_contact, edges=contact.lattice.edges)
+    last = np.full(numbers.sizes.size + 1, np.inf)
+    touching = contact.in_contact
+    np.minimum.at(last, numbers.labels[touching], found.opened[touching])
+    units = units_of(contact)
+    length, force = units["length"], units["force"]
+    sites = ("y", "x")
+    contact_area = found.area * contact.lattice.cell
+    when = "approach at which the last site of the patch opened"
+    dataset = xr.Dataset(
+        {
+            "approach": ("step", found.approach, _said("approach since the aged contact", length)),
+            "force": ("step", found.normal_force, _said("normal force, negative where it pulls", force)),
+            "area": ("step", found.area, _said("sites in contact", "sites")),
+            "contact_area": ("step", contact_area, _said("real contact area", units["area"])),
+            "opened": (sites, found.opened, _said("approach at which the site opened", length)),
+            "patch": (sites, numbers.labels, _said("number of the patch of the aged contact", "1")),
+            "let_go": ("number", last[1:], _said(when, length)),
+        },
+        {"number": np.arange(1, last.size), **dict(zip(sites, coordinates_of(contact), strict=True))},
+    )
+    told = {"title": "A contact pulled apart", "work_of_adhesion": found.work, "pull_off": found.force}
+    return dataset.assign_attrs({**told, **attributes_of(contact, contact.control)})
+
+
+def _said(long_name: str, units: str) -> dict[str, str]:
+    return {"long_name": long_name, "units": units}
 
 
 def load_contact(path: str | Path, solid: Solid) -> Contact:

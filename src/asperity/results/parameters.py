@@ -59,6 +59,7 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "conductivity": ("thermal conductivity", "W/m/K"),
     "shear": ("shear force", "force"),
     "friction_coefficient": ("coefficient of friction of the sites", "1"),
+    "work_of_adhesion": ("work of adhesion", "J/m^2"),
     "rtol": ("relative tolerance of the time steps", "1"),
     "point": ("number of the point, from 0", "1"),
     "entry": ("number of the entry of the series, from 0", "1"),

@@ -81,6 +81,7 @@ _COEFFICIENT = "friction coefficient, friction force over load"
 _STIFF = "normal contact stiffness, at once and with the contacts as they are"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
 _OHMIC = "electrical resistance of the constrictions"
+_PULLED = "pull-off force, the largest tension if pulled apart at that time, at once"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
 _TOUCHED = "time for which the sites in contact have touched without interruption"
@@ -117,6 +118,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
     Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
     Quantity("stick_fraction", "1", "share of the contact that sticks under shear", _ALL, "carried"),
+    Quantity("pull_off", "force", _PULLED, _ALL, "carried", label="pull-off force"),
     _coordinate("leg", "1", "leg of the history, from 0", RUN | PAGE, whole=True),
     _coordinate("heights", "length", "height of the rigid rough surface", symbol="ξ(r)"),
     _field("u", "length", "height of the elastic surface", symbol="u(r), Eq. (1)"),

@@ -29,6 +29,7 @@ from asperity.app.config.sections import (
     Size,
     Time,
     Velocity,
+    Work,
     any_of,
     field_of,
     made,
@@ -195,6 +196,9 @@ class Carried(Section):
     shear: Force | None = usual(None, "Shear force: record the share of the contact that sticks.")
     friction_coefficient: Positive | None = usual(
         None, "Coefficient of friction of the sites, for the shear force."
+    )
+    work_of_adhesion: Work | None = usual(
+        None, "Work of adhesion: record the force to pull the contact apart, at once."
     )
 
     @model_validator(mode="after")

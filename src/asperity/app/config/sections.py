@@ -119,6 +119,7 @@ Position = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("m")]
 Velocity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m/s")]
 Resistivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("ohm m")]
 Conductivity = Annotated[float, Field(gt=0, le=LARGEST), InUnit("W/m/K")]
+Work = Annotated[float, Field(gt=0, le=LARGEST), InUnit("J/m^2")]
 Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
 

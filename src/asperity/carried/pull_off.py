@@ -1,0 +1,316 @@
+r"""Pulled apart after aging: elastic, fast, by an adhesion whose range is below the pixel.
+
+The contacts have aged without adhesion, and creep is frozen. With the compliance K = 1 / S of the solid at
+once, the closed sites C bear forces p that hold the surfaces together while the bodies move apart by L:
+
+    K p + L = d on C,        p = x_d - L x_1,        K x_d = d and K x_1 = 1 on C,
+
+where d = K p0 of the aged contact, so that nothing moves at L = 0; beside a smooth rim it is less by half the
+gap, as the rim is midway between sites. Closed sites may bear tension. A site
+opens for good where the front, on passing it, releases the work of adhesion w for each unit of area. That is
+the crack closure integral along the front,
+
+    G = sqrt(G_less G_more),        G_less, G_more = mean of t delta / (2 cell) along the front,
+
+where t is the tension of a site while it is closed, and delta its gap once it is open, at the same L. Sites
+are those of the outermost closed layer, all opened together, and of the innermost open layer, all closed
+together; so the front is midway. Means extend over some pixels of the front (`Tuning.smoothing`). Only they
+let a row open as a whole: the first site alone of a straight row needs G = 1.65 w, and traps the front
+(the criterion of R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015)). Crack closure in place
+of it: DOI 10.3389/fmech.2021.754782.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import KDTree
+
+from asperity.base import checks, units, views
+from asperity.base.calls import remark
+from asperity.contact import Contact
+from asperity.contact.arrays import inner
+from asperity.errors import ConvergenceError, InputError
+from asperity.lattice import Field, Mask
+from asperity.patches import patches
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of the method."""
+
+    smoothing: float = 2.5
+    """Standard deviation of the means along the front, pixels."""
+
+    toughness: float = 1.03
+    """G, over w, at which a site opens. Above 1 because the weakest places open first: by flat punches and
+    balls of 10 to 32 pixels."""
+
+    share: float = 0.04
+    """Share of the outermost layer that opens at once."""
+
+    coarse: float = 0.2
+    """The same far from the largest tension."""
+
+    solved: float = 3e-3
+    """Error of the forces, over those that hold a layer, in the norm of the energy."""
+
+    smooth: float = 0.25
+    """Gap beside the rim of the aged contact, over the step of the heights there, from which it is a wall."""
+
+    apart: float = 1e-3
+    """Error of an increment of L."""
+
+    fair_ratio: float = 10.0
+    """Load over pull-off force below which adhesion while aging is no correction."""
+
+
+TUNING = Tuning()
+
+EXPECTED_ERROR = {2.0: 0.4, 3.0: 0.3, 4.0: 0.17, 6.0: 0.06, 11.0: 0.04, 16.0: 0.03, 32.0: 0.02}
+"""Largest error of the pull-off force by the radius of the contact, pixels: balls and flat punches."""
+
+_MODES: dict[str, Any] = {"periodic": "wrap", "reflecting": "reflect", "free": "constant"}
+_CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
+Pair = tuple[Field, Field]
+"""What is linear in L: its value at 0, and its slope."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PullOff(views.Brief):
+    """How an aged contact is pulled apart: at once, creep frozen.
+
+    Attributes
+    ----------
+    work
+        Work of adhesion, energy per area, of fast separation.
+    force
+        The pull-off force: the largest tension on the way, > 0, whether load or separation is held.
+    approach, normal_force, area
+        The way, from the aged contact until nothing touches: approach of the bodies since then, length, which
+        falls below 0; force, negative where it pulls; number of closed sites. Shape ``(steps,)``.
+    opened
+        Approach at which each site opened, length; NaN off the aged contact. Shape of the contact.
+    """
+
+    work: float
+    force: float
+    approach: Field
+    normal_force: Field
+    area: NDArray[np.int64]
+    opened: Field
+    _contact: Contact = field(repr=False)
+
+    @property
+    def ratio(self) -> float:
+        """Load while aging over the pull-off force; neglecting adhesion while aging asks for a large one.
+
+        On a ball adhesion adds about 4 / (3 sqrt(ratio)) to the area: 40 % at 10, 13 % at 100, 4 % at 1000.
+        """
+        return self._contact.load / self.force
+
+    @cached_property
+    def path(self) -> xr.Dataset:
+        """The way as an xarray Dataset: approach, force and area, by step.
+
+        ``let_go`` is the approach at which each patch of the aged contact opened altogether, ``patch`` the
+        map of their numbers, from 1 on, largest first, and ``opened`` the attribute.
+        """
+        dataset: xr.Dataset = views.made_by("pull_off_path")(self, self._contact)
+        return dataset
+
+
+@views.maker
+def pull_off(contact: Contact, work: float | str) -> PullOff:
+    """See `Contact.pull_off`."""
+    solid, lattice = contact.solid, contact.lattice
+    if not solid.in_lengths or lattice.dimension == 1:
+        raise InputError(
+            "pull_off",
+            expected="a half-space, a layer or a film under a surface of two dimensions",
+            got="a line contact" if solid.in_lengths else f"a {solid.kind.replace('_', ' ')}",
+            advice="asperity.solids.half_space(modulus=...)",
+        )
+    w = checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
+    if contact.area == 0 or (contact.area == contact.heights.size and lattice.edges != "free"):
+        got = "full contact" if contact.area else "no site in contact"
+        raise InputError("pull_off", expected="a contact that has a rim", got=got, advice="another load")
+    opened = np.full(contact.relative[2].shape, np.nan)
+    way = np.array(list(_Bond(contact, w).way(opened)))
+    apart, force, area = way.T
+    found = PullOff(
+        w, -float(force.min()), -apart, force, area.astype(int), lattice.embedding.cut(opened), contact
+    )
+    _remark_on(contact, found)
+    return found
+
+
+def _remark_on(contact: Contact, found: PullOff) -> None:
+    sizes = patches(contact.in_contact, edges=contact.lattice.edges).sizes
+    radius = math.sqrt(float((sizes**2).sum()) / contact.area / math.pi)
+    error = float(np.interp(radius, list(EXPECTED_ERROR), list(EXPECTED_ERROR.values())))
+    if error > 0.05:
+        remark(
+            f"pull_off: patches of {max(round(radius), 1)} pixels in radius, the mean over the contact, let "
+            f"the force err by about {100 * error:.0f} %; smaller pixels are surer, 4 % at 11 of them"
+        )
+    if found.ratio < TUNING.fair_ratio:
+        remark(
+            f"pull_off: the load is less than {TUNING.fair_ratio:g} times the pull-off force; adhesion, "
+            "left out while the contact ages, would matter there too; see docs/adhesion.md"
+        )
+
+
+class _Bond:
+    """The closed sites, and the forces on them, with a layer less and with a layer more."""
+
+    def __init__(self, contact: Contact, work: float) -> None:
+        self.lattice = lattice = contact.lattice.embedding
+        self.mode, sides = _MODES[contact.lattice.edges], np.array(lattice.spacing) / math.sqrt(lattice.cell)
+        self.sides = sides
+        self.around: Any = lattice.shape * sides if self.mode == "wrap" else None
+        stiffness = contact.system().mechanics.implicit_step(0.0).stiffness
+        self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
+        self.unit = float(self.compliance.max())
+        self.soft: Any = (self.compliance / self.unit).astype(np.float32)
+        self.stiff: Any = (stiffness * self.unit).astype(np.float32)
+        self.closed = contact.relative[2].copy()
+        self.body = lattice.extended(np.ones(contact.heights.shape, dtype=bool), beyond=False)
+        force = lattice.extended(contact.force, beyond=0.0)
+        gap, rough = (lattice.extended(one, beyond=0.0) for one in (contact.gap, contact.heights))
+        drop = ndimage.maximum_filter(rough, footprint=_CROSS, mode=self.mode) - rough
+        self.target = self._moved(force) - np.where(gap < TUNING.smooth * drop, gap / 2, 0.0)
+        self.energy = TUNING.toughness * work * lattice.cell
+        self.stiffness = contact.normal_stiffness
+        self.step = TUNING.apart * math.sqrt(self.energy * contact.area / self.stiffness)
+        self.forces: list[Pair] = [(force, np.zeros_like(force))] * 3
+
+    def way(self, opened: Field) -> list[tuple[float, float, int]]:
+        """L, force and number of closed sites from step to step; writes at which approach each site opens."""
+        apart, most = 0.0, 0.0
+        found: list[tuple[float, float, int]] = []
+        while area := int(np.count_nonzero(self.closed)):
+            layer, released = self._release()
+            count = np.count_nonzero(layer)
+            for share in (TUNING.coarse, TUNING.share):
+                here = self._reach(released, apart, max(1, int(share * count / 2)))
+                until = self._reach(released, here, max(1, int(share * count)))
+                # The largest tension is not to be passed in a coarse step.
+                if self._load(until) > (-0.5 * most if most else 0.5 * self._load(apart)):
+                    break
+            if not found:
+                onset = self._reach(released, 0.0, 1)
+                found = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
+            self.step, apart = max(self.step / 4, until - apart), here
+            found.append((apart, self._load(apart), area))
+            most = max(most, -found[-1][1])
+            sites = np.flatnonzero(layer)[released(until) >= 1]
+            opened.flat[sites], self.closed.flat[sites] = -apart, False
+        return [*found, (apart, 0.0, 0)]
+
+    def _load(self, apart: float) -> float:
+        at_rest, slope = self.forces[0]
+        return float(at_rest.sum()) - apart * float(slope.sum())
+
+    def _reach(self, released: Any, start: float, count: int) -> float:
+        """The least L from a start at which a number of sites release enough."""
+
+        def enough(apart: float) -> bool:
+            return bool(np.count_nonzero(released(apart) >= 1) >= count)
+
+        low = high = start
+        step = self.step
+        while not enough(high):
+            low, high, step = high, high + step, 2 * step
+            if not math.isfinite(high):
+                raise ConvergenceError("pull-off: no pull opens the rest; the forces are not finite numbers")
+        while high - low > TUNING.apart * (high - start):
+            middle = (low + high) / 2
+            low, high = (low, middle) if enough(middle) else (middle, high)
+        return high
+
+    def _release(self) -> tuple[Mask, Any]:
+        """The outermost closed layer, and G / w at its sites as a function of L."""
+        closed = self.closed
+        how: Any = {"footprint": _CROSS, "mode": self.mode}
+        layer = closed & ~ndimage.minimum_filter(closed, **how)
+        beyond = ndimage.maximum_filter(closed, **how) & ~closed & self.body
+        part = TUNING.solved**2 * np.count_nonzero(layer)
+        allowed = 2 * part * self.energy, part * self.stiffness / np.count_nonzero(closed)
+        shapes = closed, closed & ~layer, closed | beyond
+        self.forces = [
+            (self._bonded(ours, self.target, shape, allowed[0]), self._bonded(slope, 1.0, shape, allowed[1]))
+            for shape, (ours, slope) in zip(shapes, self.forces, strict=True)
+        ]
+        whole, less, more = self.forces
+        self.stiffness = float(whole[1].sum())
+        by_less, _ = self._beside(layer, layer, whole, less)
+        by_more, near = self._beside(layer, beyond, more, whole)
+
+        def released(apart: float) -> Field:
+            found: Field = by_less(apart)  # alone where the body ends at the front, and no site is beyond it
+            return np.asarray(np.where(near, np.sqrt(found * by_more(apart)), found))
+
+        return layer, released
+
+    def _beside(self, layer: Mask, sites: Mask, shut: Pair, free: Pair) -> tuple[Any, Mask]:
+        """Mean of t delta / (2 w cell) along the front, at the sites of a layer, as a function of L.
+
+        At some sites, with t from the forces while they are shut, and delta from those while they are free;
+        and where there are such sites.
+        """
+        tension = -shut[0][sites], shut[1][sites]
+        gap = self._moved(free[0])[sites] - self.target[sites], 1.0 - self._moved(free[1])[sites]
+        places, others = (
+            KDTree(np.argwhere(mask) * self.sides, boxsize=self.around) for mask in (layer, sites)
+        )
+        near = places.sparse_distance_matrix(others, 3 * TUNING.smoothing, output_type="coo_matrix")
+        weight = np.exp(-0.5 * (near.data / TUNING.smoothing) ** 2)
+        mean = scipy.sparse.csr_array((weight, (near.row, near.col)), shape=near.shape)
+        total = np.asarray(mean.sum(axis=1))
+        scale = 2 * self.energy * np.where(total > 0, total, 1.0)
+
+        def released(apart: float) -> Field:
+            t, delta = (np.maximum(at_rest + apart * slope, 0.0) for at_rest, slope in (tension, gap))
+            return np.asarray(mean @ (t * delta)) / scale
+
+        return released, total > 0
+
+    def _moved(self, force: Field) -> Field:
+        """Displacement by forces."""
+        return self.lattice.apply(self.compliance, force)
+
+    def _bonded(self, force: Field, target: Field | float, shape: Mask, allowed: float) -> Field:
+        """Forces on some sites that move them to a target, from others; by conjugate gradients.
+
+        An error of twice an energy is ``allowed``. The preconditioner is S between the sites.
+        """
+        force = np.where(shape, force, 0.0)
+        left = np.where(shape, target - self._moved(force), 0.0)
+        if not (scale := float(np.abs(left).max())):
+            return force
+        here, residual = shape.astype(np.float32), cast(Any, (left / scale).astype(np.float32))
+        found, slope = np.zeros_like(residual), 1.0
+        direction: Any = None
+        goal = allowed * self.unit / scale**2
+        for _ in range(np.count_nonzero(shape)):
+            estimate = here * self.lattice.apply(self.stiff, residual)
+            before, slope = slope, inner(residual, estimate, np)
+            if slope <= goal:
+                break
+            direction = estimate if direction is None else estimate + np.float32(slope / before) * direction
+            response = here * self.lattice.apply(self.soft, direction)
+            length = np.float32(slope / inner(direction, response, np))
+            found += length * direction
+            residual -= length * response
+        return np.asarray(force + found * (scale / self.unit))
