@@ -302,7 +302,7 @@ def age(
             final, parted = frame.contact, frame.parted
             of_its_time = not frame.passing
             if of_its_time and frame.time in wanted and not parted:
-                snapshots.append(snapshot_of(frame))
+                snapshots.append(snapshot_of(frame, carried))
             known = frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always))
             if (frame.time > rows[-1]["time"]) if parted else known:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))

@@ -370,10 +370,10 @@ def test_a_prediction_of_a_file_says_what_its_band_holds(undrawn, asperity):
     for found, words in (
         (drawn, "solid whose numbers were given with 3 draws of its branches, a scan"),
         (drawn, "the spread of 3 draws of its branches is in the band, errors of the others are not."),
-        (drawn, "is found from the 3 draws of the branches that were given ("),
+        (drawn, "The 3 draws of the branches that were given are in them ("),
         (drawn, "of the other numbers of the solid or of"),
         (replaced, "their errors are not in the band"),  # a flag takes the draws of the branches away
-        (hard, "taking the area for a function of the compliance, and by drawing anew"),
+        (hard, "The area is taken for a function of the compliance."),
     ):
         assert words in prediction_page(found, {})
     assert "their errors are not in the band" not in prediction_page(drawn, {})

@@ -104,7 +104,7 @@ def test_units_are_those_of_the_contact() -> None:
     ax = contact.plot(axes())
     part = f"{100 * contact.contact_fraction:.3g} % of the nominal area touches, load 1.024\u00a0mN"
     assert part in ax.get_title()
-    bar = ax.get_figure().axes[1]  # type: ignore[union-attr]
+    bar = ax.get_figure().axes[1]
     assert bar.get_ylabel() == "contact pressure [MPa]"
     np.testing.assert_allclose(np.nanmax(map_of(ax)), 1e-6 * contact.largest_pressure, rtol=1e-12)
     history = age(contact, [1.0, 2.0])

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.memory import bytes_a_site
+from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
 from asperity.analysis.plausible import remarks_on_contact, remarks_on_edges, remarks_on_prediction
 from asperity.analysis.prediction import Band, Prediction, growth_of, resolved
@@ -21,11 +23,13 @@ from asperity.base import checks, units
 from asperity.base.machine import require
 from asperity.carried import Carried
 from asperity.errors import InputError
+from asperity.friction import add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
-from asperity.protocols import Hold, Ramp
+from asperity.protocols import Hold, Leg, Ramp, Schedule, legs_of
 from asperity.relaxation import Material, Measured, PronySeries
 from asperity.relaxation import material as material_of
+from asperity.relaxation.materials import relaxing_of
 from asperity.results import Checkpoint, History
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
@@ -34,6 +38,12 @@ from asperity.surfaces.prepare import length_factor
 
 USUAL_MAPS = 6
 LEAST_TIMES = 5
+
+_IN_RAMP = 12
+"""Times recorded in a ramp, evenly spread."""
+
+_SINCE = 1e-3
+"""First time recorded since a change of the load, over the shortest hold, where no table says more."""
 
 _FACTORS = (1, 2, 4, 8, 16)
 """Shortest waves of a study of resolution, over two pixels, which are the shortest that a scan has."""
@@ -49,6 +59,7 @@ def predict(
     load: float | str | None = None,
     pressure: float | str | None = None,
     ramp: float | str | None = None,
+    protocol: Sequence[Leg] | Leg | None = None,
     first: float | str | None = None,
     last: float | str | None = None,
     per_decade: int = 4,
@@ -59,7 +70,7 @@ def predict(
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> Prediction:
-    """Predict how the contact of a rough rigid surface with a half-space grows under a load that stays.
+    """Predict how the contact of a rough rigid surface with a half-space ages, and how sure that is.
 
     Numbers are in SI units, or texts with a unit: ``"1 MPa"``.
 
@@ -72,13 +83,17 @@ def predict(
         The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. Of a
         scan and its mirror images the scan is taken, with reflecting edges.
     load, pressure
-        Normal load, N; or in its place load over nominal area, Pa. It stays once it is put on.
+        Normal load, N; or in its place load over nominal area, Pa. It stays, unless a protocol changes it.
     ramp
         Time, s, within which the load is put on, in proportion to time; by default at once. All times count
         from the start of the loading.
+    protocol
+        A history of the load in place of ramp and last: a list of legs of `asperity.protocols`, such as
+        ``[Ramp("2.4 s", pressure="1 MPa"), Hold("1000 s"), Step(pressure="250 kPa"), Hold("4000 s")]``. One
+        that begins with a ramp needs no load. Slides, and legs that hold or move the body, have no band.
     first, last
         Times, s, between which to predict; by default all that the table spans and that are after the ramp.
-        Without a table both are needed.
+        Without a table both are needed. With a protocol the first time since each of its changes.
     per_decade
         Times recorded in each decade.
     shear_strength
@@ -102,15 +117,20 @@ def predict(
 
     Notes
     -----
-    A generalized Maxwell half-space is separable, and the load never falls: the contact at each time is the
-    exact one, see `asperity.age`. Local laws of creep and a hardness are followed in time steps.
+    A generalized Maxwell half-space is separable: while the load does not fall, the contact at each time is
+    the exact one, see `asperity.age`. Other contacts are followed in time steps. The dataset has 95 % bands,
+    such as ``contact_area_low`` and ``contact_area_high``: see `Prediction.band`.
 
     References
     ----------
     H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
     """
-    which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
-    amount = positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))
+    legs = [] if protocol is None else list(legs_of(protocol))
+    held = {"load": 0.0}
+    begins_to_rise = bool(legs and legs[0].target and legs[0].duration)
+    if not begins_to_rise or (load, pressure) != (None, None):
+        which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
+        held = {which: positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))}
     density = checks.integer("per_decade", per_decade, least=1, most=1000)
     loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
     instrument = checks.instance("instrument", instrument or {}, dict, "{'pixel': '0.2 um'}")
@@ -124,7 +144,15 @@ def predict(
         if material.solid.adhesion is not None:
             expected, advice = "a solid that does not stick, whose band follows from the load", "asperity run"
             raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
-        times = _times_within(material, first, last, density, loading)
+        if legs:
+            check_legs("protocol", legs, ramp=ramp, last=last)
+            shortest = min((leg.duration for leg in legs if leg.rests), default=1.0) * _SINCE
+            usual = material.span[0] or shortest
+            start = usual if first is None else positive_quantity("first", first, "s")
+            _check_known(material, first=start, protocol=math.fsum(leg.duration for leg in legs))
+            times = times_of_legs(legs, first=start, per_decade=density)
+        else:
+            times = _times_within(material, first, last, density, loading)
         listening.stage("reading the scan")
         if isinstance(surface, str | Path):
             surface = read(surface)
@@ -133,7 +161,8 @@ def predict(
             material,
             checks.instance("surface", surface, Surface, advice).scan,
             times,
-            {which: amount},
+            held,
+            legs=legs,
             ramp=loading,
             strength=strength,
             carried=carried,
@@ -150,6 +179,7 @@ def predicted(
     times: Field,
     held: Mapping[str, float],
     *,
+    legs: Sequence[Leg] = (),
     ramp: float,
     strength: float | None,
     carried: Carried | None,
@@ -167,15 +197,19 @@ def predicted(
     scan.in_meters()
     if not solid.half_space:
         raise no_half_space("material", solid.kind)
-    maps = sorted({times[0], *times[np.linspace(0, times.size - 1, USUAL_MAPS).round().astype(int)]})
+    maps = map_moments([times[0], *Schedule.of(legs, times).switches[1:]] if legs else times)
     require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
     # There is no contact without a load but where the scan is highest: a ramp begins there.
-    legs = [Ramp(ramp, **held), Hold(float(times[-1]) - ramp)] if ramp else None
     at_first: dict[str, Any] = {"load": 0.0} if ramp else {**held}
+    protocol = legs or ([Ramp(ramp, **held), Hold(float(times[-1]) - ramp)] if ramp else None)
 
-    def followed(surface: Surface, at: list[float]) -> History:
-        return age(pressed(surface, solid, **at_first), at, protocol=legs, rtol=rtol)
+    def followed(surface: Surface, solid: Solid, at: Field | list[float], **how: Any) -> History:
+        return age(pressed(surface, solid, **at_first), at, protocol=protocol, rtol=rtol, **how)
+
+    def drawn(other: Solid, stage: str) -> xr.Dataset:
+        progress.stage(stage)
+        return followed(scan, other, times, carried=carried).dataset
 
     try:
         contact = pressed(scan, solid, **at_first)
@@ -183,22 +217,32 @@ def predicted(
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
         how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
-        dataset = age(contact, times, protocol=legs, fields_at=maps, carried=carried, **how).dataset
+        dataset = age(contact, times, protocol=protocol, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
         raise _of_pressure(error, held, solid) from None
+    if strength is not None:
+        dataset = add_friction(dataset, strength)
+    if solid.separable and (load := effective_load(dataset, relaxing_of(solid))) is not None:
+        said = {"long_name": "load on an elastic half-space with the same contact", "units": "N"}
+        dataset["effective_load"] = "time", load, said
+    progress.stage("bootstrapping the band")
+    of_solid = draws_of_solid(dataset, material.spread, solid, drawn)
+    of_scan = OfScan.of(dataset, contact)
+    dataset = with_bands(dataset, of_scan, of_solid)
     if ramp:  # switches between legs were recorded, too
-        asked = np.isin(dataset["time"], times)
-        dataset = dataset.isel(time=np.append(0, np.flatnonzero(asked)))
-    bands = bands_of(scan, followed, times[[0, -1]].tolist(), progress) if study else ()
+        rows = np.append(0, np.flatnonzero(np.isin(dataset["time"], times)))
+        dataset, of_scan = dataset.isel(time=rows), of_scan.at(rows)
+        of_solid = {name: factors[:, rows] for name, factors in of_solid.items()}
+    span = times[[0, -1]].tolist()
+    bands = bands_of(scan, lambda part, at: followed(part, solid, at), span, progress) if study else ()
     facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
     known = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(known))
-    progress.stage("bootstrapping the band")
-    looked_at = (dataset.isel(field_time=n) for n in range(len(maps) if instrument else 0))
+    looked_at = (dataset.isel(field_time=n) for n in range(dataset.sizes["field_time"] if instrument else 0))
     prediction = Prediction(
         dataset,
         material,
-        growth_of(dataset, material.spread, ramp=ramp),
+        None if legs else growth_of(dataset, of_scan, of_solid),
         resolved(dataset),
         shear_strength=strength,
         observed=tuple(observe(one, **instrument) for one in looked_at),
@@ -229,6 +273,39 @@ def hold_times(*, first: float, last: float, per_decade: int) -> Field:
     return np.geomspace(first, last, steps + 1)
 
 
+def times_of_legs(legs: Sequence[Leg], *, first: float, per_decade: int) -> Field:
+    """Times spread over the ramps of a protocol, and from ``first`` after each switch over the rests."""
+    schedule = Schedule.of(legs, np.empty(0))
+    times = list(schedule.switches[1:])
+    for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
+        if leg.target and leg.duration:
+            times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
+        elif leg.rests and leg.duration > first:
+            since = hold_times(first=first, last=leg.duration, per_decade=per_decade)
+            times += (begun + since[:-1]).tolist()
+    return np.unique(times)
+
+
+def map_moments(times: Sequence[float] | Field) -> list[float]:
+    """Moments of a few maps among increasing times: the first, the last, and others evenly spread."""
+    moments = np.unique(times)
+    chosen = np.linspace(0, moments.size - 1, USUAL_MAPS).round().astype(int)
+    return [float(moment) for moment in np.unique(moments[chosen])]
+
+
+def check_legs(name: str, legs: Sequence[Leg], **beside: object) -> None:
+    """Refuse legs that no band covers, and what means nothing beside legs."""
+    for leg in legs:
+        if leg.speed or leg.moves_the_body or leg.hold not in (None, "load"):
+            words = leg.words(lambda _, value: f"{value:g}")
+            advice = "asperity run, or asperity.age, which follow it without a band"
+            raise InputError(name, expected="legs of the load, which a band covers", got=words, advice=advice)
+    for other, value in beside.items():
+        if value is not None:
+            expected = "none beside a protocol, which says when it ends and what it begins with"
+            raise InputError(other, expected=expected, got=checks.shown(value))
+
+
 def _times_within(
     material: Material, first: float | str | None, last: float | str | None, per_decade: int, ramp: float
 ) -> Field:
@@ -244,7 +321,16 @@ def _times_within(
     start = max(begin, ramp) if first is None else positive_quantity("first", first, "s")
     if not start < stop:
         raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
-    for name, time in (("first", start), ("last", stop)):
+    _check_known(material, first=start, last=stop)
+    check_span("last", start, stop)
+    least = math.ceil(LEAST_TIMES / math.log10(stop / start))
+    return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
+
+
+def _check_known(material: Material, **times: float) -> None:
+    """Refuse times of which nothing is known."""
+    begin, end = material.span
+    for name, time in times.items():
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
             what, advice = "the table spans", "a table of more decades"
             if material.fit is None:
@@ -253,9 +339,6 @@ def _times_within(
                 advice = "extrapolate='plateau'"
             expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
             raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
-    check_span("last", start, stop)
-    least = math.ceil(LEAST_TIMES / math.log10(stop / start))
-    return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
 
 
 def check_ramp(ramp: float, last: float) -> None:

@@ -1,34 +1,28 @@
-r"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
+"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
 
 It grows by A(last)/A(first); per decade by the slope of A(t)/A(first) against log10 t by least squares.
-Their 95 % bands come from two spreads, each drawn anew with replacement (B. Efron, Ann. Stat. 7, 1 (1979),
-DOI 10.1214/aos/1176344552):
-
-    table   `Material.spread`. A separable solid under a constant pressure p has the contact of an elastic one
-            at p J(t): A as a function of J, which the history has sampled, gives the curve of every draw.
-            With a hardness this holds nearly, see docs/predict.md.
-    scan    tiles of the scan: what another scan of this size would give. Load passes from tile to tile, so
-            the area of the tiles drawn is divided by the load that they bear. Tiles are few: deviations are
-            widened as Student's t is.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 import xarray as xr
 
+from asperity.analysis.bands import Interval, OfScan, banded, interval, rows_of_maps
+from asperity.analysis.legs import protocol_of
 from asperity.analysis.observation import Observation
 from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
 from asperity.creep import Eyring
+from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.patches import patches
 from asperity.relaxation import Fit, Material, PronySeries
@@ -36,14 +30,7 @@ from asperity.relaxation.materials import relaxing_of
 from asperity.solids import PARAMETERS_OF_LAWS, Solid
 from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
-from asperity.theory import flowing_area, persson_area, static_friction
-
-_DRAWS = 200
-_TILES = 4
-"""Tiles along each axis of the scan."""
-
-_WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
-"""Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
+from asperity.theory import flowing_area, persson_area
 
 _FEW = 10
 """Pixels of a patch below which its shape is not resolved."""
@@ -51,14 +38,7 @@ _FEW = 10
 _FLOWING, _FULL = 3.0, 0.5
 """Contact pressure over s0 above which contacts flow, and part of the area up to which they do so alone."""
 
-_END = 0.25
-"""Part of a curve along which it is continued."""
-
-_ROUNDING = 1e-12
-
-Interval = tuple[float, float]
-_Measure = Callable[[Field, Field], float]
-"""A measure of growth, from times and areas."""
+_ROUNDING, _LOADING = 1e-12, 1e-6
 
 
 @dataclass(frozen=True)
@@ -159,7 +139,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     material
         The half-space, with the fit of its relaxation table or draws of its branches.
     growth
-        Of the area less its rim.
+        Of the area less its rim, under a load that stays; None for another history.
     resolved
         What is resolved at the times of the maps.
     shear_strength
@@ -174,7 +154,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     dataset: xr.Dataset
     material: Material
-    growth: Growth
+    growth: Growth | None
     resolved: tuple[Resolved, ...]
     shear_strength: float | None = None
     observed: tuple[Observation, ...] = ()
@@ -182,6 +162,13 @@ class Prediction(views.InNotebooks, views.Pictured):
     bands: tuple[Band, ...] = ()
 
     def __repr__(self) -> str:
+        ends = self.band("contact_area_corrected")
+        low, area, high = (
+            float(one[-1]) for one in (ends[0], self.series("contact_area_corrected"), ends[1])
+        )
+        if self.growth is None:
+            said = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
+            return f"<Prediction: {said}, 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}>"
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
         return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
 
@@ -226,13 +213,28 @@ class Prediction(views.InNotebooks, views.Pictured):
         return cast(float, self.assumed.get("ramp", 0.0))
 
     @property
+    def legs(self) -> str:
+        """The history of the load in words; empty for one that is put on and stays."""
+        return (
+            ""
+            if self.growth is not None
+            else ", ".join(leg.words(_said) for leg in protocol_of(self.dataset))
+        )
+
+    @property
+    def loaded(self) -> int:
+        """Place in `time` of the first contact under all of the load that is put on first."""
+        load = self.series("load")
+        return int(np.argmax(np.diff(load, append=0.0) < _LOADING * load.max())) if self.legs else 0
+
+    @property
     def draws(self) -> int:
         """Draws of the solid's branches whose spread is in the bands; 0 without."""
         return len(self.material.draws)
 
     @property
     def load(self) -> float:
-        """The load that is held, N."""
+        """The load that is held at last, N."""
         return float(self.dataset["load"][-1])
 
     def between(self, name: str) -> str:
@@ -289,15 +291,16 @@ class Prediction(views.InNotebooks, views.Pictured):
     @property
     def beside(self) -> tuple[str, str]:
         """Name and symbol of what the area of a light contact of a separable solid is in proportion to."""
-        return ("effective load", "L") if self.ramp else ("creep compliance", "J")
+        return ("effective load", "L") if self.ramp or self.legs else ("creep compliance", "J")
 
     @property
     def effective_load(self) -> Field | None:
-        """Load under which an elastic half-space of E* has this contact, N; None for no separable solid.
+        """Load under which an elastic half-space of E* has this contact, N; None where there is none.
 
         At a constant load F it is E* F J(t); while that was put on, E* times the integral of J(t - s) dF(s).
+        A solid that is not separable has none, nor has a load that falls.
         """
-        return None if self.relaxing is None else self.load * _creep(self.relaxing, self.time, self.ramp)
+        return self.series("effective_load") if "effective_load" in self.dataset else None
 
     @property
     def theory(self) -> tuple[str, Field] | None:
@@ -313,7 +316,8 @@ class Prediction(views.InNotebooks, views.Pictured):
             area = self.nominal_area * persson_area(pressure, modulus=self.modulus, slope=slope)
             return "Persson's theory, from the rms slope", area
         law, last = self.solid.creep, float(self.series("contact_area")[-1])
-        if not isinstance(law, Eyring) or self.solid.yields or self.solid.permanent_share > 0:
+        held = self.growth is not None
+        if not held or not isinstance(law, Eyring) or self.solid.yields or self.solid.permanent_share > 0:
             return None
         if load[-1] < _FLOWING * law.stress * last or last > _FULL * self.nominal_area:
             return None
@@ -323,38 +327,39 @@ class Prediction(views.InNotebooks, views.Pictured):
     @property
     def friction_force(self) -> Field | None:
         """Shear strength times area less rim, N; None without a shear strength."""
-        if self.shear_strength is None:
-            return None
-        return self.shear_strength * self.series("contact_area_corrected")
+        return None if self.shear_strength is None else self.series("friction_force")
 
     @property
     def friction(self) -> Field | None:
         """Coefficient of static friction; None without a shear strength."""
-        if self.shear_strength is None:
-            return None
-        area, load = self.series("contact_area_corrected"), self.series("load")
-        return np.asarray(static_friction(area, load, self.shear_strength))
+        return None if self.shear_strength is None else self.series("friction")
+
+    def band(self, name: str) -> tuple[Field, Field]:
+        """95 % band of areas, friction, and all that the contact carries, at `time`: its two ends.
+
+        NaN where fewer than two of sixteen tiles of the scan bear the load. `InputError` for other names.
+        """
+        if (known := banded(self.dataset)) and name not in known:
+            raise InputError("name", expected=f"one of {', '.join(known)}", got=repr(name))
+        return self.series(f"{name}_low"), self.series(f"{name}_high")
 
 
-def growth_of(
-    dataset: xr.Dataset, series: Sequence[PronySeries] = (), *, ramp: float = 0.0, seed: int = 0
-) -> Growth:
-    """Measure the growth of a history with maps, under a load put on within a ramp; see the module.
-
-    The series are `Material.spread`; the seed is that of the draws of tiles.
-    """
+def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -> Growth:
+    """Measure the growth of a history with maps, whose draws of the solid are those of `draws_of_solid`."""
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
-    moments, tiles = _of_tiles(dataset, np.random.default_rng(seed))
-    tables = _of_series(time, area, series, ramp)
+    drawn = solid.get("contact_area_corrected", np.ones((1, area.size + 1)))
 
-    def weighed(measure: _Measure) -> tuple[float, Interval, Interval, Interval]:
-        value, of_table = measure(time, area), _factors(measure, time, [area, *tables])
-        of_scan = 1 + _WIDER * (_factors(measure, moments, tiles) - 1)
-        both = of_table * np.resize(of_scan, of_table.size)
-        return value, _band(value, both), _band(value, of_table), _band(value, of_scan)
+    def weighed(measure: Callable[[Field], float]) -> tuple[float, Interval, Interval, Interval]:
+        value = measure(area)
+        of_table = np.array([measure(area * factors[1:]) for factors in drawn])
+        of_scan = value + (
+            scan.draws_of(lambda factors: measure(area * factors[1:])) if value else np.zeros(1)
+        )
+        both = of_scan * np.resize(of_table / (value or 1.0), of_scan.shape)
+        return value, _ends(both), _ends(of_table), _ends(of_scan)
 
-    slope, band, of_table, of_scan = weighed(_slope)
-    rise, rise_band, *_ = weighed(lambda _, area: float(area[-1] / area[0] - 1))
+    slope, band, of_table, of_scan = weighed(lambda area: _slope(time, area))
+    rise, rise_band, *_ = weighed(lambda area: float(area[-1] / area[0] - 1))
     return Growth(
         ratio=1 + rise,
         ratio_band=(1 + rise_band[0], 1 + rise_band[1]),
@@ -369,8 +374,8 @@ def growth_of(
 def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
     """Say what is resolved at the times of the maps."""
     said = []
-    for number, moment in enumerate(np.asarray(dataset["field_time"])):
-        here = dataset.isel(field_time=number, time=int(np.argmax(np.asarray(dataset["time"]) == moment)))
+    for number, row in enumerate(rows_of_maps(dataset)):
+        here = dataset.isel(field_time=number, time=row)
         touching = np.asarray(here["in_contact"], dtype=bool)
         found = patches(touching, edges=dataset.attrs["edges"])
         counted, corrected = (float(here[name]) for name in ("contact_area", "contact_area_corrected"))
@@ -385,67 +390,19 @@ def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
     return tuple(said)
 
 
-def _creep(series: PronySeries, time: Field, ramp: float) -> Field:
-    """Effective load over the load that is held, which was put on within a ramp; without one, E* J(t)."""
-    knots = np.union1d([0.0, ramp], time)
-    loads = np.minimum(knots / ramp, 1.0) if ramp else np.ones_like(knots)
-    return series.effective_load(knots, loads)[np.searchsorted(knots, time)]
+def _said(quantity: str, value: float) -> str:
+    units = {"time": "s", "load": "N", "mean_contact_pressure": "Pa"}
+    return written(value, units.get(quantity, "1"))
 
 
-def _of_series(time: Field, area: Field, series: Sequence[PronySeries], ramp: float) -> Floats:
-    """Areas that all series but the first, that of the solid, would have given; shape (draws, times)."""
-    crept = [np.log(_creep(one, time, ramp) / one.modulus) for one in series]
-    compliance = crept[0] if series else np.zeros(time.size)
-    grown = np.flatnonzero(np.diff(compliance, prepend=-np.inf) > _ROUNDING)  # a table may end in a plateau
-    if grown.size < 2:  # it does not grow, whatever the table
-        return np.empty((0, time.size))
-    x, y = compliance[grown], np.log(area[grown])
-    drawn = [np.exp(_continued(one, x, y)) for one in crept[1:]]
-    return np.reshape(drawn, (-1, time.size))
-
-
-def _of_tiles(dataset: xr.Dataset, random: np.random.Generator) -> tuple[Field, Floats]:
-    """Times of the maps; areas of all tiles, and then those that other scans would have given.
-
-    The shape of the areas is (1 + draws, maps).
-    """
-    area, load = (_in_tiles(np.asarray(dataset[name])) for name in ("in_contact", "pressure"))
-    chosen = random.integers(0, area.shape[1], (_DRAWS, area.shape[1]))
-    drawn, borne = area[:, chosen].sum(axis=-1).T, load[:, chosen].sum(axis=-1).T
-    bearing = (borne > 0).all(axis=1)
-    whole, pressed = area.sum(axis=1), load.sum(axis=1)
-    return np.asarray(dataset["field_time"]), np.vstack([whole, drawn[bearing] / borne[bearing] * pressed])
-
-
-def _factors(measure: _Measure, time: Field, areas: Sequence[Field] | Floats) -> Floats:
-    """A measure of areas that were drawn, over that of the first areas, the true ones; 200 or more."""
-    whole, *drawn = (measure(time, area) for area in areas)
-    return np.resize(drawn, max(_DRAWS, len(drawn))) / whole if whole and drawn else np.ones(_DRAWS)
-
-
-def _in_tiles(maps: Field) -> Field:
-    for axis in (1, 2):
-        ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
-        maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)
-    return maps.reshape(maps.shape[0], -1)
+def _ends(draws: Floats) -> Interval:
+    low, high = interval(draws).tolist()
+    return low, high
 
 
 def _slope(time: Field, area: Field) -> float:
     slope = float(np.polyfit(np.log10(time), area / area[0], 1)[0])
     return slope if abs(slope) > _ROUNDING else 0.0
-
-
-def _band(slope: float, factors: Floats) -> Interval:
-    low, high = np.quantile(slope * factors, (0.025, 0.975))
-    return float(low), float(high)
-
-
-def _continued(at: Field, x: Field, y: Field) -> Field:
-    """Interpolate, and go on along the first and the last quarter: pieces may be as small as a pixel."""
-    part = _END * (x[-1] - x[0])
-    before, after = np.diff(np.interp([x[0], x[0] + part, x[-1] - part, x[-1]], x, y))[::2] / part
-    inside = np.interp(at, x, y)
-    return np.asarray(inside + np.minimum(at - x[0], 0) * before + np.maximum(at - x[-1], 0) * after)
 
 
 def _by_decade(time: Field, area: Field) -> tuple[tuple[float, float, float], ...]:

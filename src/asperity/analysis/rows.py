@@ -93,11 +93,19 @@ def carried_rows(dataset: xr.Dataset) -> list[Row]:
     for name, one in select("series", of=["carried"]).items():
         if name in dataset:
             unit = str(dataset[name].attrs["units"])
-            first, last = (float(dataset[name][n]) for n in (0, -1))
-            rows.append(
-                Row(one.label, first, unit, note=f" at first, {written(last, unit)} at last", digits=4)
-            )
+            bands = [_band(dataset, name, unit, n) for n in (0, -1)]
+            note = f"{bands[0]} at first, {written(float(dataset[name][-1]), unit)}{bands[1]} at last"
+            rows.append(Row(one.label, float(dataset[name][0]), unit, note=note, digits=4))
     return rows
+
+
+def _band(dataset: xr.Dataset, name: str, unit: str, at: int) -> str:
+    """The 95 % band of a quantity, if it has one."""
+    if f"{name}_low" not in dataset:
+        return ""
+    return " ({} to {})".format(
+        *(written(float(dataset[f"{name}_{end}"][at]), unit) for end in ("low", "high"))
+    )
 
 
 def _value(dataset: xr.Dataset, name: str, at: int = 0, digits: int = 8) -> str:

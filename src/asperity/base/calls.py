@@ -22,7 +22,7 @@ _MOVED = {
     "creep": "asperity.solids.half_space(..., creep=...)",
     "times": "first=..., last=... and per_decade=...",
     "separation": "asperity.press(..., separation=...), and asperity.age",
-    **dict.fromkeys(("protocol", "legs"), "asperity.press, and asperity.age with the protocol"),
+    "legs": "protocol=[...]",
     **{name: f"asperity.relaxation.material(..., {name}=...)" for name in _OF_MATERIALS},
     **{
         name: f"carried=asperity.Carried({name}=...)"

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
 from asperity.errors import InputError
+from asperity.lattice import Mask
 
 
 @dataclass(frozen=True)
@@ -65,10 +68,17 @@ class Carried:
             found["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
             found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
-        if self.shear is not None and self.friction is not None:
-            force, mu = sheared(contact, self.shear, self.friction)
-            slides = force >= mu * contact.load
-            found["stick_fraction"] = 0.0 if slides else contact.partial_slip(force, mu).stick_fraction
         if self.work_of_adhesion is not None:
             found["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
+        for stick in self.maps(contact).values():
+            found["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
         return found
+
+    def maps(self, contact: Contact) -> dict[str, Mask]:
+        """Where a contact carries it, by the names of the fields: which sites ``stick``."""
+        if self.shear is None or self.friction is None:
+            return {}
+        force, mu = sheared(contact, self.shear, self.friction)
+        slides = force >= mu * contact.load
+        none = np.zeros(contact.heights.shape, dtype=bool)
+        return {"stick": none if slides else contact.partial_slip(force, mu).stick}

@@ -50,6 +50,11 @@ def normal_stiffness(contact: Contact) -> float:
     return 1.0 / lowered if lowered > 0 else math.inf
 
 
+def punch(contact: Contact, in_contact: Mask) -> Field:
+    """Share of each site in the load of a rigid punch on these sites, on the solid of a contact."""
+    return _flat_punch(contact, in_contact)[2] if in_contact.any() else np.zeros(in_contact.shape)
+
+
 @views.maker
 def tangential_stiffness(contact: Contact, poisson: float) -> float:
     """See `Contact.tangential_stiffness`."""

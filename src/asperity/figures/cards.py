@@ -151,13 +151,17 @@ def _(fit: Fit) -> str:
 
 @html_of.register
 def _(prediction: Prediction) -> str:
-    growth = prediction.growth
-    low, high = growth.ratio_band
-    least, most = growth.range
-    rows = [
-        (prediction.between("A"), f"{growth.ratio:.5g}"),
-        ("95 % band", f"{low:.4g} to {high:.4g}"),
-        ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
+    area = prediction.series("contact_area_corrected"), *prediction.band("contact_area_corrected")
+    last, low, high = (quantity(float(one[-1]), "m^2") for one in area)
+    rows = [("area at last", last), ("95 % band", f"{low} to {high}")]
+    if (growth := prediction.growth) is not None:
+        least, most = growth.range
+        rows = [
+            (prediction.between("A"), f"{growth.ratio:.5g}"),
+            ("95 % band", "{:.4g} to {:.4g}".format(*growth.ratio_band)),
+            ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
+        ]
+    rows += [
         ("load", quantity(prediction.load, "N")),
         ("modulus E* at once", quantity(prediction.modulus, "Pa")),
     ]

@@ -141,6 +141,10 @@ def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
     join(axes, time, values)
+    wide = "contact_area" if name == "area" else name
+    if f"{wide}_low" in dataset:
+        low, high = (values * (dataset[f"{wide}_{end}"] / dataset[wide]).values for end in ("low", "high"))
+        axes.fill_between(time.place, low, high, color=style.SKY, alpha=0.35, linewidth=0, label="95 % band")
     return factor
 
 

@@ -13,15 +13,16 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import numpy as np
 from matplotlib.figure import Figure
 
+from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
 from asperity.figures.carried import carried_figure
+from asperity.figures.history import history_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.fits import Measurements
 from asperity.surfaces import statistics
@@ -79,7 +80,7 @@ def prediction_pictures(
     beside, ratio = "", ""
     if measured is not None:
         ratio = " Diamonds: measured, and below them the ratio to what is computed."
-    if prediction.relaxing is not None:
+    if prediction.effective_load is not None:
         name, symbol = prediction.beside
         beside = (
             f". Dotted: the first area times the {name} {symbol}(t)/{symbol}(first), as the area of light "
@@ -89,12 +90,15 @@ def prediction_pictures(
         )
     elif prediction.theory is not None:
         beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
-    captions: dict[str, tuple[Figure, str]] = {
-        "growth": (
-            drawn.growth_figure(prediction, measured),
-            f"Real contact area against time{beside}.{ratio} Below: its growth in each decade, and the 95 % "
-            f"band of the mean over all.{friction}",
-        ),
+    captions: dict[str, tuple[Figure, str]] = {}
+    if prediction.growth is None:
+        said = f"Load and real contact area, leg by leg, with the 95 % band of the area.{ratio}"
+        captions["history"] = history_figure(prediction.dataset, measured), said
+    else:
+        said = f"Real contact area against time, with its 95 % band{beside}.{ratio} Below: its growth in "
+        said += f"each decade, and the 95 % band of the mean over all.{friction}"
+        captions["growth"] = drawn.growth_figure(prediction, measured), said
+    captions |= {
         "contacts": (
             drawn.contact_maps_figure(prediction),
             "Where the scan touches, on the scan as measured, and the contact pressure there, at the first "
@@ -199,15 +203,17 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     force, friction = prediction.friction_force, prediction.friction
     first = prediction.series("contact_area_corrected")[0]
     rows = []
-    for moment, resolved in zip(np.asarray(dataset["field_time"]), prediction.resolved, strict=True):
-        place = int(np.flatnonzero(prediction.time == moment)[0])
-        here = dataset.isel(time=place + 1)
+    low, high = prediction.band("contact_area_corrected")
+    for row, resolved in zip(rows_of_maps(dataset), prediction.resolved, strict=True):
+        place, here = row - 1, dataset.isel(time=row)
         corrected = float(here["contact_area_corrected"])
         rows.append(
             {
-                "time": float(moment),
+                "time": float(here["time"]),
                 "counted": float(here["contact_area"]),
                 "corrected": corrected,
+                "band": (float(low[place]), float(high[place])),
+                "load": float(here["load"]),
                 "fraction": corrected / prediction.nominal_area,
                 "grown": corrected / first,
                 "effective": None if effective is None else float(effective[place] / effective[0]),

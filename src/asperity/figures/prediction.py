@@ -44,7 +44,8 @@ def growth_figure(prediction: Prediction, measured: Measurements | Path | str | 
         _, square = _areas(prediction)
         area = square * prediction.series("contact_area_corrected")
         draw_measured(grid[:2], in_units(measured), prediction.time, area, square)
-    figure.suptitle(f"{prediction.between('A')} = {prediction.growth.ratio:.5g}")
+    if prediction.growth is not None:
+        figure.suptitle(f"{prediction.between('A')} = {prediction.growth.ratio:.5g}")
     for axes in grid:
         # Above the panel: areas that do not grow would leave no room in it.
         if shown := axes.get_legend_handles_labels()[1]:
@@ -56,7 +57,7 @@ def growth_figure(prediction: Prediction, measured: Measurements | Path | str | 
 @style.panels_of.register
 def _(prediction: Prediction) -> dict[str, style.Panel]:
     time = "time since the loading began [s]" if prediction.ramp else "time under load [s]"
-    draws = {"area": draw_growth, "growth": _draw_decades}
+    draws = {"area": draw_growth} | ({} if prediction.growth is None else {"growth": _draw_decades})
     if prediction.friction is not None:
         draws["friction"] = _draw_friction
     panels = {
@@ -75,6 +76,7 @@ def _(prediction: Prediction) -> dict[str, style.Panel]:
 def _draw_decades(axes: Axes, prediction: Prediction) -> None:
     """Draw the growth of the area in each decade, and the band of its mean."""
     growth = prediction.growth
+    assert growth is not None
     begin, end, slope = np.transpose(growth.decades)
     edges, label = np.append(begin, end[-1]), "decade by decade"
     axes.stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.2, label=label)
@@ -90,6 +92,7 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
     friction, label = prediction.friction, "shear strength × area / load"
     assert friction is not None
     style.curve(axes, prediction.time, friction, "o-", style.VERMILION, label, linewidth=1.0)
+    draw_band(axes, prediction, "friction")
     axes.set_xscale("log")
     axes.set_ylabel("static friction $\\mu$")
 
@@ -102,6 +105,7 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     )
     style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
     style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
+    draw_band(axes, prediction, "contact_area_corrected", square)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
         name, symbol = prediction.beside
@@ -117,6 +121,14 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     axes.set_xscale("log")
     axes.set_ylabel(f"real contact area [{unit}]")
     style.count_nominal_area(axes, 100.0 / (prediction.nominal_area * square))
+
+
+def draw_band(axes: Axes, prediction: Prediction, name: str, factor: float = 1.0) -> None:
+    """Shade the 95 % band of a quantity."""
+    low, high = prediction.band(name)
+    axes.fill_between(
+        prediction.time, factor * low, factor * high, color=style.SKY, alpha=0.35, lw=0, label="95 % band"
+    )
 
 
 @style.drawn

@@ -46,10 +46,11 @@ def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None
     return row if carried is None else row | carried.of(frame.contact)
 
 
-def snapshot_of(frame: Frame) -> Snapshot:
+def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
     """Take the fields from a frame."""
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
+    fields |= {} if carried is None else carried.maps(contact)
     return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 
@@ -103,7 +104,7 @@ def _with_fields(
 ) -> xr.Dataset:
     sites = dataset["heights"].dims
     dataset = dataset.assign_coords(field_time=[snapshot.time for snapshot in snapshots])
-    for name in had_by(start, "field"):
+    for name in snapshots[0].fields:
         fields = np.stack([snapshot.fields[name] for snapshot in snapshots])
         branches = ("branch",) if fields.ndim > 1 + len(sites) else ()
         dataset[name] = (("field_time", *branches, *sites), fields)

@@ -113,7 +113,6 @@ def _show_warning(
 
 _NO_SUCH_FLAG = {
     "--E": "; the elastic constants are --k0 and --k1, or --modulus of --solid half_space",
-    "--leg": "; legs and slides are for asperity run",
     "--half-space": "; try --solid half_space --modulus 3.8GPa",
     "--activation-energy": "; that of creep is --creep-energy",
     "--activation-volume": "; that of creep is --creep-volume",

@@ -53,19 +53,20 @@ def predict(
     *,
     surface: Path | None = None,
     ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
+    leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     resolution_study: Switch = False,
     wanted: PredictFlags = _PREDICT,
     out: Out = Path("prediction"),
     results: Results = _RESULTS,
     keys: Flags | None = None,
 ) -> None:
-    """Predict how the real contact grows, from a material, a scan and a load that stays.
+    """Predict how the real contact ages, from a material, a scan and a load, with 95 % bands.
 
     Quantities are numbers with their units: --pressure 1MPa --last "10 days" --temperature -40degC.
 
     The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
-    scan comes its mirror image unless --periodic says otherwise; each contact is counted once. Slides and
-    loads that change are for asperity run.
+    scan comes its mirror image unless --periodic says otherwise; each contact is counted once. Slides, and a
+    separation that is held, have no band: they are for asperity run.
 
     Parameters
     ----------
@@ -78,6 +79,10 @@ def predict(
     ramp
         Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
         start. [default: at once]
+    leg
+        In its place a leg of the history of the load, as often as there are legs: "ramp 2.4s pressure=1MPa",
+        "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs so far). Before a first ramp the load is 0
+        unless --pressure or --load says more.
     resolution_study
         Predict the same without the short waves of the scan, too: what would a finer scan change?
     out
@@ -89,6 +94,10 @@ def predict(
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
+    if leg:
+        from asperity.app.config.legs import legs_from_words
+
+        flags["protocol"] = {"legs": legs_from_words(leg)}
     asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
     if output.measured is not None:
         check_measured(output.measured, bare=False)

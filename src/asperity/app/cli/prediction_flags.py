@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +12,12 @@ from asperity.app.config import MeasuredSurface, RunConfig
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import SECTIONS, Output
 from asperity.app.config.models import Carried as CarriedSection
-from asperity.app.config.reading import file_surface, read_config, section_from
+from asperity.app.config.reading import config_from, file_surface, read_config, section_from
 from asperity.app.config.solids import OF_TABLES, BesideTable
 from asperity.base import units
+from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
+from asperity.protocols import KINDS
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.solids.arguments import POISSON
@@ -43,6 +45,8 @@ def prediction_asked(
 ) -> tuple[str, Callable[..., Prediction], Output]:
     """What is asked, in a text that is the same for the same numbers; what computes it; what is written."""
     loading = None if ramp is None else _with_unit("--ramp", ramp, "s")
+    legs: Any = flags.get("protocol", {}).get("legs", [])
+    _check_units(legs)
     compute: Callable[..., Prediction]
     if material is None or material.suffix == ".toml":
         config = read_config(material, _sections(material, flags, wanted))
@@ -50,6 +54,8 @@ def prediction_asked(
         output = config.output
     else:
         scan, of_table, how = _scan(flags), *_arguments(flags, wanted)
+        if legs:
+            how["protocol"] = config_from({}, {"protocol": {"legs": legs}}, None).written_out
         asked = repr((material, scan, of_table, how, loading))
         output = section_from("output", Output, flags.get("output", {}))
         with in_flags(_named(wanted, "solid") | {"units": "--unit"}):
@@ -57,7 +63,7 @@ def prediction_asked(
         compute = functools.partial(_of_table, table, scan, how)
 
     def of_flags_alone(**more: Any) -> Prediction:
-        with in_flags(_named(("surface", "ramp"))):
+        with in_flags(_named(("surface", "ramp")) | ({"protocol": "--leg"} if legs else {})):
             return compute(ramp=loading, **more)
 
     return asked, of_flags_alone, output
@@ -105,8 +111,22 @@ def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sec
     }
 
 
+def _check_units(legs: Sequence[Mapping[str, Any]]) -> None:
+    """Refuse legs with a number that has no unit, where it is of a quantity that has one."""
+    for leg in legs:
+        _check_units(leg.get("legs", []))
+        kind = str(leg["kind"])
+        known = parameters_of(KINDS[kind]) if kind in KINDS else {}
+        for name in leg.keys() & known.keys():
+            if unit := known[name].quantity.unit:
+                check_unit(f"--leg {kind}: {name}", str(leg[name]), unit)
+
+
 def _one_load(flags: Sections) -> None:
-    if len(given := flags.get("contact", {})) != 1:
+    given: dict[str, Any] = flags.get("contact", {})
+    legs: Any = flags.get("protocol", {}).get("legs", [])
+    rises = bool(legs) and legs[0]["kind"] == "ramp"
+    if len(given) != 1 and (given or not rises):
         got = "both" if given else "neither"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
 

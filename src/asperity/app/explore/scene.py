@@ -269,7 +269,7 @@ def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: 
     """Make the recording of a finished history: rows, and the maps that it kept."""
     recording = Recording(job)
     recording.begin(dataset, config, title)
-    names = [name for name in ("time", *_SERIES, "mean_contact_pressure") if name in dataset]
+    names = [name for name in ("time", *_SERIES, *_ends(dataset), "mean_contact_pressure") if name in dataset]
     series = {name: dataset[name].values.tolist() for name in names} | {"leg": numbers_of(dataset).tolist()}
     for number in range(dataset.sizes["time"]):
         recording.add_row({name: values[number] for name, values in series.items()})
@@ -316,12 +316,17 @@ def _spread(count: int, most: int) -> list[int]:
     return sorted(set(np.linspace(0, count - 1, most).round().astype(int).tolist()))
 
 
+def _ends(dataset: xr.Dataset) -> list[str]:
+    """Names of the ends of 95 % bands."""
+    return [f"{name}_{end}" for name in _SERIES if f"{name}_low" in dataset for end in ("low", "high")]
+
+
 def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[Header, NDArray[np.uint16]]:
     heights = np.atleast_2d(np.asarray(dataset["heights"], dtype=np.float64))
     low, high = float(heights.min()), float(heights.max())
     steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
     lengths = "contact_area" in dataset
-    series = [name for name in _SERIES if name in dataset]
+    series = [name for name in (*_SERIES, *_ends(dataset)) if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
     shown = {name: _SERIES[name] for name in areas_first(_SERIES) if name in series} | _MADE | _PATCHES
     more = _PATCHES | _MADE

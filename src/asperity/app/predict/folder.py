@@ -22,13 +22,9 @@ def write_files(prediction: Prediction, folder: Path, *, output: Output, command
     page = prediction_page(prediction, pictures, command=command)
     (folder / "prediction.html").write_text(page, encoding="utf-8")
     dataset = prediction.dataset
-    names = [name for name in areas_first(select(table=PREDICT)) if name in dataset.variables]
-    unit_of = {name: dataset[name].attrs["units"] for name in names}
-    columns = {f"{name} [{unit}]": prediction.series(name) for name, unit in unit_of.items()}
-    if prediction.effective_load is not None:
-        columns["effective_load [N]"] = prediction.effective_load
-    if prediction.friction_force is not None and prediction.friction is not None:
-        columns |= {"friction_force [N]": prediction.friction_force, "friction [1]": prediction.friction}
+    names = [*areas_first(select(table=PREDICT)), "effective_load"]
+    wide = [column for name in names for column in (name, f"{name}_low", f"{name}_high") if column in dataset]
+    columns = {f"{name} [{dataset[name].attrs['units']}]": prediction.series(name) for name in wide}
     table = pd.DataFrame(columns).to_csv(index=False, lineterminator="\n", na_rep="nan")
     (folder / "history.csv").write_text(table, encoding="utf-8")
     if prediction.bands:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from asperity.analysis.predicting import (
     LEAST_TIMES,
+    check_legs,
     check_ramp,
     check_span,
     no_half_space,
@@ -18,6 +19,7 @@ from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import HalfSpace
 from asperity.app.runs.pipeline import carried_by, check_units, completed, recorded_times
 from asperity.errors import InputError
+from asperity.lattice import Field
 from asperity.progress import Progress
 from asperity.protocols import Hold, Ramp
 from asperity.results import Checkpoint
@@ -35,14 +37,19 @@ def predict_config(
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
 
-    The load is put on at once, or within a ramp, see `asperity.predict`; in a file also by a protocol of a
-    ramp from load 0 and a hold. `AsperityError` as there; or what is asked for is no prediction.
+    The load is put on at once, or within a ramp, see `asperity.predict`; or it follows a protocol, before
+    which it is 0 where the file says none. `AsperityError` as there; or what is asked for has no band.
     """
-    config, loading = _loading_of(config, 0.0 if ramp is None else positive_quantity("ramp", ramp, "s"))
+    loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
+    if not loading:
+        config, loading = _loading_of(config)
     asked = {"[contact] separation": config.contact.separation, "[aging] hold": config.aging.hold}
     for name, value in asked.items():
         if value not in (None, "load"):
-            raise InputError(name, expected="a load that stays", got=value, advice=_RUN)
+            raise InputError(name, expected="a load, which a band covers", got=value, advice=_RUN)
+    legs = config.written_out
+    if legs:
+        check_legs("protocol", legs, ramp=ramp)
     section, chosen = config.solid, config.surface
     if not isinstance(section, HalfSpace):
         raise no_half_space("[solid] kind", section.kind)
@@ -62,15 +69,9 @@ def predict_config(
     config, remarks = completed(config.model_copy(update={"surface": chosen}), material.solid, scan)
     times = recorded_times(config)
     times = times[times > 0]
-    name, advice = "per_decade", "a later last or more per_decade"
-    last = "[aging] last"
-    if config.aging.times is not None:
-        name, advice, last = "times", "more times", "[aging] times"
-    if times.size < LEAST_TIMES:
-        expected = f"{LEAST_TIMES} times or more after 0"
-        raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
-    check_span(last, times[0], times[-1])
-    check_ramp(loading, times[-1])
+    if not legs:
+        _check_times(config, times)
+        check_ramp(loading, times[-1])
     idle = {"[friction] rate_coefficient": config.friction.rate_coefficient, "[output] maps_at": maps_asked}
     if unused := [name for name, value in idle.items() if value is not None]:
         remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
@@ -79,6 +80,7 @@ def predict_config(
         scan,
         times,
         config.contact.model_dump(exclude_none=True),
+        legs=legs,
         ramp=loading,
         strength=config.friction.shear_strength,
         carried=carried_by(config),
@@ -91,13 +93,23 @@ def predict_config(
     return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *prediction.remarks))))
 
 
-def _loading_of(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
-    """A load with the ramp that puts it on, where a protocol says them; any other protocol is refused."""
+def _check_times(config: RunConfig, times: Field) -> None:
+    """Refuse times of which no growth can be told."""
+    name, advice, last = "per_decade", "a later last or more per_decade", "[aging] last"
+    if config.aging.times is not None:
+        name, advice, last = "times", "more times", "[aging] times"
+    if times.size < LEAST_TIMES:
+        expected = f"{LEAST_TIMES} times or more after 0"
+        raise InputError(f"[aging] {name}", expected=expected, got=f"{times.size}", advice=advice)
+    check_span(last, times[0], times[-1])
+
+
+def _loading_of(config: RunConfig) -> tuple[RunConfig, float]:
+    """A load that stays, and its ramp, where a protocol says no more; or a load to begin with."""
+    pressed = config.contact.model_dump(exclude_none=True)
     match config.legs:
-        case ():
-            return config, ramp
         case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (
-            config.contact.load == 0 and not ramp and up.mobility == held.mobility == 1
+            pressed in ({}, {"load": 0}) and up.mobility == held.mobility == 1
         ):
             asked = {
                 "contact": ContactSection(load=up.load, pressure=up.pressure),
@@ -105,5 +117,6 @@ def _loading_of(config: RunConfig, ramp: float) -> tuple[RunConfig, float]:
                 "protocol": [],
             }
             return config.model_copy(update=asked), up.duration
-    expected = "none, or a ramp from load 0 and a hold, for a prediction is of a load that stays"
-    raise InputError("[[protocol]]", expected=expected, got="legs", advice=_RUN)
+        case (up, *_) if up.target and up.duration and not pressed:
+            return config.model_copy(update={"contact": ContactSection.model_construct(load=0.0)}), 0.0
+    return config, 0.0

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
+from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import carried_rows, words_of
 from asperity.analysis.scan import understood, written
@@ -14,7 +19,7 @@ Row = tuple[str, str]
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
     """Say what was predicted from what, in rows of a name and words."""
     dataset, scan = prediction.dataset, prediction.origin
-    time, fit = prediction.time, prediction.fit
+    fit = prediction.fit
     pixels = " x ".join(map(str, dataset["heights"].shape))
     sides = " x ".join(written(side, "m", 4) for side in prediction.spacing)
     load, ramp = prediction.load, prediction.ramp
@@ -28,14 +33,10 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     nominal = prediction.nominal_area
     held = f"load {written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
     held += f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"
+    held = prediction.legs or held
     rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("held", held)]
-    for place in (0, -1):
-        names = ("contact_area", "contact_area_corrected", "mean_contact_pressure")
-        counted, less, pressure = (float(prediction.series(name)[place]) for name in names)
-        many = how_many(prediction.resolved[place].patches, "patch", "patches")
-        said = f"{written(less, 'm^2')} = {100 * less / nominal:.3g} % less its rim; "
-        said += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
-        rows.append((f"contact at {written(float(time[place]), 's')}", said))
+    loaded = prediction.loaded
+    rows += _contacts(prediction)
     rows += _growth(prediction)
     if prediction.theory is not None:
         name, area = prediction.theory
@@ -44,13 +45,14 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         ends = "" if prediction.relaxing is None else f"{first_to_last} by "
         rows.append(("theory", f"{ends}{name}: dashed in growth.png"))
     if prediction.friction is not None:
-        mu = prediction.friction
-        rows.append(("friction", f"{mu[0]:.3g} at first, {mu[-1]:.3g} at last"))
+        mu = np.transpose([prediction.friction, *prediction.band("friction")])[[loaded, -1]]
+        first, last = ("{:.3g} ({:.3g} to {:.3g})".format(*one) for one in mu)
+        rows.append(("friction", f"{first} at first, {last} at last, with 95 % bands"))
     if len(prediction.bands) > 1:
         whole, half = prediction.bands[:2]
         changes = ", ".join(f"{name} by {100 * by:+.2g} %" for name, by in whole.change_to(half).items())
         rows.append(("resolution", f"without waves below {written(half.shortest, 'm')}: {changes}"))
-    rows += words_of(carried_rows(dataset.isel(time=slice(1, None))))
+    rows += words_of(carried_rows(dataset.isel(time=slice(1 + loaded, None))))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
         rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
@@ -66,6 +68,23 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     rows.append(("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"))
     rows.append(("effort", effort + (" in this session" if resumed else "")))
     return [*rows, *(("remark", remark) for remark in prediction.remarks)]
+
+
+def _contacts(prediction: Prediction) -> list[Row]:
+    """Area, its band and its patches: at first and at last, or at the switches of a history."""
+    rows, places = [], [row - 1 for row in rows_of_maps(prediction.dataset)]
+    for number, place in enumerate(places):
+        if not (place in (places[0], places[-1]) if prediction.growth else place >= prediction.loaded):
+            continue
+        names = ("contact_area", "contact_area_corrected", "mean_contact_pressure")
+        counted, less, pressure = (float(prediction.series(name)[place]) for name in names)
+        low, high = (float(end[place]) for end in prediction.band(names[1]))
+        band = "" if math.isnan(low) else f", 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}"
+        many = how_many(prediction.resolved[number].patches, "patch", "patches")
+        said = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim{band}; "
+        said += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
+        rows.append((f"contact at {written(float(prediction.time[place]), 's')}", said))
+    return rows
 
 
 def _branches(prediction: Prediction) -> list[Row]:
@@ -86,6 +105,8 @@ def _branches(prediction: Prediction) -> list[Row]:
 
 def _growth(prediction: Prediction) -> list[Row]:
     growth, effective = prediction.growth, prediction.effective_load
+    if growth is None:
+        return []
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
     low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
     said = f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "

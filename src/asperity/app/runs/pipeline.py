@@ -14,7 +14,7 @@ from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
 from asperity.analysis.plausible import remark_on_loading, remarks_on_contact, remarks_on_edges
-from asperity.analysis.predicting import USUAL_MAPS, hold_times
+from asperity.analysis.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.config.models import Contact as ContactSection
@@ -36,9 +36,6 @@ from asperity.surfaces import Surface
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
-
-_IN_RAMP = 12
-"""Times recorded in a ramp, evenly spread."""
 
 _MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
 """Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
@@ -249,23 +246,13 @@ def recorded_times(config: RunConfig) -> Field:
         return np.asarray(aging.times, dtype=np.float64)
     if not config.protocol:
         return hold_times(first=first, last=last, per_decade=aging.per_decade)
-    schedule = Schedule.of(config.written_out, np.empty(0))
-    times = list(schedule.switches[1:])
-    for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
-        if leg.target and leg.duration:
-            times += (begun + leg.duration * np.arange(1, _IN_RAMP) / _IN_RAMP).tolist()
-        elif leg.rests and leg.duration > first:
-            since = hold_times(first=first, last=leg.duration, per_decade=aging.per_decade)
-            times += (begun + since[:-1]).tolist()
-    return np.unique(times)
+    return times_of_legs(config.written_out, first=first, per_decade=aging.per_decade)
 
 
 def _map_times(config: RunConfig) -> list[float]:
     if not config.protocol:
         return list(map_times(recorded_times(config).tolist()))
-    switches = list(dict.fromkeys(Schedule.of(config.written_out, np.empty(0)).switches))
-    chosen = np.unique(np.linspace(0, len(switches) - 1, min(len(switches), USUAL_MAPS)).round().astype(int))
-    return [switches[index] for index in chosen]
+    return map_moments(Schedule.of(config.written_out, np.empty(0)).switches)
 
 
 def carried_by(config: RunConfig) -> Carried | None:

@@ -72,7 +72,9 @@ class CurveView {
     const earlier = extras.earlier ? this.pointsOf(extras.earlier, name) : [];
     const limit = scene.finished?.limit?.[name] ?? NaN;
     const log = name === "residual";
-    let values = [...own, ...earlier, ...others.flat()].map(([, value]) => value);
+    const [lower, upper] = ["_low", "_high"].map((end) => scene.columns.includes(name + end)
+      ? this.points(scene, name + end).filter(([, value]) => Number.isFinite(value)) : []); // of the 95 % band
+    let values = [...own, ...lower, ...upper, ...earlier, ...others.flat()].map(([, value]) => value);
     if (Number.isFinite(limit)) values.push(limit);
     if (log) values = values.filter((value) => value > 0);
     const [unit, factor] = readable(Math.max(...values.map(Math.abs)), scene.column_units[name]);
@@ -125,11 +127,16 @@ class CurveView {
     }
     context.setLineDash([]);
     context.strokeStyle = context.fillStyle = colors.of("curve");
+    context.globalAlpha = 0.2;
+    area(context, [...lower, ...upper.reverse()].map(([place, value]) => [x(place), y(value)]));
+    context.globalAlpha = 1;
     context.lineWidth = 2;
     line(context, own.map(([place, value]) => [x(place), y(value)]));
     for (const [place, value] of own) disc(context, x(place), y(value), 2.2);
     context.lineWidth = 1;
-    if (earlier.length) this.legend(context, colors, [["curve", "this run", []], ["muted", earlierName(scene, extras.earlier), [2, 3]]], wide);
+    const entries = [["curve", lower.length ? "with its 95 % band" : "this run", []]];
+    if (earlier.length) entries.push(["muted", earlierName(scene, extras.earlier), [2, 3]]);
+    if (earlier.length || lower.length) this.legend(context, colors, entries, wide);
     if (handles && extras.change !== null) {
       context.strokeStyle = context.fillStyle = colors.of("ink");
       context.setLineDash([3, 3]);
@@ -225,6 +232,12 @@ function line(context, points) {
   context.beginPath();
   points.forEach(([x, y], at) => (at ? context.lineTo(x, y) : context.moveTo(x, y)));
   context.stroke();
+}
+
+function area(context, points) {
+  context.beginPath();
+  points.forEach(([x, y], at) => (at ? context.lineTo(x, y) : context.moveTo(x, y)));
+  context.fill();
 }
 
 function disc(context, x, y, radius) {
