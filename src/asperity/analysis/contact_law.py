@@ -142,6 +142,9 @@ def law(
     if not body.in_lengths:
         expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
         raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
+    if body.adhesion is not None:
+        expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
+        raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
     if carried is not None and carried.shear is not None:
         raise InputError("shear", expected="none: the law is that of a small one", got=carried.shear)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))

@@ -23,8 +23,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asperity.analysis.scan import readable, written
-from asperity.creep import PARAMETERS_OF_LAWS
 from asperity.lattice import Field
+from asperity.solids import PARAMETERS_OF_LAWS
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
