@@ -3,7 +3,7 @@
 import math
 import tomllib
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -208,7 +208,8 @@ def test_a_viscoelastic_ball_ages_as_dense_matrices_let_it(shape, load):
     contact = asp.press(heights, half_space(modulus=1.0, branches=branches, adhesion=law), load=load)
     times = [0.25, 0.5, 1.0, 2.0]
     history = asp.age(contact, times, rtol=1e-4, fields_at=times)
-    dense = Sticky(heights, *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)).stick(0.05, 0.4)
+    make: Any = Sticky
+    dense = make(heights, *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)).stick(0.05, 0.4)
     dense.within = (contact.gap < 0.4).ravel()
     v, step = np.zeros((1, heights.size)), 0.005
 
@@ -255,7 +256,11 @@ def test_every_history_ends_in_states_that_are_judged(solid, edges):
         "half-space": lambda: half_space(modulus=1.0, branches=branches, adhesion=law, apparatus=math.inf),
         "layer": lambda: layer(modulus=1.0, poisson=0.3, thickness=20.0, branches=branches, adhesion=law),
         "film": lambda: coated_half_space(
-            **{"modulus": 1.0, "poisson": 0.3, "thickness": 8.0, "base_modulus": 2.0, "base_poisson": 0.3},
+            modulus=1.0,
+            poisson=0.3,
+            thickness=8.0,
+            base_modulus=2.0,
+            base_poisson=0.3,
             base_branches=branches,
             apparatus=math.inf,
             adhesion=law,
@@ -348,8 +353,9 @@ def test_what_cannot_stick_is_refused():
             half_space(modulus=1.0, adhesion=law, **how)
     with refuses("adhesion", "a solid that is defined on sites"):
         asp.solids.Solid(springs=asp.solids.Springs(1.0, 3.0, 3.0, 0.0), adhesion=law)
+    word: Any = "dugdale"
     with refuses("adhesion", "str"):
-        half_space(modulus=1.0, adhesion="dugdale")
+        half_space(modulus=1.0, adhesion=word)
     heights = ball((16, 16))
     with refuses("adhesion", "1"):  # a zone of pi / 4 0.02 / 1e-2 of 1.6
         asp.press(heights, half_space(modulus=1.0, adhesion=Dugdale(work=0.02, range=0.2)), load=1.0)
@@ -366,9 +372,9 @@ def test_what_cannot_stick_is_refused():
         asp.press(heights, half_space(modulus=1.0), load=-1.0)
     with refuses("contact", "a solid without adhesion"):
         asp.pull(plain)
-    with refuses("through", "'area'"):
-        asp.pull(contact, through="area")
-    scan = Surface(heights, unit="um", pixel_size=1.0, length_unit="um")
+    with refuses("through", "'dugdale'"):
+        asp.pull(contact, through=word)
+    scan = Surface(heights, unit="um", pixel_size=(1.0, 1.0), length_unit="um")
     with refuses("material", "one with adhesion"):
         asp.predict(half_space(modulus=1e6, adhesion=law), scan, pressure=1e3)
     with refuses("solid", "one with adhesion"):

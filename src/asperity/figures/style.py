@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
+from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar, cast
 
 import numpy as np
 import xarray as xr
@@ -80,8 +80,8 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__(**cast(Any, kwargs))
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
