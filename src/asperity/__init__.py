@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
     from asperity.inference import infer
     from asperity.results import Checkpoint, History
-    from asperity.simulate import age, press, relax, slide
+    from asperity.simulate import age, press, pull, relax, slide
 
 __all__ = [
     "ActiveSet",
@@ -69,6 +69,7 @@ __all__ = [
     "predict",
     "press",
     "protocols",
+    "pull",
     "relax",
     "relaxation",
     "results",
@@ -85,7 +86,7 @@ _HOME = {
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
     "asperity.inference": ("infer",),
     "asperity.results": ("Checkpoint", "History"),
-    "asperity.simulate": ("age", "press", "relax", "slide"),
+    "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
 }
 _RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""

@@ -9,7 +9,8 @@ AsperityError
 ├── MissingExtraError (ImportError) an optional library is needed; the message says how to install it
 ├── TooLargeError (MemoryError)     more than the memory there is would be needed; nothing was begun
 ├── ConvergenceError (RuntimeError) a solver stopped before its tolerance; nothing is returned
-└── OutputError (OSError)           results could not be written; nothing half-written is left
+├── OutputError (OSError)           results could not be written; nothing half-written is left
+└── PulledOff (RuntimeError)        two bodies do not hold together under a load: an answer, and no failure
 
 Remark (UserWarning)                nothing is wrong, but the user should know
 """
@@ -27,6 +28,7 @@ __all__ = [
     "InputError",
     "MissingExtraError",
     "OutputError",
+    "PulledOff",
     "SurfaceFileError",
 ]
 __dir__ = __all__.copy  # dir() lists the public names alone
@@ -126,6 +128,24 @@ class ConvergenceError(AsperityError, RuntimeError):
 
 class OutputError(AsperityError, OSError):
     """Results could not be written."""
+
+
+class PulledOff(AsperityError, RuntimeError):  # noqa: N818  (an answer, and no failure)
+    """The contact does not bear a load that pulls: the bodies part.
+
+    Parameters
+    ----------
+    load
+        The last load that it bore; None where it bore none.
+    """
+
+    def __init__(self, load: float | None = None) -> None:
+        self.load = load
+        last = "they do not bear that load" if load is None else f"the last load borne was {load:.6g}"
+        super().__init__(f"the bodies are pulled off each other: {last}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self.load,)
 
 
 LARGEST = 1e100

@@ -45,11 +45,9 @@ _MOST_SHIFTS = _MOST_STEPS = 10**7
 
 _Duration = Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
 _Mobility = Annotated[float, Gt(0), Quantity("factor on the mobility of creep meanwhile")]
-_Load = Annotated[float | None, Gt(0), Quantity("load at the end", "N")]
+_Load = Annotated[float | None, Quantity("load at the end", "N", more=", below 0 where it pulls.")]
 _Separation = Annotated[float | None, Quantity("separation at the end; instead of the load", "m")]
-_Pressure = Annotated[
-    float | None, Gt(0), Quantity("load over nominal area at the end; instead of the load", "Pa")
-]
+_Pressure = Annotated[float | None, Quantity("load over nominal area at the end; instead of the load", "Pa")]
 _Approach = Annotated[
     float | None,
     Quantity("how far the rigid body has moved at the end since time 0; instead of the load", "m"),
@@ -251,9 +249,9 @@ class Ramp(Change):
     duration
         How long, time > 0.
     load, pressure, separation, approach
-        One of these at the end: the load > 0; the same over the nominal area; the separation, where the rigid
-        body moves by what it differs from the mean of u0 at the beginning; or how far the rigid body has
-        moved since time 0, as the dataset has it.
+        One of these at the end: the load, > 0 unless the bodies stick; the same over the nominal area; the
+        separation, where the rigid body moves by what it differs from the mean of u0 at the beginning; or how
+        far the rigid body has moved since time 0, as the dataset has it.
     mobility
         As in `Hold`.
     """

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,12 +19,14 @@ from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
 from asperity.carried import Carried
+from asperity.contact.adhesive import zone_remark
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import WHERE_FROM, Contact, control_of
 from asperity.contact.controls import Control, Hold, Load, Separation
-from asperity.contact.instantaneous import first_contact, pressed_anew, slid
+from asperity.contact.instantaneous import check_load, first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
+from asperity.contact.pulling import approach, retreat
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
@@ -32,6 +35,7 @@ from asperity.protocols import Leg, Schedule, check_edges, checked_direction, le
 from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
+from asperity.results.pulling import Pull
 from asperity.solids import Solid
 from asperity.surfaces.doubts import load_on_filled
 
@@ -88,7 +92,8 @@ def press(
     load
         Normal load, the sum of all contact forces: stiffness times height; on a continuum under a surface
         with units in newtons, or a text with a unit, as for the next two: ``"5 mN"``. At 0 the highest sites
-        just touch: from there a `asperity.protocols.Ramp` puts a load on.
+        just touch: from there a `asperity.protocols.Ramp` puts a load on. Of bodies that stick it may be any
+        number, below 0 where it pulls.
     pressure
         Instead of the load: load over nominal area. On a solid that is defined on sites, load per site.
     separation
@@ -113,6 +118,8 @@ def press(
         The heights, the load, the separation or the solid cannot be used; the message says why.
     ConvergenceError
         The solver did not reach its tolerance.
+    PulledOff
+        The bodies stick, but do not bear the load; the error has the last one that they bore.
 
     Notes
     -----
@@ -173,7 +180,8 @@ def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
         return Separation(number)
     if name == "pressure":
         nominal = lattice.sites * lattice.cell
-        number = checks.number("pressure", number, above=0, advice="pressure=1e6") * nominal
+        least = -math.inf if bodies.solid.adhesion is not None else 0.0
+        number = checks.number("pressure", number, above=least, advice="pressure=1e6") * nominal
     return Load(number)
 
 
@@ -233,6 +241,7 @@ def age(
     Returns
     -------
     History
+        It ends where bodies that stick part; its dataset then has the time as attribute ``pulled_off``.
 
     Raises
     ------
@@ -254,6 +263,8 @@ def age(
     recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
+    if doubt := zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))):
+        remark(doubt)
     units.check_units(given, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:
@@ -274,7 +285,7 @@ def age(
         if keeper is not None and keeper.is_due():
             keeper.write(Place(here(), rows, snapshots))
 
-    final = contact
+    final, parted = contact, False
     with listener(progress) as shown:
         shown.stage("aging", times=stops.tolist())
         for frame in follow(
@@ -288,15 +299,20 @@ def age(
             after_step=keep_place,
         ):
             shown.reached(frame)
-            final = frame.contact
+            final, parted = frame.contact, frame.parted
             of_its_time = not frame.passing
-            if of_its_time and frame.time in wanted:
+            if of_its_time and frame.time in wanted and not parted:
                 snapshots.append(snapshot_of(frame, carried))
-            if frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always)):
+            known = frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always))
+            if (frame.time > rows[-1]["time"]) if parted else known:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
+    if parted:
+        dataset.attrs["pulled_off"] = rows[-1]["time"]
+        when = f"{rows[-1]['time']:g}{' s' * contact.si}"
+        remark(f"the bodies were pulled off each other at time {when}, where the history ends")
     if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")
@@ -320,7 +336,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
         check_slides(legs, contact.lattice, contact.solid)
         for leg in legs:
             if (load := leg.load_on(contact.nominal_area)) is not None:
-                contact.system(Load(load)).held()
+                check_load(contact.system(Load(load)))
     if schedule.holds_separation:
         contact.system(Separation(contact.separation))
     return schedule
@@ -390,6 +406,60 @@ def slide(
     return slid(contact, lattice.shifted(contact.heights, by), by, solver)
 
 
+def pull(
+    contact: Contact,
+    *,
+    through: Literal["load", "separation"] | None = None,
+    steps: int = 20,
+    solver: ContactSolver | None = None,
+) -> Pull:
+    """Pull two bodies apart that stick, at once, to the last contact; and let them approach again.
+
+    What has crept stays. Jumps of contacts lose energy, so that the way back is another.
+
+    Parameters
+    ----------
+    contact
+        Where to start: from `press`, or the ``final`` of a history, of a solid with adhesion.
+    through
+        What is prescribed on the way: the load, down to the largest tension that the bodies bear, or the
+        separation, until they are apart; by default that, where the solid lets it be prescribed.
+    steps
+        States, about, for a change of the load by all that attracts at first, or by the load at first where
+        that is more; at least 2.
+    solver
+        As in `press`.
+
+    Returns
+    -------
+    Pull
+        ``curve`` (a Dataset), ``force`` (the pull-off force), ``energy_lost``, ``last`` (a contact).
+
+    Raises
+    ------
+    InputError
+        Nothing sticks, nothing is in contact, or the separation cannot be prescribed.
+    ConvergenceError
+        The solver did not reach its tolerance.
+    """
+    law = checks.instance("contact", contact, Contact, WHERE_FROM).solid.adhesion
+    if law is None or not contact.area:
+        expected, got = "bodies that stick, in contact", "no contact" if law else "a solid without adhesion"
+        raise InputError(
+            "contact", expected=expected, got=got, advice="half_space(..., adhesion=Dugdale(...))"
+        )
+    if through not in (None, "load", "separation"):
+        raise InputError("through", expected="'load' or 'separation'", got=repr(through))
+    steps = checks.integer("steps", steps, least=2)
+    if through == "separation":
+        contact.system(Separation(contact.separation))
+    kind = Load if through == "load" or not contact.system().body.stiffness else Separation
+    attracting = contact.lattice.cell * float(law.traction(contact.gap).sum())
+    change = max(attracting, abs(contact.load)) / steps
+    back = retreat(contact, kind, change, solver)
+    return Pull.of(approach(back[-1], contact, kind, change, solver), back)
+
+
 def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:
     """Find the state that a contact creeps toward, without following it through time.
 
@@ -420,5 +490,5 @@ def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver |
     return relaxed(contact, control_of(contact, hold), solver)
 
 
-__all__ = ["age", "press", "relax", "slide"]
+__all__ = ["age", "press", "pull", "relax", "slide"]
 __dir__ = _answered(globals())

@@ -22,7 +22,7 @@ ROOMS = [
     {"errors"},
     {"base"},
     {"lattice"},
-    {"patches", "creep"},
+    {"patches", "creep", "adhesion"},
     {"surfaces", "solids", "protocols"},
     {"relaxation"},
     {"contact"},

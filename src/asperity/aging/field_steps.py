@@ -95,7 +95,8 @@ class FieldSteps(TrBdf2):
 
     def state(self) -> State:
         """See `Steps`."""
-        point, mechanics, system = self.point, self.system.mechanics, self.system.at(self.time)
+        point, mechanics = self.point, self.system.mechanics
+        system = self.system.at(self.time).pulled(point.u)
         if not self.eager:
             before = mechanics.lattice.backward(point.stretch)
             stretch = system.balanced_stretch(point.u, before)
@@ -132,9 +133,8 @@ class FieldSteps(TrBdf2):
         problem = self.implicit.problem_of_modes(system.heights, before, held)
         latest = self.tried[-1]
         surfaces = [*(point.u for point in reversed(self.tried[:-1])), *self.earlier]
-        guess = Guess(
-            extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False)), disposable=True
-        )
+        ahead = extrapolated(latest.u, *zip(stage.weights[1:], surfaces, strict=False))
+        guess = Guess(ahead, disposable=True, last=latest.u)
         accuracy = Accuracy(stage.tolerance)
         if self.eager:
             accuracy = Accuracy(stage.tolerance, stage.allowed_error, settled=stage.is_last)

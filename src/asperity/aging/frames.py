@@ -46,6 +46,8 @@ class Frame:
         Whether it is to be recorded as the state just before or just after a shift.
     passing
         Whether more shifts follow at the same time.
+    parted
+        Whether the bodies part just after it, for adhesion bears no more, and the history ends.
     """
 
     time: float
@@ -61,6 +63,7 @@ class Frame:
     shift: tuple[Fraction, ...] = ()
     at_a_shift: bool = False
     passing: bool = False
+    parted: bool = False
 
     @property
     def exact(self) -> bool:

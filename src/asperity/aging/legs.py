@@ -23,7 +23,7 @@ from asperity.contact.contact import Contact, control_of
 from asperity.contact.controls import Control, Course, Load, Separation
 from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
-from asperity.errors import InputError
+from asperity.errors import InputError, PulledOff
 from asperity.lattice import Field, Lattice
 from asperity.protocols import Leg, Schedule, Shifts
 from asperity.solids import Solid
@@ -75,22 +75,31 @@ def follow(
 
     At a step and at a shift there are two, before and after. Times are > 0, strictly increasing, and none is
     after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`. ``resume``
-    is where to go on, and ``after_step`` is called after each step with what makes that.
+    is where to go on, and ``after_step`` is called after each step with what makes that. Where the bodies
+    part, the last state in contact comes again, and ends the history.
     """
     way = _Way(contact, times, rtol, solver, exact, after_step)
+    try:
+        yield from _through(way, schedule, resume)
+    except PulledOff:
+        yield replace(way.now, parted=True)
+
+
+def _through(way: _Way, schedule: Schedule, resume: LegMidway | None) -> Iterator[Frame]:
+    """Yield the frames of all legs; see `follow`."""
     if resume is None:
         yield way.now
     for number, leg in enumerate(schedule.legs):
         span = schedule.switches[number], schedule.switches[number + 1]
         here = resume if resume is not None and number == resume.leg else None
-        shifts = leg.shifts(contact.lattice)
+        shifts = leg.shifts(way.contact.lattice)
         if resume is not None and number < resume.leg:
             if shifts is not None:
                 way.now = _moved(way.now, shifts, shifts.count)
         elif shifts is not None:
             yield from way.slide(leg, shifts, number, span, here)
         elif leg.jumps:
-            pressed = pressed_anew(way.now.contact, way.target(leg), solver)
+            pressed = pressed_anew(way.now.contact, way.target(leg), way.solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
             if here is not None:
@@ -164,7 +173,7 @@ class _Way:
         if here is not None:
             begun, control = here.begun, control.after((here.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
-        elif control.course and not now.contact.load and now.contact.has_not_crept:
+        elif control.course and not now.contact.force.any() and now.contact.has_not_crept:
             begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
             stops = stops[stops > begun]
             if not stops.size:
@@ -190,7 +199,9 @@ class _Way:
         )
         if here is None:
             next(frames)  # its start is known
-        for time, frame in zip(stops.tolist(), frames, strict=True):
+        of_march = dict(zip(((stops - begun) * leg.mobility).tolist(), stops.tolist(), strict=True))
+        for frame in frames:  # the last one is between the stops where the bodies part
+            time = of_march.get(frame.time, begun + frame.time / leg.mobility)
             self.now = replace(
                 frame,
                 time=time,
@@ -213,7 +224,8 @@ class _Way:
         to that time is put on at once; what creeps before is half the square of rtol of that at the first
         state.
         """
-        now, pace, top = self.now, leg.mobility, float(self.now.contact.heights.max())
+        now, pace, law = self.now, leg.mobility, self.contact.solid.adhesion
+        top = float(self.now.contact.heights.max()) + (0.0 if law is None else law.reach)
         times, touching = _resolved(control, begun, float(stops[-1]), pace), begun
 
         def at(time: float) -> Control:

@@ -26,7 +26,7 @@ from asperity.contact.contact import Contact
 from asperity.contact.controls import Control, Load
 from asperity.contact.problem import TOLERANCE, ContactSolver
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.lattice import Field
 
 DEFAULT_RTOL = 2e-3
@@ -48,6 +48,9 @@ class Tuning:
 
     passing: float = 5e-4
     """Tolerance of contact problems on the way, in units of rtol."""
+
+    parting: float = 1e-4
+    """Part of the time of a march to which it is known when bodies part."""
 
 
 TUNING = Tuning()
@@ -125,7 +128,7 @@ class _March:
     """Adaptive steps from stop to stop.
 
     Errors are relative to the largest ``deformation`` so far; ``area`` chooses the load, where the area is
-    kept.
+    kept. Once bodies were ``parting`` in a step that was too long, any state may be the last in contact.
     """
 
     now: Steps
@@ -142,23 +145,35 @@ class _March:
         self.rtol, self.controller = rtol, Controller(step_tolerance(rtol))
         self.passing = max(TOLERANCE, TUNING.passing * rtol)
         self.area: ConstantArea | None = None
-        self.origin, self.counts = Origin(start.separation), Counts()
+        self.origin, self.counts, self.parting = Origin(start.separation), Counts(), False
 
     def frames(self, stops: Field, *, from_start: bool) -> Iterator[Frame]:
         """Integrate and publish."""
         start = self.start
         if from_start:
             yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
+        reached = self.now.time
         for stop in stops.tolist():
-            self.advance_to(stop)
-            state = self.now.state()
-            if self.relative(state.moved, self.deformation) * self.controller.tolerance > self.rtol:
-                raise ConvergenceError(
-                    f"aging: the solver left forces that u0 balances only if it moves by {state.moved:.1e}, "
-                    "more than rtol allows; try another solver"
-                )
-            yield published(start, self.now, state, self.origin, self.counts)
-            self.counts = Counts()
+            try:
+                self.advance_to(stop)
+            except PulledOff:
+                if self.now.time > reached:
+                    yield self.published()
+                raise
+            yield self.published()
+            reached = stop
+
+    def published(self) -> Frame:
+        """The present state."""
+        state = self.now.state()
+        if self.relative(state.moved, self.deformation) * self.controller.tolerance > self.rtol:
+            raise ConvergenceError(
+                f"aging: the solver left forces that u0 balances only if it moves by {state.moved:.1e}, "
+                "more than rtol allows; try another solver"
+            )
+        frame = published(self.start, self.now, state, self.origin, self.counts)
+        self.counts = Counts()
+        return frame
 
     def begin(self, system: System, exact: bool, keep_area: bool, deformation: float) -> None:
         """At the start."""
@@ -220,12 +235,14 @@ class _March:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is not finite is found and refused
     def advance_to(self, stop: float) -> None:
         """Step until the time is exactly ``stop``."""
-        controller, failure = self.controller, None
+        controller = self.controller
+        failure: ConvergenceError | PulledOff | None = None
         while (time := self.now.time) < stop:
             longest = self.area.longest() if self.area else self.now.system.control.longest
             length = controller.step(time, stop, longest)
             landing = length == stop - time
-            if controller.is_stuck(time, length):
+            parted = isinstance(failure, PulledOff) and length <= TUNING.parting * time
+            if parted or controller.is_stuck(time, length):
                 shrank = ConvergenceError(
                     f"aging: steps shrank to {length:.1e} at time {time:.3e}, too short to get "
                     f"to {stop:.3e}; try a larger rtol, or asperity.relax for what comes in the end"
@@ -234,8 +251,9 @@ class _March:
                 continue
             if self.area:
                 self.now.system = replace(self.now.system, control=self.area.load_for(length))
-            attempt = self.now.attempt(length, self.aim(landing))
+            attempt = self.now.attempt(length, self.aim(landing or self.parting))
             failure = attempt.failure
+            self.parting |= isinstance(failure, PulledOff)
             self.counts.iterations += attempt.iterations
             error = max(
                 self.relative(attempt.error, self.deformation),
@@ -257,7 +275,7 @@ class _March:
             tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
         return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation)
 
-    def fall_back(self, failure: ConvergenceError) -> None:
+    def fall_back(self, failure: ConvergenceError | PulledOff) -> None:
         """Go on by other steps where these get nowhere; the failure if there are none."""
         if (others := self.now.instead()) is None:
             raise failure

@@ -40,7 +40,7 @@ from asperity.contact.contact import Contact
 from asperity.contact.controls import Control
 from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.lattice import Field
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
@@ -64,7 +64,7 @@ class Attempt:
 
     error: float
     iterations: int
-    failure: ConvergenceError | None = None
+    failure: ConvergenceError | PulledOff | None = None
     mean_error: float = 0.0
     mean: float = 0.0
 
@@ -223,7 +223,7 @@ class TrBdf2(Steps):
                 spent += self.solve(Stage(self.time + ahead, tau, creeps, weights, *accuracy))
                 known = [here, *known]
             return Attempt(self.left_of([duration * share for share in ERROR_WEIGHTS]), spent)
-        except ConvergenceError as failure:
+        except (ConvergenceError, PulledOff) as failure:
             return Attempt(math.inf, spent, failure)
 
     def accept(self, time: float) -> None:

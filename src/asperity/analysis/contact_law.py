@@ -143,6 +143,9 @@ def law(
     if not body.in_lengths:
         expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
         raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
+    if body.adhesion is not None:
+        expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
+        raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
     for name in ("shear", "work_of_adhesion"):
         if (got := getattr(carried, name, None)) is not None:
             raise InputError(name, expected="none: a law is that of contacts pressed alone", got=got)

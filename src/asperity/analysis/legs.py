@@ -62,17 +62,19 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
     Returns
     -------
     list of LegRow
-        Empty for a history without a protocol that ends at time 0.
+        Empty for a history without a protocol that ends at time 0; without the legs after bodies part.
     """
     check_dataset(dataset)
     lasted = float(dataset["time"].values[-1])
     if not (protocol := protocol_of(dataset)):
         return [_row(dataset, 0, Hold(lasted), 0.0, lasted)] if lasted > 0 else []
     spans = pairwise(json.loads(dataset.attrs["switches"]))
+    parted = dataset.attrs.get("pulled_off", math.inf)
+    reached = int(numbers_of(dataset).max()) + 1
     return [
-        _row(dataset, number, leg, *span)
-        for number, (leg, span) in enumerate(zip(legs_of(protocol), spans, strict=True))
-    ]
+        _row(dataset, number, leg, begin, min(end, parted))
+        for number, (leg, (begin, end)) in enumerate(zip(legs_of(protocol), spans, strict=True))
+    ][:reached]
 
 
 def protocol_of(dataset: xr.Dataset) -> list[Leg]:

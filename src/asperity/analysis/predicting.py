@@ -141,6 +141,9 @@ def predict(
         if not isinstance(material, Material):
             listening.stage("reading the material")
             material = material_of(material)
+        if material.solid.adhesion is not None:
+            expected, advice = "a solid that does not stick, whose band follows from the load", "asperity run"
+            raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
         if legs:
             check_legs("protocol", legs, ramp=ramp, last=last)
             shortest = min((leg.duration for leg in legs if leg.rests), default=1.0) * _SINCE

@@ -21,13 +21,13 @@ from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import counted
-from asperity.creep import PARAMETERS_OF_LAWS, Eyring
+from asperity.creep import Eyring
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.patches import patches
 from asperity.relaxation import Fit, Material, PronySeries
 from asperity.relaxation.materials import relaxing_of
-from asperity.solids import Solid
+from asperity.solids import PARAMETERS_OF_LAWS, Solid
 from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area

@@ -12,9 +12,9 @@ import dataclasses
 import functools
 import inspect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
 from annotated_types import Ge, Gt, Le, Lt
 
@@ -55,7 +55,10 @@ class Also:
     check: Callable[[str, Any], Any]
 
 
-_DIMENSIONS = {"Pa": "pressure", "m": "length", "s": "time", "m/s": "velocity", "N/m": "stiffness"}
+_DIMENSIONS = {
+    **{"Pa": "pressure", "m": "length", "s": "time", "m/s": "velocity", "N/m": "stiffness"},
+    "J/m^2": "energy / area",
+}
 _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "lt", "below"))
 
 
@@ -172,3 +175,20 @@ class Checked:
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
             object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
+
+
+class Law(Checked):
+    """A law of a solid, whose parameters are recorded behind a prefix."""
+
+    prefix: ClassVar[str]
+    formula: ClassVar[str] = ""
+    """The law in one line; empty where it is not known."""
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Numbers to record with every result."""
+        return {f"{self.prefix}_{name}": getattr(self, name) for name in parameters_of(type(self))}
+
+    def fingerprint(self) -> str:
+        """What tells it from other laws."""
+        return repr(self)

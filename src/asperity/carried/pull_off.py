@@ -141,6 +141,9 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
             got="a line contact" if solid.in_lengths else f"a {solid.kind.replace('_', ' ')}",
             advice="asperity.solids.half_space(modulus=...)",
         )
+    if solid.adhesion is not None:
+        expected = "a contact that has aged without adhesion"
+        raise InputError("pull_off", expected=expected, got="one with it", advice="asperity.pull(contact)")
     w = checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
     if contact.area == 0 or (contact.area == contact.heights.size and lattice.edges != "free"):
         got = "full contact" if contact.area else "no site in contact"

@@ -120,6 +120,9 @@ def partial_slip(
 ) -> PartialSlip:
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
+    if contact.solid.adhesion is not None:
+        expected = "bodies that do not stick, whose friction goes with the pressure"
+        raise InputError("partial_slip", expected=expected, got="adhesion")
     force, mu = sheared(contact, shear, friction)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
     if force >= mu * contact.load:

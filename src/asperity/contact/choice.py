@@ -9,6 +9,7 @@ import numpy as np
 
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
+from asperity.contact.adhesive import Adhesive
 from asperity.contact.lattice_creep import LatticeCreep
 from asperity.contact.local_creep import ByLaw
 from asperity.contact.multigrid import Multigrid
@@ -45,8 +46,8 @@ def chosen_solver(solver: ContactSolver | None, system: System) -> ContactSolver
 def solved(
     solver: ContactSolver, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
 ) -> Solution:
-    """What a solver finds; `InputError` for what is no surface above the heights."""
-    found, heights = solver.solve(problem, guess, accuracy), problem.heights
+    """What a solver finds, with adhesion; `InputError` for what is no surface above the heights."""
+    found, heights = Adhesive(solver).solve(problem, guess, accuracy), problem.heights
     fields: list[Any] = [getattr(found, name, None) for name in ("u", "in_contact")]
     facts = [(np.shape(field), str(getattr(field, "dtype", ""))) for field in fields]
     expected, got = "a Solution", ""

@@ -60,11 +60,11 @@ class Contact(Bodies, views.InNotebooks):
     control
         What is prescribed: `Load` or `Separation`.
     force
-        Contact force, >= 0; zero off contact.
+        Force of a site: >= 0 in contact, zero off contact. Where bodies stick, it includes their attraction.
     in_contact
         Whether a site is in contact.
     energy
-        Elastic energy, force times length (Jagla, Eq. e).
+        Elastic energy, force times length (Jagla, Eq. e), and that of adhesion, -w for each area in contact.
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields leave,
         relative to the mean contact force; evaluated from u and the anchors as they are kept, measured from
@@ -445,7 +445,11 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
     kept = contact.control if hold in (None, contact.control.name) else None
     if "separation" in (hold, None if kept is None else kept.name):
         return kept or Separation(contact.separation)
-    if contact.load <= 0:
+    sticks = contact.solid.adhesion is not None
+    if hold == "area" and sticks:
+        expected = "'load' or 'separation' beside adhesion, where areas do not go with the load"
+        raise InputError("hold", expected=expected, got="'area'")
+    if contact.load <= 0 and not (sticks and contact.area):
         raise InputError(
             "hold",
             expected="a contact that carries a load to hold",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
 from asperity.base import checks
-from asperity.errors import LARGEST
+from asperity.errors import LARGEST, InputError
 
 
 @dataclass(frozen=True)
@@ -76,18 +76,26 @@ class Control(ABC):
         return self.change(0.0, lapse) / lapse if self.course else 0.0
 
 
+EXPECTED = f"a number, 0 or from {1 / LARGEST:g} to {LARGEST:g}"
+"""What a load is expected to be where nothing sticks."""
+
+
 @dataclass(frozen=True)
 class Load(Control):
-    """The normal load is prescribed: the sum of the contact forces, in units of force."""
+    """The normal load is prescribed: the sum of the contact forces, in units of force.
+
+    Whether it may pull, below 0, depends on what sticks: see `System.held`.
+    """
 
     name = "load"
     load_controlled = True
 
     @staticmethod
     def _checked(value: float) -> float:
-        expected = f"a number, 0 or from {1 / LARGEST:g} to {LARGEST:g}"
-        found = checks.number("load", value, least=0, expected=expected)
-        return found and checks.number("load", value, least=1 / LARGEST, expected=expected)
+        found = checks.number("load", value, expected=EXPECTED)
+        if 0 < abs(found) < 1 / LARGEST:
+            raise InputError("load", expected=EXPECTED, got=f"{found:g}")
+        return found
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from asperity.base import checks
+from asperity.contact.adhesive import check_zone
 from asperity.contact.anchors import AnchorFields
 from asperity.contact.bodies import Bodies
 from asperity.contact.choice import chosen_solver, solved
@@ -17,7 +18,7 @@ from asperity.contact.controls import Control
 from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, ContactSolver, Guess, Solution
 from asperity.contact.publish import contact_from
 from asperity.contact.system import System
-from asperity.errors import InputError
+from asperity.errors import InputError, PulledOff
 from asperity.lattice import Field
 from asperity.solids import Solid
 
@@ -37,8 +38,11 @@ def first_contact(
     bodies: Bodies, control: Control, *, start: Contact | None, solver: ContactSolver | None
 ) -> Contact:
     """Press a solid that has never crept, its anchors flat, onto checked heights; see `asperity.press`."""
+    check_zone(bodies)
     system = System.of(bodies.heights, bodies.lattice, bodies.solid, control)
     guess = None
+    if system.sticks and system.load is not None and system.load <= 0:  # the highest sites touch at first
+        guess = Guess(np.zeros_like(system.heights), system.heights == 0)
     if start is not None:
         checks.instance("start", start, Contact, "asperity.press(...), or leave it out")
         if start.heights.shape != bodies.heights.shape:
@@ -47,7 +51,7 @@ def first_contact(
         u, _, in_contact, _ = start.relative
         guess = Guess(u + (start.datum - system.datum), in_contact)
     level = control.value - system.datum if system.load is None else 0.0
-    if system.load == 0:  # nothing is deformed, and the highest sites just touch
+    if system.load == 0 and not system.sticks:  # nothing is deformed, and the highest sites just touch
         touching = Solution(np.zeros_like(system.heights), system.heights == 0, 0, 0)
         anchors = AnchorFields.flat(level, system)
         return contact_from(system, touching, anchors, level, bodies=bodies)
@@ -61,18 +65,32 @@ def first_contact(
 
 
 def pressed_anew(
-    contact: Contact, control: Control, solver: ContactSolver | None = None, *, least_force: float = 0.0
+    contact: Contact,
+    control: Control,
+    solver: ContactSolver | None = None,
+    *,
+    least_force: float = 0.0,
+    apart: bool = False,
 ) -> Contact:
     """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
 
     The anchors keep their shapes. They move as a whole: to the given separation, or with the load. See
-    `contact_from` for the least force.
+    `contact_from` for the least force. Nothing attracts at first where the bodies were ``apart``.
     """
     system = contact.system(control)
     place = control.value - system.datum if system.load is None else None
     u, _, in_contact, _ = contact.relative
-    guess = Guess(np.array(u), in_contact, disposable=True)
+    last = np.full_like(u, np.inf) if apart else None
+    guess = Guess(np.array(u), in_contact, disposable=True, last=last)
     return _anew(contact, contact, system, guess, place, solver, least_force)
+
+
+def check_load(system: System) -> None:
+    """Refuse a load under which a contact cannot be pressed anew."""
+    if system.load == 0 and not system.sticks:
+        expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
+        raise InputError("load", expected=expected, got="0", advice="a small load")
+    system.held()
 
 
 def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
@@ -115,9 +133,7 @@ def _anew(
 
     The rigid body takes the anchors to a place relative to the datum of that system, or stays.
     """
-    if system.load == 0:
-        expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
-        raise InputError("load", expected=expected, got="0", advice="a small load")
+    check_load(system)
     _, anchors, _, position = contact.relative
     moved = contact.datum - system.datum if place is None else place - position
     return above_anchors(anchors + moved, position + moved, bodies, system, guess, solver, least_force)
@@ -136,7 +152,10 @@ def above_anchors(
     problem = system.problem(system.mechanics.implicit_step(0.0), anchors)
     # The anchors are given, so that forces left off contact cannot be balanced: their sum is to be small too.
     accuracy = Accuracy(TUNING.strict * TOLERANCE)
-    solution = solved(chosen_solver(solver, system), problem, guess, accuracy)
+    try:
+        solution = solved(chosen_solver(solver, system), problem, guess, accuracy)
+    except PulledOff:
+        raise PulledOff(getattr(bodies, "load", None)) from None
     if system.load is not None:
         moved = system.body.displacement(solution.u, anchors, system.held(position))
         anchors += moved

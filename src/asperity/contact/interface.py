@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.adhesion import Adhesion
 from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
@@ -23,12 +24,15 @@ class Interface:
 
     Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite. A
     ``known`` force of each site, such as adhesion from afar, acts beside that of contact: the forces that are
-    judged and admitted are the sum of both.
+    judged and admitted are the sum of both. Where sites attract each other, by a law of ``adhesion``, that
+    force follows from their gap; a site has the area ``cell``.
     """
 
     low: float = 0.0
     high: float = math.inf
     known: Field | None = None
+    adhesion: Adhesion | None = None
+    cell: float = 1.0
 
     @property
     def yields(self) -> bool:
@@ -38,6 +42,18 @@ class Interface:
     def beside(self, known: Field | None) -> Interface:
         """The interface where a known force acts beside that of contact."""
         return self if known is None else replace(self, known=known)
+
+    def pull(self, gap: Field) -> Field | None:
+        """The force by which sites attract each other, below 0; None without adhesion."""
+        return None if self.adhesion is None else -self.cell * self.adhesion.traction(gap)
+
+    def bond(self, gap: Field) -> float:
+        """Energy of adhesion, at most 0."""
+        return 0.0 if self.adhesion is None else self.cell * float(self.adhesion.energy(gap).sum())
+
+    def borne(self, total: float) -> float:
+        """Sum of the contact forces, of the sum of all."""
+        return total if self.known is None else total - float(self.known.sum())
 
     def of_contact(self, force: Field) -> Field:
         """The contact force, without the known one."""
@@ -50,7 +66,7 @@ class Interface:
         """
         found = np.where(contacts, np.clip(self.of_contact(force), self.low, self.high), 0.0)
         if total is not None:
-            self._scale(found, total if self.known is None else total - float(self.known.sum()))
+            self._scale(found, self.borne(total))
         return found if self.known is None else found + self.known
 
     def _scale(self, found: Field, total: float) -> None:
@@ -122,5 +138,6 @@ RIGID = Interface()
 
 
 def interface_of(solid: Solid, lattice: Lattice) -> Interface:
-    """The interface between a solid and a rough surface whose hardness it knows."""
-    return Interface(high=solid.hardness * (lattice.cell if solid.in_lengths else 1.0))
+    """The interface between a solid and a rough surface, whose hardness and adhesion it knows."""
+    cell = lattice.cell if solid.in_lengths else 1.0
+    return Interface(high=solid.hardness * cell, adhesion=solid.adhesion, cell=cell)

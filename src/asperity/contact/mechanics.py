@@ -168,8 +168,6 @@ class Mechanics:
         """
         force = self.force_of_modes(u, stretch, held)
         balanced = self.interface.beside(held.known).admit(force, in_contact, float(force.sum()))
-        if not balanced.any():
-            return np.zeros_like(u)
         balanced -= force
         change = self.lattice.forward(balanced)
         creeping = self.spectra.creeping.sum(axis=0)

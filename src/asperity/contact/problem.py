@@ -111,12 +111,14 @@ class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
     If no sites are named, those that the surface does not clear; if they are, those that it is below yield
-    where that is allowed. A solver may write into the surface of a guess that is disposable.
+    where that is allowed. A solver may write into the surface of a guess that is disposable. Sites attract
+    each other at first as in the ``last`` state, where the surface of the guess is another.
     """
 
     u: Field
     in_contact: Mask | None = None
     disposable: bool = False
+    last: Field | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,12 +48,14 @@ def contact_from(
     touching = solution.in_contact | (surface + system.datum <= lattice.extended(heights, -math.inf))
     surface = np.maximum(surface, system.heights)
     np.copyto(surface, system.heights, where=touching)
+    system = system.pulled(surface)
     if (load_may_vanish and not system.load) or not touching.any():
         least_force = _smallest_force(system, surface)
     state = anchors.balance(system, surface, position)
     left = _judged(system, surface, state, touching, yielding, least_force)
     force = system.interface.admit(state.force, touching)
-    scale = max(float(force.sum()) / max(int(np.count_nonzero(touching)), 1), least_force)
+    borne = system.interface.borne(float(force.sum()))
+    scale = max(borne / max(int(np.count_nonzero(touching)), 1), least_force)
     return Contact._judged(
         **vars(bodies)
         | {
@@ -62,7 +64,7 @@ def contact_from(
             "control": system.control,
             "force": lattice.cut(force),
             "in_contact": lattice.cut(touching),
-            "energy": state.energy(),
+            "energy": state.energy() + system.interface.bond(surface - system.heights),
             "residual": left,
             "residual_scale": scale,
             "iterations": solution.iterations,
@@ -80,19 +82,20 @@ def _judged(
     mechanics = system.mechanics
     if system.load is None:
         size = float(np.abs(u).max()) * mechanics.body.stiffness
-        state.force[...] -= mean_by_rounding(state.force, in_contact, size)
+        state.force[...] -= mean_by_rounding(system.interface.of_contact(state.force), in_contact, size)
     left = system.interface.violation(state.force, in_contact, yielding, floor)
-    if system.load and state.carried is not None:
+    borne = system.interface.borne(system.load or float(state.force.sum()))
+    if system.load is not None and borne > 0 and state.carried is not None:
         # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
         most = system.sites * max(1.0, mechanics.body.stiffness / mechanics.greatest_stiffness)
         touching = np.count_nonzero(in_contact)
-        scale = max(system.load, floor * touching)
+        scale = max(borne, floor * touching)
         left = max(left, abs(state.carried - system.load) / scale * touching / most)
         left = max(left, abs(float(state.force.sum()) - system.load) / scale)
     if left <= ACCEPTED_RESIDUAL:
         return left
     why, advice = "the solver left forces off contact, or other forces than the load", "another solver"
-    if (system.load or float(state.force.sum())) < _smallest_force(system, u) * np.count_nonzero(in_contact):
+    if borne < _smallest_force(system, u) * np.count_nonzero(in_contact):
         why, advice = "the load is too small beside the crept shape in double precision", "more load"
     raise ConvergenceError(
         f"residual {left:.1e}, expected at most {ACCEPTED_RESIDUAL:.0e}: {why}; try {advice}"

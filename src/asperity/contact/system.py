@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity.contact.controls import Control
+from asperity.contact.controls import EXPECTED, Control
 from asperity.contact.interface import Interface
 from asperity.contact.mechanics import ImplicitStep, Mechanics, mechanics_of
 from asperity.contact.problem import ContactProblem, Solution
@@ -92,6 +92,18 @@ class System:
         """Whether the rough surface yields under forces that are large enough."""
         return self.mechanics.interface.yields
 
+    @property
+    def sticks(self) -> bool:
+        """Whether sites attract each other, so that a load may pull."""
+        return self.mechanics.interface.adhesion is not None
+
+    def pulled(self, u: Field) -> System:
+        """Return the system with the pull of adhesion under a surface among the known forces."""
+        pull = self.mechanics.interface.pull(u - self.heights)
+        if pull is None:
+            return self
+        return replace(self, known=pull if self.known is None else self.known + pull)
+
     def lowered(self, u: Field) -> System:
         """Return the system above the rough surface as a surface that may be below it leaves it."""
         heights = self.mechanics.interface.lowered(self.heights, u)
@@ -101,6 +113,9 @@ class System:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
         if self.load is None:
             return Prescribed(None, self.control.value - self.datum, self.known)
+        if self.load < 0 and not self.sticks:
+            advice = "adhesion=asperity.solids.Dugdale(...), for a load that pulls"
+            raise InputError("load", expected=EXPECTED, got=f"{self.load:g}", advice=advice)
         most = TUNING.most_of_all * self.mechanics.interface.high * self.mechanics.lattice.body_sites
         if self.load > most:
             hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"

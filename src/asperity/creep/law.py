@@ -9,15 +9,14 @@ a site on a continuum. Small stresses creep with the mobility v'(0), as with ``R
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 import numpy as np
 from annotated_types import Gt
 
 from asperity.base import checks
 from asperity.base.checks import Floats
-from asperity.base.parameters import Checked, Quantity, parameters_of
+from asperity.base.parameters import Law, Quantity
 from asperity.errors import InputError
 
 Rate = Annotated[float, Gt(0), Quantity("velocity", "m/s", "v0")]
@@ -30,23 +29,16 @@ LARGEST_EXPONENT = 600.0
 """Largest exponent of a velocity: it overflows at 710, and velocities are multiplied by times."""
 
 
-class LocalCreep(Checked):
+class LocalCreep(Law):
     """A local law of creep.
 
     The keys of a configuration are ``creep_`` and the names of its parameters: the fields of a frozen
     dataclass that are annotated with a `asperity.base.parameters.Quantity`.
     """
 
-    formula: ClassVar[str] = ""
-    """v(s) in one line; empty where it is not known."""
-
+    prefix = "creep"
     greatest_stress: float = math.inf
     """Largest magnitude of the stress that the law takes."""
-
-    @property
-    def parameters(self) -> Mapping[str, float]:
-        """Numbers to record with every result."""
-        return {f"creep_{name}": getattr(self, name) for name in parameters_of(type(self))}
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
         """Velocity v(s) and its derivative v'(s) >= 0 with respect to the stress; each law has its own."""
@@ -55,10 +47,6 @@ class LocalCreep(Checked):
     def bend(self, stress: Floats) -> Floats | float:
         """Change of the stress over which the derivative changes by about its own size."""
         return 0.1 * np.abs(stress)
-
-    def fingerprint(self) -> str:
-        """What tells it from other laws."""
-        return repr(self)
 
     def check_stress(self, greatest: float) -> None:
         """Refuse a stress beyond belief.

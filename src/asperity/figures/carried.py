@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -71,7 +72,8 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     figure.table = series_table(dataset, known)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
         unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
-        highest = max(float(dataset.get(f"{name}_high", dataset[name]).max()) for name in names)
+        ends = [f"{name}_high" for name in names if f"{name}_high" in dataset]
+        highest = float(np.nanmax([most, *(dataset[end].max() for end in ends)]))
         least = float(dataset[names[0]].min())
         said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
         axes.set_ylabel(said, multialignment="center")

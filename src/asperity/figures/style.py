@@ -24,8 +24,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable, written
-from asperity.creep import PARAMETERS_OF_LAWS
 from asperity.lattice import Field
+from asperity.solids import PARAMETERS_OF_LAWS
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -81,8 +81,8 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__(**kwargs)
+    def __init__(self, *, figsize: tuple[float, float]) -> None:
+        super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
@@ -151,7 +151,7 @@ def lines(parts: list[str], width: float, size: float = 8, between: str = ", ") 
 
 def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Axes]]:
     """Make a figure, of this size in inches, with panels of these heights above a common axis."""
-    figure = Drawing(figsize=size, layout="constrained")
+    figure = Drawing(figsize=size)
     grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
     return figure, list(grid[:, 0])
 

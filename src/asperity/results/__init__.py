@@ -5,11 +5,13 @@ from asperity.base.tables import read_table
 from asperity.results.checkpoint import Checkpoint
 from asperity.results.contacts import load_contact
 from asperity.results.history import History
+from asperity.results.pulling import Pull
 from asperity.results.store import load, save, whole_file, whole_folder
 
 __all__ = [
     "Checkpoint",
     "History",
+    "Pull",
     "load",
     "load_contact",
     "read_table",

@@ -124,8 +124,7 @@ def fingerprint_of(
     facts += [solid.springs, rtol, solver, exact]
     if carried is not None:
         facts.append(carried)
-    if solid.creep is not None:
-        facts.append(solid.creep.fingerprint())
+    facts += [law.fingerprint() for law in (solid.creep, solid.adhesion) if law is not None]
     if solid.yields:
         facts += [solid.hardness, start.permanent_indentation.sum()]
     digest = hashlib.sha256(repr(tuple(facts)).encode())

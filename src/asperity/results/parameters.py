@@ -7,9 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from asperity import solids, surfaces
 from asperity.base.parameters import parameters_of
-from asperity.creep import PARAMETERS_OF_LAWS, Eyring
+from asperity.creep import Eyring
 from asperity.protocols import KINDS
 from asperity.results.quantities import Units, select
+from asperity.solids import PARAMETERS_OF_LAWS
 
 _RECORDED = {
     name: (one.long_name, one.dimension)
@@ -20,6 +21,8 @@ _BRANCHES = {
     "branch_shares": ("share of the modulus of each branch", "1"),
     "branch_times": ("relaxation time of each branch", "time"),
 }
+_LAWS = {"creep": ("local law of creep", ""), "adhesion": ("law of adhesion", "")}
+_OF_A_LAW = {"m/s": "velocity", "Pa": "stress", "m": "length", "J/m^2": "energy / area"}
 PARAMETERS: dict[str, tuple[str, str]] = {
     **{
         parameter.quantity.key or name: parameter.recorded
@@ -27,12 +30,9 @@ PARAMETERS: dict[str, tuple[str, str]] = {
         for name, parameter in parameters_of(make).items()
     },
     "edges": ("what lies beyond the edges", ""),
-    "creep": ("local law of creep", ""),
+    **_LAWS,
     **{
-        name: (
-            f"{what.meaning} of the local law of creep",
-            {"m/s": "velocity", "Pa": "stress"}.get(what.unit, what.unit or "1"),
-        )
+        name: (f"{what.meaning} of the {_LAWS[name.partition('_')[0]][0]}", _OF_A_LAW.get(what.unit, "1"))
         for name, what in PARAMETERS_OF_LAWS.items()
     },
     **{

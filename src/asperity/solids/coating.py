@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.adhesion import Adhesion
 from asperity.base import units
 from asperity.base.checks import Floats
 from asperity.base.positive_sums import positive_weights
@@ -143,6 +144,7 @@ def coated_half_space(
     base_branches: BaseBranches = (),
     apparatus: Apparatus = None,
     hardness: Hardness = None,
+    adhesion: Adhesion | None = None,
 ) -> Solid:
     r"""Build a film bonded to a half-space of another material; each is elastic or viscoelastic.
 
@@ -158,7 +160,7 @@ def coated_half_space(
         The same of the base.
     branches, base_branches
         Pairs (share of the modulus, relaxation time) of the film and of the base; see `half_space`.
-    apparatus, hardness
+    apparatus, hardness, adhesion
         As in `half_space`.
 
     Returns
@@ -207,6 +209,7 @@ def coated_half_space(
         in_lengths=True,
         modulus=film.modulus,
         apparatus=checked_apparatus(apparatus),
+        adhesion=adhesion,
         kind="coated_half_space",
     ).with_hardness(hardness)
 

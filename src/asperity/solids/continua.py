@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from asperity.adhesion import Adhesion
 from asperity.base import checks, units
 from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
@@ -94,6 +95,7 @@ def half_space(
     creep: LocalCreep | None = None,
     permanent: Permanent = 0.0,
     hardness: Hardness = None,
+    adhesion: Adhesion | None = None,
 ) -> Solid:
     r"""Build a half-space that is elastic, viscoelastic, or creeps by a mechanism of its surface.
 
@@ -129,11 +131,13 @@ def half_space(
         If it is 0, s is the contact pressure.
     hardness
         Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
+    adhesion
+        A law of adhesion, such as `Dugdale`; beside no law of creep and no hardness.
 
     Returns
     -------
     Solid
-        It is separable unless it has ``flow``, ``creep`` or a hardness.
+        It is separable unless it has ``flow``, ``creep``, a hardness or adhesion.
 
     Raises
     ------
@@ -160,7 +164,7 @@ def half_space(
         raise InputError("permanent", expected=expected, got="none", advice=advice)
     law = WaveNumberSpectrum(modulus / 2)
     made: dict[str, Any] = {"modulus": modulus, "half_space": True, "kind": "half_space"}
-    made["apparatus"] = checked_apparatus(apparatus)
+    made |= {"apparatus": checked_apparatus(apparatus), "adhesion": adhesion}
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
@@ -189,6 +193,7 @@ def layer(
     branches: Branches = (),
     bonded: Bonded = True,
     hardness: Hardness = None,
+    adhesion: Adhesion | None = None,
 ) -> Solid:
     r"""Build an elastic or viscoelastic layer on a rigid base; see `asperity.solids.laws.LayerSpectrum`.
 
@@ -210,11 +215,13 @@ def layer(
         of a bonded one, which is (1 - nu)^2 / (1 - 2 nu) times that.
     hardness
         Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
+    adhesion
+        As in `half_space`.
 
     Returns
     -------
     Solid
-        It is separable.
+        It is separable unless it has a hardness or adhesion.
 
     Raises
     ------
@@ -230,6 +237,7 @@ def layer(
         parameters={"poisson": poisson, "thickness": thickness, "bonded": float(bonded)},
         in_lengths=True,
         modulus=modulus,
+        adhesion=adhesion,
         kind="layer",
     ).with_hardness(hardness)
 

@@ -16,6 +16,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from asperity.adhesion import Adhesion, checked_adhesion
 from asperity.base import checks, units, views
 from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
@@ -131,6 +132,8 @@ class Solid(views.InNotebooks):
     hardness
         Pressure that contacts do not exceed, for they yield under it; on a solid that is defined on sites,
         the force of a site. See `Solid.with_hardness`.
+    adhesion
+        A law of adhesion of a continuum that has a modulus, in reversible contact; see `asperity.adhesion`.
     kind
         Name of the function that built it, which is recorded.
     """
@@ -148,6 +151,7 @@ class Solid(views.InNotebooks):
     modulus: float | None = None
     half_space: bool = False
     apparatus: float | None = None
+    adhesion: Adhesion | None = None
     kind: str = field(default="of own spectra", compare=False)
 
     def __post_init__(self) -> None:
@@ -170,6 +174,7 @@ class Solid(views.InNotebooks):
             **({"branches": self.shares} if self.creep is None else self.creep.parameters),
             "apparatus": self.apparatus,
             "hardness": self.hardness if self.yields else None,
+            **({} if self.adhesion is None else self.adhesion.parameters),
         }
         known = {name: value for name, value in known.items() if value is not None}
         first = {} if self.modulus is None else {"modulus": self.modulus}
@@ -193,6 +198,17 @@ class Solid(views.InNotebooks):
         if self.creep is not None and len(parts["branches"]) != 1:
             got = f"{len(parts['branches'])} branches"
             raise InputError("creep", expected="a solid of one branch", got=got)
+        if self.adhesion is not None:
+            checked_adhesion(self.adhesion)
+            beside = {
+                "a solid that is defined on sites": not self.in_lengths,
+                "a solid without a contact modulus": self.modulus is None,
+                "a local law of creep": self.creep is not None,
+                "a hardness": self.yields,
+            }
+            if wrong := [what for what, is_so in beside.items() if is_so]:
+                expected = "an elastic or viscoelastic continuum beside it, which does not yield"
+                raise InputError("adhesion", expected=expected, got=wrong[0])
 
     def with_hardness(self, hardness: float | str | None = None) -> Solid:
         """Return the solid that yields plastically under a pressure.
@@ -258,9 +274,11 @@ class Solid(views.InNotebooks):
 
         Under a load that never falls the contact is then that of an elastic solid at another load (E. H. Lee,
         J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech.
-        33, 845 (1966), DOI 10.1115/1.3625192), and no site loses contact after the load has fallen.
+        33, 845 (1966), DOI 10.1115/1.3625192), and no site loses contact after the load has fallen. Nothing
+        sticks.
         """
-        return self.creep is None and not self.yields and (self.shares is not None or not self.branches)
+        other = self.creep is not None or self.yields or self.adhesion is not None
+        return not other and (self.shares is not None or not self.branches)
 
     def on(self, lattice: Lattice) -> Spectra:
         """Evaluate the spectra on a lattice.

@@ -48,16 +48,16 @@ def compute_into(
         progress.stage("writing the results")
         with folder_of_results(kind, out, rows, replaceable) as folder:
             write_into(found.dataset, folder / "history.zarr")
-            remarks = write(found, folder) or ()
-    tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
+            rows += [("remark", remark) for remark in write(found, folder) or ()]
+    tell_results(rows, out, results)
 
 
 @contextmanager
 def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
     """The folder to write to, with its marker: it appears when all is written, and replaces nothing else."""
     with whole_folder(out, overwrite=replaceable) as folder:
-        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         yield folder
+        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
 
 

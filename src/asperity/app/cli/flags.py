@@ -206,7 +206,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         f"[default: {POISSON}]",
         "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
         "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1 or 2]",
-        "--creep": f"Local law of creep: {FORMULAS}; s is the pressure.",
+        "--creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure.",
         "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
         "relaxation table from --reference.",
         "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",

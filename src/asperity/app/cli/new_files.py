@@ -38,14 +38,6 @@ def check_figures(
     return found | {table: standing(table) for table in tables}
 
 
-def check_measured(path: str, *, bare: bool = True) -> None:
-    """Read a measured area before anything is computed, to tell a mistake; it may be bare of units."""
-    from asperity.fits.measurements import measured, read_measurements  # for which the help does not wait
-
-    if not bare or read_measurements(path).value_unit:
-        measured(path)
-
-
 def check_free(out: Path, *, overwrite: bool) -> Standing:
     """Make sure, before anything is computed, that the results can be written; give what they may replace."""
     folder = out.resolve()

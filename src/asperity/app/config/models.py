@@ -16,8 +16,9 @@ from pydantic import Field, PrivateAttr, model_validator
 from asperity.app.config.sections import (
     Conductivity,
     Duration,
-    FirstForce,
     Force,
+    Load,
+    LoadOverArea,
     OneOrTwo,
     Position,
     Positive,
@@ -61,12 +62,12 @@ else:
 class Contact(Section):
     """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
 
-    load: FirstForce | None = usual(
+    load: Load | None = usual(
         None,
-        "Normal load, the sum of all contact forces; 0 before a ramp. "
+        "Normal load, the sum of all contact forces; 0 before a ramp, below 0 with adhesion. "
         "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
     )
-    pressure: Pressure | None = usual(
+    pressure: LoadOverArea | None = usual(
         None, "Load over nominal area, instead of the load. By default, on a continuum, 0.005 E* x rms slope."
     )
     separation: Position | None = usual(None, "Mean height of the undeformed solid; instead of the load.")
@@ -307,6 +308,23 @@ class RunConfig(Section):
             late = max(times or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):
                 raise ValueError(f"{where}: expected times up to the last, {self.end:g}, got {late:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _check_loads(self) -> Self:
+        if "adhesion" in self.solid.laws:
+            return self
+        pressing = [("[contact] load", self.contact.load), ("[contact] pressure", self.contact.pressure)]
+        pressing += [
+            (f"protocol[{number}] {leg.target}", leg.value(leg.duration, 0.0))
+            for number, section in enumerate(self.protocol)
+            for leg in section.leg.written_out()
+            if leg.target in ("load", "pressure")
+        ]
+        for where, load in pressing:
+            if load is not None and (load < 0 or (load == 0 and where != "[contact] load")):
+                advice = "adhesion = 'dugdale' (--adhesion dugdale) for loads that pull"
+                raise ValueError(f"{where}: expected more than 0, got {load:g}; try {advice}")
         return self
 
     @property

@@ -8,10 +8,9 @@ from typing import Any
 
 from asperity.app.config.models import RunConfig
 from asperity.app.config.surfaces import MeasuredSurface
-from asperity.base.parameters import parameters_of
+from asperity.base.parameters import Law, parameters_of
 from asperity.base.version import __version__
 from asperity.carried import Carried
-from asperity.creep import LocalCreep
 from asperity.errors import InputError
 from asperity.protocols import Leg
 
@@ -94,7 +93,7 @@ def _written(value: object) -> str:
     if isinstance(value, list):
         line = f"[{', '.join(map(_written, value))}]"
         return line if len(line) <= _LONG else textwrap.fill(line, _LONG, subsequent_indent="        ")
-    if isinstance(value, LocalCreep):
+    if isinstance(value, Law):
         return _call(f"asp.solids.{type(value).__name__}", **vars(value))
     if isinstance(value, Carried):
         return _call("asp.Carried", **{name: one for name, one in vars(value).items() if one is not None})

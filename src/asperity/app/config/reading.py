@@ -154,8 +154,8 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
 
 def _rivals(section: str, key: str, value: object) -> set[str]:
     """Keys that say the same as one otherwise, or mean nothing beside it."""
-    if (section, key) == ("solid", "creep"):
-        return OF_LAWS.difference(*KEYS_OF_LAWS.get(str(value), []))
+    if section == "solid" and key in KEYS_OF_LAWS:
+        return OF_LAWS[key].difference(*KEYS_OF_LAWS[key].get(str(value), []))
     ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
     of_data = {"data_first", "data_last"} if {"branches"} in ways else set()  # other branches, other data
     return {rival for way in ways if key not in way for rival in way} | of_data

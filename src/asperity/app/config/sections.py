@@ -109,8 +109,9 @@ Share = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 Time = Annotated[float, Field(ge=0, le=1e30), InUnit("s")]
 Duration = Annotated[float, Field(gt=0, le=1e30), InUnit("s")]
-FirstForce = Annotated[float, Field(ge=0, le=LARGEST), InUnit("N")]
-"""A load at the beginning, from which a ramp may go up."""
+Load = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("N")]
+LoadOverArea = Annotated[float, Field(ge=-LARGEST, le=LARGEST), InUnit("Pa")]
+"""What presses, or pulls where bodies stick."""
 Force = Annotated[float, Field(gt=0, le=LARGEST), InUnit("N")]
 Pressure = Annotated[float, Field(gt=0, le=LARGEST), InUnit("Pa")]
 Size = Annotated[float, Field(gt=0, le=LARGEST), InUnit("m")]

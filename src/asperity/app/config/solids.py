@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
 from pydantic import BeforeValidator, Field, create_model, model_validator
 
-from asperity.app.config.creep import ACTIVATED, ACTIVATION, CREEP, KEYS_OF_LAWS, OF_LAWS, marked
+from asperity.app.config.creep import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, marked
 from asperity.app.config.sections import (
     Duration,
     OneOrTwo,
@@ -28,10 +28,10 @@ from asperity.app.config.sections import (
     usual,
 )
 from asperity.base.files import expanded
-from asperity.base.parameters import parameters_of
-from asperity.creep import LAWS, Eyring, LocalCreep
+from asperity.base.parameters import Law, parameters_of
+from asperity.creep import Eyring
 from asperity.errors import InputError
-from asperity.solids import KINDS, Solid
+from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
 
 if TYPE_CHECKING:
@@ -96,7 +96,16 @@ OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
 }
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
 
-PREDICTED = {*OF_LAWS, *OF_TABLES.values(), "young", "poisson", "branches", "creep", "permanent", "hardness"}
+PREDICTED = {
+    *OF_LAWS["creep"],
+    *OF_TABLES.values(),
+    "young",
+    "poisson",
+    "branches",
+    "creep",
+    "permanent",
+    "hardness",
+}
 """Keys of a half-space that a prediction takes as flags."""
 
 
@@ -113,23 +122,25 @@ class SolidSection(Section):
     @property
     def given(self) -> dict[str, Any]:
         """What `make` takes, without what is not given."""
-        law = {} if self.law is None else {"creep": self.law}
-        return arguments_of(self.make, self) | law
+        return arguments_of(self.make, self) | self.laws
 
     def build(self) -> Solid:
         """Make the solid."""
         return self.make(**self.given)
 
     @property
-    def law(self) -> LocalCreep | None:
-        """The local law of creep, from numbers or from its activation."""
+    def laws(self) -> dict[str, Law]:
+        """The local law of creep, from numbers or from its activation, and the law of adhesion, if any."""
         facts = {key: value for key, value in self if value is not None}
-        if "creep" not in facts:
-            return None
-        if "temperature" in facts:
-            return Eyring.activated(**{key.removeprefix("creep_"): facts[key] for key in ACTIVATION})
-        law = LAWS[facts["creep"]]
-        return law(**{name: facts[f"creep_{name}"] for name in parameters_of(law)})
+        found: dict[str, Law] = {}
+        for kind in filter(facts.__contains__, LAWS):
+            law = LAWS[kind][facts[kind]]
+            if kind == "creep" and "temperature" in facts:
+                activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATION}
+                found[kind] = Eyring.activated(**activation)
+            else:
+                found[kind] = law(**{name: facts[f"{kind}_{name}"] for name in parameters_of(law)})
+        return found
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -141,18 +152,22 @@ class SolidSection(Section):
         return self
 
     def check(self) -> None:
-        """Refuse keys of a law of creep that are not those of one law, with `ValueError`."""
-        keys, creep = type(self).model_fields, getattr(self, "creep", None)
-        given = {name for name in OF_LAWS if getattr(self, name, None) is not None}
-        told = marked(given) or "none"
-        ways = [way for way in KEYS_OF_LAWS.get(creep or "", []) if way <= keys.keys()]
-        if creep is None and given:
-            laws = [name for name, ways in KEYS_OF_LAWS.items() if given <= set().union(*ways)]
-            drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
-            advice = f"; try to drop {drop}" if "creep" in self.model_fields_set else ""
-            raise ValueError(f"creep: expected {any_of(laws or LAWS)} beside {told}, got none{advice}")
-        if creep is not None and given not in ways:
-            raise ValueError(f"creep: expected {' or '.join(map(marked, ways))} beside {creep}, got {told}")
+        """Refuse keys of a law that are not those of one law, with `ValueError`."""
+        keys = type(self).model_fields
+        for kind, known in KEYS_OF_LAWS.items():
+            law = getattr(self, kind, None)
+            given = {name for name in OF_LAWS[kind] if getattr(self, name, None) is not None}
+            told = marked(given) or "none"
+            ways = [way for way in known.get(law or "", []) if way <= keys.keys()]
+            if law is None and given:
+                laws = [name for name, ways in known.items() if given <= set().union(*ways)]
+                drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
+                advice = f"; try to drop {drop}" if kind in self.model_fields_set else ""
+                raise ValueError(f"{kind}: expected {any_of(laws or known)} beside {told}, got none{advice}")
+            if law is not None and given not in ways:
+                raise ValueError(
+                    f"{kind}: expected {' or '.join(map(marked, ways))} beside {law}, got {told}"
+                )
 
     @property
     def span(self) -> tuple[float, float]:
@@ -316,8 +331,8 @@ def _section_of(kind: str) -> type[SolidSection]:
     make = KINDS[kind]
     base: type[SolidSection] = SolidSection
     keys = keys_of_maker(make)
-    if "creep" in signature(make).parameters:
-        keys |= CREEP
+    for law in filter(signature(make).parameters.__contains__, LAWS):
+        keys |= KEYS[law]
     if "modulus" in keys:  # activation gives a stress in Pa
         keys |= {name: field_of(one) for name, one in ACTIVATED.items() if "creep" in keys}
     if keys.keys() >= {"modulus", "young", "poisson"}:  # a table gives the modulus, or the branches too

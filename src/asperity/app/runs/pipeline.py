@@ -24,7 +24,8 @@ from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import Carried, check_half_space
 from asperity.contact.bodies import bodies_of
-from asperity.errors import ConvergenceError, InputError
+from asperity.errors import ConvergenceError, InputError, PulledOff
+from asperity.fits.measurements import measured_area
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
@@ -102,6 +103,9 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     )
     dataset = _observed(history.dataset, config.output.instrument)
     remarks += remarks_on_contact(rough, solid, dataset)
+    if (parted := dataset.attrs.get("pulled_off")) is not None:
+        when = written(parted, "s") if contact.si else f"{parted:g}"
+        remarks += (f"the bodies were pulled off each other at t = {when}, where the history ends",)
     if law is not None:
         dataset = add_friction(dataset, law)
     if config.protocol:
@@ -109,7 +113,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     progress.stage("finding the relaxed state")
     try:
         dataset = with_limit(dataset, relax(contact, hold=config.aging.hold))
-    except (InputError, ConvergenceError) as error:  # the history is worth keeping all the same
+    except (InputError, ConvergenceError, PulledOff) as error:  # the history is worth keeping all the same
         remarks += (f"no relaxed state: {error}",)
     dataset = dataset.assign_attrs(config=to_toml(config))
     return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks)
@@ -123,8 +127,11 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
-    """Refuse numbers with units where nothing else has any."""
-    if solid.in_lengths and rough.has_lengths:
+    """Refuse numbers with units where nothing else has any, and a measured area that is none beside them."""
+    si = solid.in_lengths and rough.has_lengths
+    if config.output.measured is not None:
+        measured_area(config.output.measured, si=si)
+    if si:
         return
     if (text := next(written_with_units(config.model_dump()), None)) is not None:
         expected, advice = f"plain numbers for a {solid.kind}, which is defined on sites", "solid half_space"

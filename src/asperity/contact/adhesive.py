@@ -1,0 +1,109 @@
+r"""Contacts that stick: a sequence of contacts without adhesion, beside known forces.
+
+Sites attract each other with the energy phi(gap), which is concave, while all other energies are convex. So
+the tangent of phi at the last gap, a known force, makes a problem as without adhesion, and its solution has
+less energy than the last one (difference of convex functions; P. D. Tao, L. T. H. An, Acta Math. Vietnam.
+22, 289 (1997)). The force of Dugdale's law follows from which sites are within the range, of which there are
+finitely many sets: so the sequence ends. It begins with the sites within the range of the state before, from
+which follows what the contact remembers; and without a state before with none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asperity.contact.bodies import Bodies
+from asperity.contact.problem import Accuracy, ContactProblem, ContactSolver, Guess, Solution
+from asperity.errors import ConvergenceError, InputError, PulledOff
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """Numbers of adhesion."""
+
+    fewest_pixels: int = 6
+    """Pixels in the zone of a front, below which the lattice holds fronts where they are."""
+
+    rough: float = 1e-3
+    """Residual of contacts on the way."""
+
+    most_rounds: int = 1000
+    """Contacts without adhesion after which a sequence is given up."""
+
+
+TUNING = Tuning()
+
+
+@dataclass(frozen=True)
+class Adhesive:
+    """A solver for contacts that stick, or not, around one for contacts that do not."""
+
+    solver: ContactSolver
+
+    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
+        """Solve until the attraction is that of the gap; `PulledOff` where that does not bear the load."""
+        interface, heights = problem.interface, problem.heights
+        if interface.adhesion is None:
+            return self.solver.solve(problem, guess, accuracy)
+        last = np.inf if guess is None else guess.u if guess.last is None else guess.last
+        pull = interface.pull(np.broadcast_to(last - heights, heights.shape))
+        assert pull is not None
+        slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
+        rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
+        wanted = rough
+        for _ in range(TUNING.most_rounds):
+            load = problem.spectral().load
+            if load is not None and load - float(pull.sum()) <= 0:
+                raise PulledOff
+            found = self.solver.solve(problem.beside(pull), guess, wanted)
+            iterations, revisions = iterations + found.iterations, revisions + found.set_changes
+            before, pull = pull, interface.pull(found.u - heights)
+            assert pull is not None
+            if np.abs(pull - before).max() > slack:
+                wanted = rough
+            elif wanted == accuracy:
+                return replace(found, iterations=iterations, set_changes=revisions)
+            else:
+                wanted = accuracy
+            guess = Guess(found.u, found.in_contact, disposable=True)
+        raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
+
+
+def check_zone(bodies: Bodies) -> None:
+    """Refuse pixels in which the zone of a front is not resolved.
+
+    The modulus is that at once: where a body is pressed or pulled, fronts pass in an instant.
+    """
+    law = bodies.solid.adhesion
+    if law is not None and (most := _largest_pixel(bodies, 0.0)) < max(bodies.lattice.spacing):
+        raise InputError(
+            "adhesion",
+            expected=f"pixels of at most {most:.3g}: {TUNING.fewest_pixels} in a zone of pi E* w/(4 s0^2)",
+            got=f"{max(bodies.lattice.spacing):.3g}",
+            advice="a longer range, or contact.pull_off(work=...) of the contact without adhesion",
+        )
+
+
+def zone_remark(bodies: Bodies, time: float) -> str:
+    """What is to be said where the zone shrinks below what is resolved, as the modulus relaxes until a time.
+
+    Fronts that creep slowly feel the relaxed modulus.
+    """
+    if bodies.solid.adhesion is None or (most := _largest_pixel(bodies, time)) >= max(bodies.lattice.spacing):
+        return ""
+    return (
+        f"as the modulus relaxes, the zone of a front shrinks: in the end pixels of at most {most:.3g} "
+        f"resolve it, of {max(bodies.lattice.spacing):.3g} they may hold it back"
+    )
+
+
+def _largest_pixel(bodies: Bodies, time: float) -> float:
+    """The largest pixel in which the zone is resolved, by the modulus after a time."""
+    solid = bodies.solid
+    assert solid.adhesion is not None
+    assert solid.modulus is not None
+    left = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
+    return solid.adhesion.zone(solid.modulus * left) / TUNING.fewest_pixels

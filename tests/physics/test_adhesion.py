@@ -1,0 +1,408 @@
+"""Contacts that stick: Maugis' ball, Johnson's wavy line, energies of cycles, and histories with jumps."""
+
+import math
+import tomllib
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+from annotated_types import Gt
+
+import asperity as asp
+from asperity.aging.field_steps import FieldSteps
+from asperity.app.config import to_toml
+from asperity.app.config.python import to_python
+from asperity.app.config.reading import config_from
+from asperity.base.parameters import Quantity
+from asperity.contact.choice import chosen_solver
+from asperity.errors import PulledOff, Remark
+from asperity.results import load_contact
+from asperity.solids import Dugdale, coated_half_space, half_space, layer
+from asperity.surfaces import Surface
+from tests.dense_reference import Dense
+from tests.physics.test_dense_reference import maxwell
+from tests.refusals import refuses
+
+P = asp.protocols
+RADIUS = 400.0
+
+
+def ball(shape, places=((0.0, 0.0),)):
+    y, x = (np.arange(n) - (n - 1) / 2 for n in shape)
+    return np.max([-((y[:, None] - b) ** 2 + (x - a) ** 2) / (2 * RADIUS) for b, a in places], axis=0)
+
+
+def sticking(lam, unit, **how):
+    """A half-space with Maugis' lambda on a ball, its unit of radius in pixels, and the unit of loads."""
+    K = 4 / 3
+    w = unit**3 * K / (math.pi * RADIUS**2)
+    s0 = lam / 2 * (math.pi * w * K**2 / RADIUS) ** (1 / 3)
+    solid = half_space(modulus=1.0, adhesion=Dugdale(work=w, range=w / s0), **how)
+    return solid, math.pi * w * RADIUS
+
+
+def maugis(lam):
+    """Load and radius of D. Maugis, in their units, with the largest tension first."""
+    m = 1 + np.logspace(-6, 4, 4000)
+    s, sec = np.sqrt(m**2 - 1), np.arccos(1 / m)
+    A, B = lam / 2 * (s + (m**2 - 2) * sec), 4 * lam**2 / 3 * (s * sec - m + 1)
+    a = (np.sqrt(B**2 + 4 * A) - B) / (2 * A)
+    load = a**3 - lam * a**2 * (s + m**2 * sec)
+    stable = a >= a[load.argmin()]
+    order = load[stable].argsort()
+    return load[stable][order], a[stable][order]
+
+
+def judged(contact):
+    """Forces of Dugdale's law: at least -s0 in contact, that within the range, 0 beyond."""
+    law, cell = contact.solid.adhesion, contact.lattice.cell
+    pull, apart = law.strength * cell, ~contact.in_contact
+    within = apart & (contact.gap < law.range)
+    assert contact.force.min() >= -pull * (1 + 1e-12)
+    np.testing.assert_array_equal(contact.force[within], -pull)
+    np.testing.assert_array_equal(contact.force[apart & ~within], 0.0)
+    assert contact.residual <= 1e-8
+    return contact
+
+
+def radius(contact):
+    return math.sqrt(contact.contact_area_corrected / math.pi)
+
+
+@pytest.mark.parametrize(
+    ("lam", "unit", "size", "loads"),
+    [
+        (0.5, 12.0, 64, [1.0, 0.0, -1.0]),
+        pytest.param(0.1, 16.0, 128, [1.0, 0.0, -1.0, -1.5], marks=pytest.mark.slow),
+        pytest.param(0.3, 20.0, 112, [1.0, 0.0, -1.0, -1.5], marks=pytest.mark.slow),
+        pytest.param(0.5, 24.0, 128, [1.0, 0.0, -1.0, -1.5], marks=pytest.mark.slow),
+        pytest.param(1.0, 44.0, 192, [1.0, 0.0, -1.0, -1.3], marks=pytest.mark.slow),
+    ],
+)
+def test_a_ball_is_that_of_maugis(lam, unit, size, loads):
+    solid, one = sticking(lam, unit)
+    known, contact = maugis(lam), None
+    for load in loads:
+        rough = Surface(ball((size, size)), edges="free")
+        contact = (
+            asp.press(rough, solid, load=load * one)
+            if contact is None
+            else asp.press(contact, load=load * one)
+        )
+        judged(contact)
+        assert contact.load == pytest.approx(load * one, abs=1e-9 * one)
+        assert radius(contact) == pytest.approx(np.interp(load, *known) * unit, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("lam", "unit", "size", "through"),
+    [
+        (0.1, 6.0, 48, "load"),
+        pytest.param(0.3, 16.0, 80, "load", marks=pytest.mark.slow),
+        pytest.param(0.5, 20.0, 112, "load", marks=pytest.mark.slow),
+        pytest.param(1.0, 40.0, 176, "separation", marks=pytest.mark.slow),
+    ],
+)
+def test_it_is_pulled_off_under_the_load_of_maugis(lam, unit, size, through):
+    solid, one = sticking(lam, unit)
+    contact = asp.press(Surface(ball((size, size)), edges="free"), solid, load=0.0)
+    pulled = asp.pull(contact, through=through)
+    assert pulled.force / one == pytest.approx(-maugis(lam)[0][0], rel=0.02)
+    if through == "separation":
+        return
+    with pytest.raises(PulledOff) as off:
+        asp.press(pulled.last, load=-1.05 * pulled.force)
+    assert off.value.load == pytest.approx(pulled.last.load)
+    with pytest.raises(PulledOff):
+        asp.press(Surface(ball((size, size)), edges="free"), solid, load=-3 * one)
+
+
+def test_a_long_range_pulls_as_on_rigid_bodies():
+    solid, one = sticking(0.02, 6.0)
+    contact = asp.press(Surface(ball((96, 96)), edges="free"), solid, load=-1.9 * one)
+    assert contact.area > 0  # B. V. Derjaguin, V. M. Muller, Yu. P. Toporov: up to 2 pi w R
+    with pytest.raises(PulledOff):
+        asp.press(contact, load=-2.02 * one)
+
+
+def test_far_balls_stick_as_one_each():
+    solid, _ = sticking(0.3, 6.0)
+    one, two = (
+        asp.press(Surface(ball((40, width), places), edges="free"), solid, load=0.0)
+        for width, places in ((40, [(0, 0)]), (240, [(0, -100), (0, 100)]))
+    )
+    assert two.area == pytest.approx(2 * one.area, rel=0.02)
+    assert two.energy == pytest.approx(2 * one.energy, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("n", "zone", "alpha", "top"),
+    [
+        (2048, 24, 0.3, 0.1),
+        pytest.param(8192, 48, 0.3, 0.1, marks=pytest.mark.slow),
+        pytest.param(8192, 48, 0.5, 0.03, marks=pytest.mark.slow),
+    ],
+)
+def test_a_wavy_line_is_that_of_johnson(n, zone, alpha, top):
+    height = n / 100
+    w = (alpha * math.pi / math.sqrt(2) * height / n) ** 2 * n
+    strength = math.sqrt(math.pi * w / (4 * zone))
+    heights = -2 * height * np.sin(math.pi * (np.arange(n) / n - 0.5)) ** 2
+    solid = half_space(modulus=1.0, adhesion=Dugdale(work=w, range=w / strength))
+    angle = np.linspace(0.01, 1.5, 2000)
+    pressure = np.sin(angle) ** 2 - alpha * np.sqrt(np.tan(angle))
+    stable = slice(pressure[: pressure.argmax()].argmin(), pressure.argmax())
+    known = 2 / math.pi * np.interp(0.5 * top, pressure[stable], angle[stable])
+    unit, found = math.pi * height, []  # E* h / L on L
+    contact = asp.press(heights, solid, load=0.0)
+    for load in (0.5 * top, top, 0.5 * top):
+        contact = asp.press(contact, load=load * unit)
+        found.append(contact.contact_fraction)
+    assert found[0] < found[2]  # pixels hold fronts back, forth and back, by a part of 1 / zone
+    assert (found[0] + found[2]) / 2 == pytest.approx(known, rel=0.03 if n > 2048 else 0.05)
+    assert found[0] > (0.96 if n > 2048 else 0.93) * known
+
+
+@pytest.mark.parametrize("edges", ["free", "periodic"])
+def test_a_cycle_loses_the_area_of_its_loop(edges):
+    solid, one = sticking(0.5, 6.0, **({} if edges == "free" else {"apparatus": math.inf}))
+    contact = asp.press(Surface(ball((40, 40)), edges=edges), solid, load=0.5 * one)
+    pulled = asp.pull(contact)
+    load, approach, energy = (pulled.curve[name].values for name in ("load", "approach", "energy"))
+    work = (load[1:] + load[:-1]) / 2 * np.diff(approach)
+    lost = work - np.diff(energy)
+    assert lost.min() > -0.03 * pulled.energy_lost  # as accurate as the trapezoids
+    assert pulled.energy_lost == pytest.approx(lost.sum(), rel=1e-6)
+    assert pulled.energy_lost > 0
+    assert load[0] == load[-1] == 0.0
+    assert pulled.last.area > 0
+    assert pulled.force == pytest.approx(-load.min(), rel=1e-12)
+    with refuses("energy_lost", "one through the load"):
+        _ = asp.pull(contact, through="load", steps=4).energy_lost
+
+
+class Sticky(Dense):
+    """Dense matrices with Dugdale's traction on the sites whose gap was last within the range."""
+
+    def stick(self, pull, reach):
+        self.pull, self.reach, self.within = pull, reach, np.zeros(self.n, dtype=bool)
+        return self
+
+    def contact(self, v, load=None, position=None, known=0.0):
+        while True:
+            y, X, r = super().contact(v, load, position, known - self.pull * self.within)
+            within = y + X - self.heights < self.reach
+            if (within == self.within).all():
+                return y, X, r
+            self.within = within
+
+
+@pytest.mark.parametrize(
+    ("shape", "load"), [((64,), 0.0), ((64,), -0.3), pytest.param((16, 16), -0.05, marks=pytest.mark.slow)]
+)
+def test_a_viscoelastic_ball_ages_as_dense_matrices_let_it(shape, load):
+    branches = [(0.5, 1.0)]
+    squares = np.add.reduce(np.meshgrid(*((np.arange(n) - n / 2) ** 2 for n in shape), indexing="ij"))
+    heights, law = -squares / 200.0, Dugdale(work=0.02, range=0.4)
+    contact = asp.press(heights, half_space(modulus=1.0, branches=branches, adhesion=law), load=load)
+    times = [0.25, 0.5, 1.0, 2.0]
+    history = asp.age(contact, times, rtol=1e-4, fields_at=times)
+    make: Any = Sticky
+    dense = make(heights, *maxwell(lambda q, _: q / 2, branches), (1.0,) * len(shape)).stick(0.05, 0.4)
+    dense.within = (contact.gap < 0.4).ravel()
+    v, step = np.zeros((1, heights.size)), 0.005
+
+    def speed(v):
+        y, _, _ = dense.contact(v, load=load)
+        return dense.rate[0] @ (y - v[0])
+
+    for number, time in enumerate(np.arange(1, 401) * step, start=1):
+        middle = v + step / 2 * speed(v)
+        v = v + step * speed(middle)
+        if round(time, 9) in times:
+            y, X, r = dense.contact(v, load=load)
+            at = history.dataset.sel(field_time=round(time, 9), method="nearest")
+            assert abs(int(at["in_contact"].sum()) - dense.touching.sum()) <= 1, number
+            np.testing.assert_allclose(at["u"].values.ravel(), y + X, atol=3e-3 * np.ptp(y))
+            assert (r - dense.pull * dense.within).sum() == pytest.approx(load, abs=1e-9)
+    assert history["area"][-1] != history["area"][0]
+
+
+def test_time_steps_pass_a_jump_into_contact():
+    solid, _ = sticking(1.0, 12.0, branches=[(0.5, 1.0)])
+    start = asp.press(Surface(ball((64, 64)), edges="free"), solid, separation=2.0)
+    assert (start.area, start.load) == (0, 0.0)
+    times = np.linspace(0.05, 1.5, 30)
+    history = asp.age(start, times, protocol=P.Ramp(1.5, separation=-0.2), fields_at=times)
+    area, load = history["area"].values, history["load"].values
+    jump = int(np.diff(area).argmax())
+    assert area[jump] == 0
+    assert area[jump + 1] > 100
+    assert load[jump] == 0.0
+    assert load[jump + 1] < 0
+    assert history["rejected"].values.sum() < 40
+    assert history.dataset.attrs.get("exact_contact") is None
+    judged(history.final)
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting", "free"])
+@pytest.mark.parametrize("solid", ["half-space", "layer", "film", "flow"])
+def test_every_history_ends_in_states_that_are_judged(solid, edges):
+    law, branches = Dugdale(work=0.01, range=0.3), [(0.5, 1.0)]
+    if edges == "free" and solid != "half-space":
+        pytest.skip("edges are free on half-spaces alone")
+    made = {
+        "half-space": lambda: half_space(modulus=1.0, branches=branches, adhesion=law, apparatus=math.inf),
+        "layer": lambda: layer(modulus=1.0, poisson=0.3, thickness=20.0, branches=branches, adhesion=law),
+        "film": lambda: coated_half_space(
+            modulus=1.0,
+            poisson=0.3,
+            thickness=8.0,
+            base_modulus=2.0,
+            base_poisson=0.3,
+            base_branches=branches,
+            apparatus=math.inf,
+            adhesion=law,
+        ),
+        "flow": lambda: half_space(modulus=1.0, flow=(0.1, 0), adhesion=law, apparatus=math.inf),
+    }[solid]()
+    x = 2 * np.pi * np.arange(32) / 32
+    heights = 0.8 * np.cos(x)[:, None] * np.cos(x) + 0.3 * np.sin(2 * x)
+    contact = judged(asp.press(Surface(heights, edges=edges), made, load=-1.0))
+    assert contact.load == pytest.approx(-1.0)
+    legs = [P.Hold(0.5), P.Ramp(0.5, load=-2.0), P.Step(load=1.0), P.Hold(0.5, hold="separation")]
+    history = asp.age(contact, [1.0], protocol=legs)
+    assert history["load"].values[:3] == pytest.approx([-1.0, -1.0, -2.0])
+    assert history["load"].values[3] == pytest.approx(1.0)
+    judged(history.final)
+    again = judged(asp.press(history.final, load=0.0))
+    assert again.load == pytest.approx(0.0, abs=1e-9)
+    if solid != "flow":
+        assert judged(asp.relax(again, hold="load")).load == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("legs", "when"),
+    [([P.Ramp(2.0, load=-5.0)], (0.1, 1.9)), ([P.Hold(0.5), P.Step(load=-5.0), P.Hold(1.0)], (0.5, 0.5))],
+)
+def test_a_record_ends_where_bodies_part(legs, when, tmp_path):
+    solid, one = sticking(0.5, 6.0, branches=[(0.5, 1.0)])
+    contact = asp.press(Surface(ball((40, 40)), edges="free"), solid, load=one)
+    with pytest.warns(Remark, match="pulled off"):
+        history = asp.age(contact, [0.05, 1.5], protocol=legs)
+    parted = history.dataset.attrs["pulled_off"]
+    assert when[0] <= parted <= when[1]
+    assert history.time.values[-1] == parted
+    assert judged(history.final).area > 0
+    assert history["load"].values[-1] == pytest.approx(history.final.load)
+    rows = asp.analysis.leg_table(history.dataset)
+    assert (len(rows), rows[-1].end) == (1, parted)
+    history.save(tmp_path / "parted")
+    history.final.save(tmp_path / "last")
+    again = load_contact(tmp_path / "last", solid)
+    np.testing.assert_array_equal(again.in_contact, history.final.in_contact)
+    assert again.load == pytest.approx(history.final.load, rel=1e-6)
+
+
+def test_a_contact_remembers_from_where_it_came():
+    solid, _ = sticking(1.0, 12.0)
+    far = asp.press(Surface(ball((64, 64)), edges="free"), solid, separation=2.0)
+    near = asp.press(far, separation=-0.5)
+    place = 1.03 * solid.adhesion.range
+    forth, back = asp.press(far, separation=place), asp.press(near, separation=place)
+    assert forth.area == 0
+    assert back.area > 0
+    assert back.load < forth.load == 0.0
+
+
+@dataclass(frozen=True)
+class Fading(asp.solids.Adhesion):
+    """A law of somebody's own: the traction falls like an exponential of the gap."""
+
+    work: Annotated[float, Gt(0), Quantity("work of adhesion", "J/m^2", "w")]
+    length: Annotated[float, Gt(0), Quantity("length", "m", "l")]
+
+    @property
+    def strength(self):
+        return self.work / self.length
+
+    def energy(self, gap):
+        return -self.work * np.exp(-np.maximum(gap, 0.0) / self.length)
+
+    def traction(self, gap):
+        return self.strength * np.exp(-np.maximum(gap, 0.0) / self.length)
+
+
+def test_another_law_of_the_gap_is_a_class():
+    solid = half_space(modulus=1.0, branches=[(0.5, 1.0)], adhesion=Fading(0.02, 0.4))
+    assert solid.parameters["adhesion_length"] == 0.4
+    contact = asp.press(Surface(ball((32, 32)), edges="free"), solid, load=0.2)
+    final = asp.age(contact, [1.0]).final
+    for state in (contact, final):
+        apart = ~state.in_contact
+        np.testing.assert_allclose(state.force[apart], -solid.adhesion.traction(state.gap[apart]), rtol=1e-6)
+        assert state.load == pytest.approx(0.2)
+
+
+def test_what_cannot_stick_is_refused():
+    law = Dugdale(work=0.02, range=0.4)
+    eyring = asp.solids.Eyring(rate=1.0, stress=1.0)
+    for how, got in (({"creep": eyring}, "a local law of creep"), ({"hardness": 1.0}, "a hardness")):
+        with refuses("adhesion", got):
+            half_space(modulus=1.0, adhesion=law, **how)
+    with refuses("adhesion", "a solid that is defined on sites"):
+        asp.solids.Solid(springs=asp.solids.Springs(1.0, 3.0, 3.0, 0.0), adhesion=law)
+    word: Any = "dugdale"
+    with refuses("adhesion", "str"):
+        half_space(modulus=1.0, adhesion=word)
+    heights = ball((16, 16))
+    with refuses("adhesion", "1"):  # a zone of pi / 4 0.02 / 1e-2 of 1.6
+        asp.press(heights, half_space(modulus=1.0, adhesion=Dugdale(work=0.02, range=0.2)), load=1.0)
+    contact = asp.press(heights, half_space(modulus=1.0, adhesion=law), load=1.0)
+    with refuses("hold", "'area'"):
+        asp.age(contact, [1.0], hold="area")
+    with refuses("separation", "one that carries the load as a rigid body, whose separation moves with it"):
+        asp.pull(contact, through="separation")
+    plain = asp.press(heights, half_space(modulus=1.0), load=1.0)
+    for leg in (P.Step(load=-1.0), P.Ramp(1.0, pressure=-1.0), P.Step(load=0.0)):
+        with refuses("load"):
+            asp.age(plain, [0.5], protocol=[leg, P.Hold(1.0)])
+    with refuses("load", "-1"):
+        asp.press(heights, half_space(modulus=1.0), load=-1.0)
+    with refuses("contact", "a solid without adhesion"):
+        asp.pull(plain)
+    with refuses("through", "'dugdale'"):
+        asp.pull(contact, through=word)
+    scan = Surface(heights, unit="um", pixel_size=(1.0, 1.0), length_unit="um")
+    with refuses("material", "one with adhesion"):
+        asp.predict(half_space(modulus=1e6, adhesion=law), scan, pressure=1e3)
+    with refuses("solid", "one with adhesion"):
+        asp.law(half_space(modulus=1e6, adhesion=law), scan, pressures=[1e3])
+    in_pa = asp.press(scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN")
+    with refuses("partial_slip", "adhesion"):
+        in_pa.partial_slip(shear="1 uN", friction=0.5)
+    with refuses("pull_off", "one with it", advice="asperity.pull(contact)"):
+        in_pa.pull_off(work="50 mJ/m^2")
+    with refuses("units", "'50 mJ/m^2'"):
+        asp.press(heights, half_space(modulus=1.0, adhesion=Dugdale("50 mJ/m^2", 1.0)), load=1.0)
+
+
+def test_steps_of_whole_fields_age_it():
+    contact = asp.press(
+        ball((16, 16)), half_space(modulus=1.0, branches=[(0.5, 1.0)], adhesion=Dugdale(0.02, 0.4)), load=1.0
+    )
+    system = contact.system()
+    assert not contact.solid.separable
+    assert isinstance(FieldSteps.begin(system, chosen_solver(None, system), contact), FieldSteps)
+
+
+def test_keys_of_a_file_are_the_law():
+    keys = {"adhesion": "dugdale", "adhesion_work": "50 mJ/m^2", "adhesion_range": "10 nm"}
+    solid = {"kind": "half_space", "young": "5 MPa", "poisson": 0.5, **keys}
+    config = config_from({"solid": solid, "contact": {"load": "-1 nN"}}, {}, None)
+    assert config.solid.build().adhesion == Dugdale(work=0.05, range=1e-8)
+    written = to_python(config, [1.0])
+    assert "adhesion=asp.solids.Dugdale(work=0.05, range=1e-08)" in written
+    assert "asp.press(rough, solid, load=-1e-09)" in written
+    assert config_from(tomllib.loads(to_toml(config)), {}, None).solid.build() == config.solid.build()
