@@ -28,6 +28,7 @@ of the tiles have.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -147,9 +148,12 @@ def law(
         expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
         raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
     for name in ("shear", "work_of_adhesion"):
-        if (got := getattr(carried, name, None)) is not None:
-            raise InputError(name, expected="none: a law is that of contacts pressed alone", got=got)
+        if (put := getattr(carried, name, None)) is not None:
+            raise InputError(name, expected="none: a law is that of contacts pressed alone", got=put)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
+    if steps[-1] >= body.hardness:
+        expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
+        raise InputError("pressures", expected=expected, got=got, advice="a lower last pressure")
     if times is None and body.branches:
         expected, advice = "the ages of a solid that creeps", "0 s, and when the law is needed"
         raise InputError("times", expected=expected, got="none", advice=advice)
@@ -218,14 +222,7 @@ class _Layer:
         self, scan: Surface, body: Solid, pressure: float, ages: Field, down: list[float], rtol: float
     ) -> list[Row]:
         """Rows at each age of a held pressure, and then of lower ones, at once."""
-        try:
-            contact = pressed(scan, body, pressure=pressure)
-        except InputError as error:
-            if error.name != "load":
-                raise
-            expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(pressure, "Pa")
-            advice = "a lower last pressure"
-            raise InputError("pressures", expected=expected, got=got, advice=advice) from None
+        contact = pressed(scan, body, pressure=pressure)
         found: list[Row] = []
 
         def reached(time: float, contact: Contact) -> None:
@@ -311,15 +308,12 @@ def _kept(path: Path | None, mark: str) -> list[Row]:
 
 
 def _dataset(rows: list[Row]) -> xr.Dataset:
-    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
+    ends = {"": "", "_low": ", low end of the 95 % band", "_high": ", high end of the 95 % band"}
     facts = {
-        f"{name}{end}": {"units": unit, "long_name": meaning + said}
-        for name, (unit, meaning) in OF_LAWS.items()
-        for end, said in (
-            ("", ""),
-            *((f"_{one}", f", {one} end of the 95 % band") for one in ("low", "high")),
-        )
+        f"{name}{end}": {"units": unit, "long_name": f"{meaning}{said}"}
+        for (name, (unit, meaning)), (end, said) in itertools.product(OF_LAWS.items(), ends.items())
     }
+    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
     dataset = table[[name for name in facts if name in table]].to_xarray()
     dataset = dataset.assign_coords(direction=dataset["direction"].astype(str))
     facts["time"] = {"units": "s", "long_name": "age: how long the pressure was held"}

@@ -81,8 +81,8 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
-    def __init__(self, *, figsize: tuple[float, float], **more: Any) -> None:
-        super().__init__(figsize=figsize, **{"layout": "constrained", **more})  # pyplot says more
+    def __init__(self, *, figsize: tuple[float, float]) -> None:
+        super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
