@@ -32,7 +32,7 @@ def suffixes(out: Path) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("flags", "found"), [((), {".pdf"}), (("--figures", "svg", "png"), {".svg", ".png"})]
+    ("flags", "found"), [((), {".pdf"}), (("--figures", "svg,png"), {".svg", ".png"})]
 )
 @pytest.mark.parametrize("command", ["run", "predict"])
 def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
@@ -60,13 +60,14 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     text = "time_s,area\n" + "".join(f"{t},{1 + 0.1 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
     Path("fit.csv").write_text(text)
     for more in ((), ("--overwrite",)):
-        status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf", "svg", *more)
+        status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf, svg", *more)
         assert (status, Path("fit.csv").read_text()) == (0, text)
         assert "fit.pdf, fit.svg; what it draws: fit_data.csv" in said
     # Nor is that of another figure replaced by its own.
     assert asperity("fit", "fit_data.csv", "--out", "fit_data.png", "--overwrite")[0] == 0
     assert Path("fit_data_data.csv").exists()
     assert asperity("fit", "fit.csv", "--figures", "pdf")[0] == 2  # it is there
+    assert "expected some of png, pdf, svg, got jpg" in asperity("fit", "fit.csv", "--figures", "jpg")[2]
     np.savetxt("rough.csv", np.arange(64.0).reshape(8, 8) % 5, delimiter=",")
     before = Path("rough.csv").read_bytes()
     assert asperity("surface", "rough.csv", "--figures", "pdf", "png")[0] == 0

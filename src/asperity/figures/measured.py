@@ -33,13 +33,8 @@ def draw_measured(
     beside = np.interp(later, np.log(time[positive]), computed[positive], left=np.nan, right=np.nan)
     at, value = place(found.time), factor * found.value
     error = None if found.stderr is None else factor * found.stderr
-    look: dict[str, Any] = {
-        "fmt": "D",
-        "color": style.INK,
-        "markerfacecolor": style.ORANGE,
-        "markersize": 3.5,
-    }
-    look |= {"elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
+    look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}
+    look |= {"markersize": 3.5, "elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
     upper.errorbar(at, value, error, label="measured", **look)
     low, high = upper.get_ylim()
     ends = (value, value) if error is None else (value - error, value + error)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -148,7 +148,7 @@ def _read(written: bool | str | list[str], what: What) -> object:
             pairs = [[number(part) for part in parts] for parts in split]
             return pairs if what == "pairs" else pairs[-1]
         if what == "choices":
-            return [word for item in written for word in item.split()]
+            return listed(written)
         if what == "texts":
             return written
         return numbers(written, whole=what == "wholes")
@@ -157,6 +157,11 @@ def _read(written: bool | str | list[str], what: What) -> object:
     if what == "text or whole":
         return int(written) if written.isdecimal() else written
     return number(written)
+
+
+def listed(written: Iterable[str]) -> list[str]:
+    """Words with blanks or commas between."""
+    return " ".join(written).replace(",", " ").split()
 
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:

@@ -85,7 +85,7 @@ def law(
         solid |= {} if material is None else {"relaxation": str(material)}
         solid.setdefault("kind", "half_space")
     if drawn.figures is not None:
-        flags["output"] = {"figures": drawn.formats()}
+        flags["output"] = {"figures": drawn.figures}
     if times is not None:
         flags["aging"] = {"times": times}
     from asperity.app.config.reading import read_config, to_toml
