@@ -97,6 +97,10 @@ def test_a_file_with_legs_is_refused(mistaken, scan):
         '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
     )
     assert mistaken("law", "legs.toml", *scan, *RANGE, "-q").startswith("[[protocol]]: expected none")
+    Path("area.toml").write_text(
+        '[solid]\nkind = "half_space"\nmodulus = 3e9\n[output]\nmeasured = "a.csv"\n'
+    )
+    assert mistaken("law", "area.toml", *scan, *RANGE, "-q").startswith("[output] measured: expected none")
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ of it: DOI 10.3389/fmech.2021.754782.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -109,7 +109,7 @@ class PullOff(views.Brief):
     normal_force: Field
     area: NDArray[np.int64]
     opened: Field
-    _contact: Contact = field(repr=False)
+    _contact: Contact
 
     @property
     def ratio(self) -> float:

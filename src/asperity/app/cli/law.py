@@ -111,12 +111,7 @@ def law(
             f"{to_toml(settings)}{pressures}{per_decade}",
             functools.partial(law_of_config, settings, pressures=pressures, per_decade=per_decade),
             report=law_report,
-            write=functools.partial(
-                write_law,
-                programs=write,
-                age=age,
-                millimeters=millimeters,
-            ),
+            write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
             every=0.0,
             results=results,
             replaceable=replaceable,

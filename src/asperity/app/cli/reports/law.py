@@ -53,12 +53,7 @@ def _ends(table: xr.Dataset, name: str) -> str:
 
 
 def write_law(
-    found: Outcome,
-    folder: Path,
-    *,
-    programs: Sequence[Program],
-    age: str | None,
-    millimeters: bool,
+    found: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
 ) -> None:
     """Write the table, its figure, what was used of the configuration, and files for other programs."""
     dataset = found.dataset
