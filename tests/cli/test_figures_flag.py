@@ -31,9 +31,7 @@ def suffixes(out: Path) -> set[str]:
     return {path.suffix for path in out.iterdir()} & {".png", ".pdf", ".svg"}
 
 
-@pytest.mark.parametrize(
-    ("flags", "found"), [((), {".pdf"}), (("--figures", "svg,png"), {".svg", ".png"})]
-)
+@pytest.mark.parametrize(("flags", "found"), [((), {".pdf"}), (("--figures", "svg,png"), {".svg", ".png"})])
 @pytest.mark.parametrize("command", ["run", "predict"])
 def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
     assert main([command, str(asked), *flags, "--quiet", "--measured", "area.csv", "--out", "out"]) == 0

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flags_for, given, in_flags
+from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flag, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
 from asperity.errors import InputError
@@ -18,8 +18,8 @@ __all__ = ["flags_for", "law"]  # the annotation that `command` writes names fla
 
 _DRAWN, _RESULTS = Drawn(), Results()
 _Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
-_FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "shear", "solid")}
-_FLAGS |= {"per_decade": "--per-decade", "work_of_adhesion": "--work-of-adhesion"}
+_TOLD = ("pressures", "per_decade", "times", "age", "shear", "work_of_adhesion", "solid")
+_FLAGS = {name: flag(name) for name in _TOLD}
 
 
 @command("preparation", "solid", "carried")
@@ -96,9 +96,9 @@ def law(
 
         with in_flags(_FLAGS):
             place_of(age, settings.aging.times or [0.0])
-    elif asked := [flag for flag, one in (("--age", age), ("--millimeters", millimeters)) if one]:
+    elif asked := [name for name, one in (("age", age), ("millimeters", millimeters)) if one]:
         expected = "--write beside it: it is for files of other programs"
-        raise InputError(asked[0], expected=expected, got="none", advice="--write calculix")
+        raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.cli.reports.law import law_report, write_law
