@@ -59,9 +59,7 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
     panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
     columns = min(3, len(panels))
     rows = math.ceil(len(panels) / columns)
-    figure = style.Drawing(
-        figsize=(style.PAGE if columns > 1 else style.COLUMN, 1.2 + 1.9 * rows), layout="constrained"
-    )
+    figure = style.Drawing(figsize=(style.PAGE if columns > 1 else style.COLUMN, 1.2 + 1.9 * rows))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawn = mean.where(mean > 0)
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())

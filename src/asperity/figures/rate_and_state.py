@@ -29,7 +29,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     peaks, fit = found.peaks(), found.fits[found.preferred]
     holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
-    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8))
     heights = [3.0, 1, 1.2][: 2 + of_machine]
     widths = [1.7, 1][: 1 + holds]
     grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)

@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar, cast
+from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -80,8 +80,8 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
-    def __init__(self, **kwargs: object) -> None:
-        super().__init__(**cast(Any, kwargs))
+    def __init__(self, *, figsize: tuple[float, float]) -> None:
+        super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
@@ -150,7 +150,7 @@ def lines(parts: list[str], width: float, size: float = 8, between: str = ", ") 
 
 def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Axes]]:
     """Make a figure, of this size in inches, with panels of these heights above a common axis."""
-    figure = Drawing(figsize=size, layout="constrained")
+    figure = Drawing(figsize=size)
     grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
     return figure, list(grid[:, 0])
 

@@ -53,9 +53,9 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    if found := {path.name for path in out.iterdir()} if out.exists() else set():
+    if names := {path.name for path in out.iterdir()} if out.exists() else set():
         marker = marker_of(out)
-        foreign = sorted(found - {MARKER, *marker.get("files", ())})
+        foreign = sorted(names - {MARKER, *marker.get("files", ())})
         expected, held, advice = "a new folder", "", "another name"
         if not marker:
             held = f"no {MARKER}, the mark of results,"

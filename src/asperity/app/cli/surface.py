@@ -47,5 +47,5 @@ def surface(
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
     from asperity.app.cli.reports.surface import drawn_and_told
 
-    figure, told = drawn_and_told(settings)
-    sys.stdout.write(f"{told}\n\nfigure written: {write_figures(figure, figures)}\n")
+    figure, rows = drawn_and_told(settings)
+    sys.stdout.write(f"{rows}\n\nfigure written: {write_figures(figure, figures)}\n")
