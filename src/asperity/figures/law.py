@@ -59,6 +59,6 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
     parts = ["shaded: 95 % band for another scan of this size, at the last age"]
     if dataset.sizes["direction"] > 1:
-        parts.append("dashed: unloading from the largest pressure, at once")
+        parts.append("dashed: unloading from the largest pressure, without creep")
     style.entitle(figure, "Law of the rough layer", parts)
     return figure
