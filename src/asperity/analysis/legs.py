@@ -70,7 +70,7 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
         return [_row(dataset, 0, Hold(lasted), 0.0, lasted)] if lasted > 0 else []
     spans = pairwise(json.loads(dataset.attrs["switches"]))
     parted = dataset.attrs.get("pulled_off", math.inf)
-    reached = int(numbers_of(dataset).max()) + 1
+    reached = int(numbers_of(dataset).max()) + 1 if parted < math.inf else None
     return [
         _row(dataset, number, leg, begin, min(end, parted))
         for number, (leg, (begin, end)) in enumerate(zip(legs_of(protocol), spans, strict=True))
