@@ -147,7 +147,7 @@ def test_an_instrument_looks_at_the_maps(finished, tmp_path, says):
     assert dataset["area_observed"].values.tolist() == seen
     assert dataset["area_observed"].attrs["units"] == "sites"
     assert max(seen) > 0
-    assert re.search(rf"seen at t = 10 +{seen[-1]:g}\n", text)
+    assert re.search(rf"observed at t = 10 +{seen[-1]:g}\n", text)
     assert dataset["u"].identical(usual["u"])
 
 

@@ -140,7 +140,7 @@ def test_one_panel_of_a_result_is_drawn_into_axes(prediction):
         assert all(kind in str(found.value) for kind in kinds)
     area = prediction.plot()  # the first, in a new figure
     assert area.get_figure() is plt.gcf()
-    drawn = next(line for line in area.lines if line.get_label() == "less the rim")
+    drawn = next(line for line in area.lines if line.get_label() == "corrected for pixel rims")
     np.testing.assert_allclose(drawn.get_ydata(), 1e12 * prediction.series("contact_area_corrected"))
 
 

@@ -107,7 +107,7 @@ class Band:
     shortest
         The shortest wave kept; two pixels for the scan as it is.
     area
-        Real contact area less its rim.
+        Real contact area, corrected for pixel rims.
     pressure
         Load over that area.
     growth
@@ -139,7 +139,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     material
         The half-space, with the fit of its relaxation table or draws of its branches.
     growth
-        Of the area less its rim, under a load that stays; None for another history.
+        Of the area corrected for pixel rims, under a load that stays; None for another history.
     resolved
         What is resolved at the times of the maps.
     shear_strength
@@ -255,7 +255,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     def words(self) -> tuple[str, ...]:
         """The solid in words: how stiff it is, how it creeps, and under which pressure the scan yields."""
         law = self.solid.creep
-        parts = [f"half-space, E* = {written(self.modulus, 'Pa')} at once"]
+        parts = [f"half-space, instantaneous E* = {written(self.modulus, 'Pa')}"]
         if law is not None:
             numbers = [
                 f"{what.symbol} = {written(law.parameters[name], what.unit or '1').removesuffix(' 1')}"
@@ -326,7 +326,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def friction_force(self) -> Field | None:
-        """Shear strength times area less rim, N; None without a shear strength."""
+        """Shear strength times corrected area, N; None without a shear strength."""
         return None if self.shear_strength is None else self.series("friction_force")
 
     @property

@@ -81,14 +81,14 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
         times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
         ends = dict.fromkeys((0, seen.size - 1))
         unit = seen.attrs["units"]
-        rows += [Row(f"seen at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
+        rows += [Row(f"observed at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
     residual = float(dataset["residual"].max())
     worst = Row("worst residual", f"{residual:.1e} of the mean contact force", brief=True)
     return [*rows, *carried_rows(dataset), worst]
 
 
 def carried_rows(dataset: xr.Dataset) -> list[Row]:
-    """What the contact carries, at first and at last."""
+    """Stiffness, resistance and slip, at first and at last."""
     rows = []
     for name, one in select("series", of=["carried"]).items():
         if name in dataset:
@@ -134,7 +134,9 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     def contact(when: str, area: int) -> Row:
         return _extent(f"contact {when}", area, summary.sites, summary.initial_area, cell, square)
 
-    prescribed = Row("held", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True)
+    prescribed = Row(
+        "prescribed", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True
+    )
     rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
     if "mean_contact_pressure" in dataset:
         mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))

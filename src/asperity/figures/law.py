@@ -64,6 +64,6 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
     parts = ["shaded: 95 % band for other such scans", "at the last age"]
     if dataset.sizes["direction"] > 1:
-        parts += ["dashed: unloading at once", "from the largest pressure"]
+        parts += ["dashed: unloading without creep", "from the largest pressure"]
     style.entitle(figure, "Law of the rough layer", parts)
     return figure

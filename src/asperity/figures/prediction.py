@@ -99,13 +99,13 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
-    """Draw the area against the logarithm of time, as counted and less its rim, and what theory has."""
+    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and what theory has."""
     unit, square = _areas(prediction)
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
     )
-    style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
-    style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
+    style.curve(axes, prediction.time, counted, "s-", style.GRAY, "raw", linewidth=1.0)
+    style.curve(axes, prediction.time, corrected, "o-", style.INK, "corrected for pixel rims", linewidth=1.0)
     draw_band(axes, prediction, "contact_area_corrected", square)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]

@@ -86,7 +86,7 @@ def infer(
         lengths of a ball have the unit of the column, if it has one]
     ramp
         Time within which the load was put on in proportion to time; times count from its beginning.
-        [default: at once]
+        [default: instantly]
     seed
         Seed of the random numbers.
     walkers

@@ -78,7 +78,7 @@ def predict(
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     ramp
         Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
-        start. [default: at once]
+        start. [default: instantly]
     leg
         In its place a leg of the history of the load, as often as there are legs: "ramp 2.4s pressure=1MPa",
         "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs so far). Before a first ramp the load is 0

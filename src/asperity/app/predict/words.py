@@ -28,13 +28,13 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         begin, end = fit.data.span
         rows += [("read", fit.data.source)] if fit.data.source else []
         text = f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
-        text += f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
+        text += f"fit error {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
         rows.append(("relaxation", text))
     nominal = prediction.nominal_area
-    held = f"load {written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
-    held += f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"
+    held = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
+    held += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
     held = prediction.legs or held
-    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("held", held)]
+    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("load", held)]
     loaded = prediction.loaded
     rows += _contacts(prediction)
     rows += _growth(prediction)
@@ -55,7 +55,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     rows += words_of(carried_rows(dataset.isel(time=slice(1 + loaded, None))))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
-        rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
+        rows.append((f"observed {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
     if prediction.solid.yields:
         lowered = dataset["permanent_indentation"].values
         begun, remaining = (int((lowered[place] > 0).sum()) for place in (0, -1))
@@ -66,7 +66,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     effort = "exact contact" if exact else f"{int(dataset['steps'].sum())} time steps"
     effort += f", {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"
     rows.append(("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"))
-    rows.append(("effort", effort + (" in this session" if resumed else "")))
+    rows.append(("cost", effort + (" in this session" if resumed else "")))
     return [*rows, *(("remark", remark) for remark in prediction.remarks)]
 
 
@@ -81,8 +81,9 @@ def _contacts(prediction: Prediction) -> list[Row]:
         low, high = (float(end[place]) for end in prediction.band(names[1]))
         band = "" if math.isnan(low) else f", 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}"
         many = how_many(prediction.resolved[number].patches, "patch", "patches")
-        text = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim{band}; "
-        text += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
+        text = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} %"
+        text += f", corrected for pixel rims{band}; "
+        text += f"raw {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
         jumped = place > 0 and prediction.time[place] == prediction.time[place - 1]
         when = "just after" if jumped else f"contact at {written(float(prediction.time[place]), 's')}"
         rows.append((when, text))

@@ -40,11 +40,11 @@ def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list
             rows.append((name, f"{said}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
     rows.append(("taken off", "what a flat solid does: the approach is that of the mean of the surface"))
     if dataset.sizes["direction"] > 1:
-        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, at once"))
+        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, without creep"))
     if dataset.sizes["time"] > 1:
         said = "do not interpolate between them while the load changes: what has crept depends on its history"
         rows.append(("ages", said))
-    rows.append(("effort", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
+    rows.append(("cost", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
     return [*rows, *(("remark", remark) for remark in found.remarks)]
 
 
