@@ -95,10 +95,14 @@ class OfScan:
         that of the load over the sites.
     bearing
         How many tiles bear the load, shape (entries,).
+    separable
+        Whether the contact follows from the load alone; where stresses set the rates, which tiles bear it
+        counts for growth, too.
     """
 
     without: Mapping[str, Floats]
     bearing: Field
+    separable: bool
 
     @classmethod
     def of(cls, dataset: xr.Dataset, contact: Contact) -> OfScan:
@@ -124,11 +128,12 @@ class OfScan:
             )
             for name, ratio in ratios.items()
         }
-        return cls(without, np.interp(entries, rows, bearing))
+        return cls(without, np.interp(entries, rows, bearing), contact.solid.separable)
 
     def at(self, rows: NDArray[np.intp]) -> OfScan:
         """The same at some entries."""
-        return OfScan({name: one[:, rows] for name, one in self.without.items()}, self.bearing[rows])
+        without = {name: one[:, rows] for name, one in self.without.items()}
+        return replace(self, without=without, bearing=self.bearing[rows])
 
     def draws(self, name: str) -> Floats:
         """Factors of other scans, shape (draws, entries); NaN where too few tiles bear."""
@@ -138,9 +143,10 @@ class OfScan:
         """What another scan would add to a measure of factors on the area, shape (draws,)."""
         deviations = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
         deviations -= measure(np.ones_like(self.bearing))
-        # What a tile takes over from others changes nothing for all: the regression on it is left out.
-        moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
-        deviations -= moved * (deviations @ moved) / max(float(moved @ moved), _ROUNDING)
+        if self.separable:
+            # What a tile takes over from others changes nothing for all: the regression on it is left out.
+            moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
+            deviations -= moved * (deviations @ moved) / max(float(moved @ moved), _ROUNDING)
         enough = self.bearing.min() >= _FEWEST
         return _student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
 
