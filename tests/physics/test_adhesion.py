@@ -305,6 +305,24 @@ def test_a_record_ends_where_bodies_part(legs, when, tmp_path):
     assert again.load == pytest.approx(history.final.load, rel=1e-6)
 
 
+@pytest.mark.parametrize("edges", ["periodic", "free"])
+@pytest.mark.parametrize("left", [1e-9, 1e-11, 1e-13, 1e-14, 0.0])
+def test_contacts_bear_what_all_sites_attract_to_the_last_digits(edges, left):
+    x = 2 * np.pi * np.arange(16) / 16
+    heights = 0.05 * (np.cos(x)[:, None] * np.cos(x) + 0.5 * np.sin(2 * x + 1))
+    law = Dugdale(work=3.3, range=8.1)  # far longer than the heights: every site is within it
+    contact = asp.press(Surface(heights, edges=edges), half_space(modulus=1.0, adhesion=law), load=1.0)
+    all_attract = law.strength * heights.size
+    if left < 1e-13:  # as much as the rounding of so many forces
+        with pytest.raises(PulledOff):
+            asp.press(contact, load=-(1 - left) * all_attract)
+        return
+    last = judged(asp.press(contact, load=-(1 - left) * all_attract))
+    assert last.area > 0
+    assert last.load == pytest.approx(-(1 - left) * all_attract, rel=1e-14)
+    np.testing.assert_array_equal(last.force[~last.in_contact], -law.strength)
+
+
 def test_a_contact_remembers_from_where_it_came():
     solid, _ = sticking(1.0, 12.0)
     far = asp.press(Surface(ball((64, 64)), edges="free"), solid, separation=2.0)

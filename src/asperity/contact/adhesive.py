@@ -30,6 +30,9 @@ class Tuning:
     rough: float = 1e-3
     """Residual of contacts on the way."""
 
+    rounding: float = 64 * float(np.finfo(float).eps)
+    """What is left for contacts to bear, over all that attracts, where it is rounding."""
+
     most_rounds: int = 1000
     """Contacts without adhesion after which a sequence is given up."""
 
@@ -55,8 +58,8 @@ class Adhesive:
         rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
         wanted = rough
         for _ in range(TUNING.most_rounds):
-            load = problem.spectral().load
-            if load is not None and load - float(pull.sum()) <= 0:
+            load, attraction = problem.spectral().load, -float(pull.sum())
+            if load is not None and load + attraction <= TUNING.rounding * attraction:
                 raise PulledOff
             found = self.solver.solve(problem.beside(pull), guess, wanted)
             iterations, revisions = iterations + found.iterations, revisions + found.set_changes
