@@ -33,7 +33,7 @@ def sampled(sites):
 
 
 def row(sites, pressure=0.005):
-    """Contact fraction as counted and less the rim, largest pressure, growth over the decades."""
+    """Contact fraction raw and corrected for pixel rims, largest pressure, growth over the decades."""
     heights = sampled(sites)
     spacing = SIDE / len(heights)
     surface = asp.surfaces.Surface(heights, unit="m", pixel_size=(spacing, spacing), length_unit="m")
@@ -64,8 +64,8 @@ def spread(side, seeds=8):
 
 def tables(quick=False):
     """The lines of both tables."""
-    rest = ("less the rim", "largest pressure / E\\*", "growth", "less the rim")
-    yield from head("sites a shortest wave", "lattice", "counted", *rest)
+    rest = ("corrected", "largest pressure / E\\*", "growth", "corrected")
+    yield from head("sites a shortest wave", "lattice", "raw", *rest)
     for sites in SITES[: 3 if quick else None]:
         *fractions, largest, grown, corrected = row(sites)
         areas = (f"{one:.4f}" for one in fractions)

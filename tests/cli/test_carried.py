@@ -136,7 +136,7 @@ def test_a_prediction_shows_them(tmp_path):
     assert main(["predict", *shlex.split(PREDICT), "--quiet", "--out", str(out)]) == 0
     data = asp.results.load(out)
     assert (data["normal_stiffness"] > 0).all()
-    assert "What the contact carries" in (out / "prediction.html").read_text("utf-8")
+    assert "Stiffness and resistance of the constrictions" in (out / "prediction.html").read_text("utf-8")
     row = rows_of(out / "history.csv")[0]
     assert float(row["pull_off [N]"]) > 0
     assert float(row["resistance [ohm]"]) > 0

@@ -31,9 +31,7 @@ def suffixes(out: Path) -> set[str]:
     return {path.suffix for path in out.iterdir()} & {".png", ".pdf", ".svg"}
 
 
-@pytest.mark.parametrize(
-    ("flags", "found"), [((), {".pdf"}), (("--figures", "svg", "png"), {".svg", ".png"})]
-)
+@pytest.mark.parametrize(("flags", "found"), [((), {".pdf"}), (("--figures", "svg,png"), {".svg", ".png"})])
 @pytest.mark.parametrize("command", ["run", "predict"])
 def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
     assert main([command, str(asked), *flags, "--quiet", "--measured", "area.csv", "--out", "out"]) == 0
@@ -50,6 +48,9 @@ def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken)
     for command in ("run", "predict"):
         said = mistaken(command, str(asked), "--quiet", "--out", "out")
         assert "force.csv: expected values in a unit such as um^2, got mN" in said
+    # An area in um^2 beside a run without units.
+    said = mistaken("run", "--shape", "8", "--measured", "area.csv", "--quiet", "--out", "out")
+    assert "area.csv: expected times without a unit" in said
     assert not Path("out").exists()
 
 
@@ -57,13 +58,14 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     text = "time_s,area\n" + "".join(f"{t},{1 + 0.1 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
     Path("fit.csv").write_text(text)
     for more in ((), ("--overwrite",)):
-        status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf", "svg", *more)
+        status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf, svg", *more)
         assert (status, Path("fit.csv").read_text()) == (0, text)
         assert "fit.pdf, fit.svg; what it draws: fit_data.csv" in said
     # Nor is that of another figure replaced by its own.
     assert asperity("fit", "fit_data.csv", "--out", "fit_data.png", "--overwrite")[0] == 0
     assert Path("fit_data_data.csv").exists()
     assert asperity("fit", "fit.csv", "--figures", "pdf")[0] == 2  # it is there
+    assert "expected some of png, pdf, svg, got jpg" in asperity("fit", "fit.csv", "--figures", "jpg")[2]
     np.savetxt("rough.csv", np.arange(64.0).reshape(8, 8) % 5, delimiter=",")
     before = Path("rough.csv").read_bytes()
     assert asperity("surface", "rough.csv", "--figures", "pdf", "png")[0] == 0
@@ -74,6 +76,17 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
         "rough.png",
         "rough_data.csv",
     }
+
+
+def test_no_figures_are_written_where_none_are_asked_for(asperity):
+    text = "time_s,friction\n" + "".join(f"{t},{0.6 + 0.01 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
+    Path("fit.csv").write_text(text)
+    np.savetxt("rough.csv", np.arange(64.0).reshape(8, 8) % 5, delimiter=",")
+    for command in (("fit", "fit.csv"), ("surface", "rough.csv")):
+        status, said, _ = asperity(*command, "--figures", "")
+        assert status == 0
+        assert "written" not in said
+    assert {path.name for path in Path().iterdir()} == {"fit.csv", "rough.csv"}
 
 
 def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
@@ -87,6 +100,8 @@ def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
     assert names == {"gathered.csv", "gathered.svg", "gathered.zarr", "gathered_data.csv"}
     assert asperity("gather", "study", "--figures", "pdf")[0] == 0
     assert Path("study", "gathered.pdf").exists()
+    assert asperity("gather", "study", "--to", "bare.zarr", "--figures", "")[0] == 0
+    assert {path.name for path in Path().glob("bare*")} == {"bare.csv", "bare.zarr"}
     plan.write_text(base + 'measured = "area.csv"\n')
     with pytest.raises(ConfigError, match="measured: expected none in a campaign"):
         read_plan(plan)

@@ -46,8 +46,8 @@ def out(tmp_path_factory):
 
 
 def test_the_history_is_that_of_the_verbs(out):
-    names = "aging.csv asperity.json config.toml contacts.png history.png"
-    names += " history.zarr patches.csv patches.png summary.txt"
+    names = "aging.csv asperity.json config.toml contacts.csv contacts.png history.csv history.png"
+    names += " history.zarr patches.csv patches.png patches_data.csv summary.txt"
     assert sorted(path.name for path in out.iterdir()) == names.split()
     data = results.load(out)
     contact = press(gaussian((32, 32), seed=0), spring_lattice(k0=1.0, k1=3.0), load=20.0)

@@ -76,7 +76,7 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
     text, error = running.communicate(timeout=60)
     assert running.returncode == 0
     assert f"going on from {place}" in error
-    assert re.search(r"effort .* s in this session\n", text)
+    assert re.search(r"cost .* s in this session\n", text)
     assert "  t = 0.001" not in error
     assert main(["run", *flags, "--quiet", "--out", str(tmp_path / "undisturbed")]) == 0
     for name in ("aging.csv", "config.toml"):

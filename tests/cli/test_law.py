@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import asperity as asp
 from asperity.analysis.contact_law import OF_LAWS
@@ -13,7 +14,7 @@ from asperity.analysis.contact_law import OF_LAWS
 HEIGHTS = asp.surfaces.spectral((40, 48), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
 LENGTHS = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
 RANGE = ("--pressures", "1MPa", "20MPa", "--per-decade", "2")
-FILES = {"asperity.json", "config.toml", "history.zarr", "law.csv", "law.png", "summary.txt"}
+FILES = {"asperity.json", "config.toml", "history.zarr", "law.csv", "law_data.csv", "law.png", "summary.txt"}
 
 
 @pytest.fixture
@@ -61,9 +62,11 @@ def test_a_table_of_relaxation_gives_a_law_at_each_age(says, scan):
 
 
 def test_a_solid_in_numbers_gives_what_python_gives(says, scan):
-    says("law", *scan, *RANGE, "--young", "3GPa", "--poisson", "0.3", "--write", "calculix", "-q")
+    flags = ("--young", "3GPa", "--poisson", "0.3", "--write", "calculix", "--figures", "")
+    says("law", *scan, *RANGE, *flags, "-q")
     found = asp.results.load("law")
-    assert {path.name for path in Path("law").iterdir()} == FILES | {"calculix.inp"}
+    pictures = {"law_data.csv", "law.png"}
+    assert {path.name for path in Path("law").iterdir()} == FILES - pictures | {"calculix.inp"}
     solid = asp.solids.half_space(young="3 GPa", poisson=0.3)
     surface = asp.surfaces.read(
         "scan.txt", file_unit="nm", pixel_size=50.0, length_unit="nm", periodic="reflect"
@@ -80,7 +83,10 @@ def test_the_figure_has_a_curve_for_each_age_and_direction():
     surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
     solid = asp.solids.half_space(modulus="3 GPa", branches=[(0.4, 10.0)])
     law = asp.law(solid, surface, pressures=[1e6, 4e6, 16e6], times=[0.0, 60.0])
-    axes = asp.figures.law_figure(law).axes
+    figure = asp.figures.law_figure(law)
+    axes = figure.axes
+    assert figure.get_figwidth() == asp.figures.style.COLUMN
+    assert {text.get_fontsize() for text in figure.findobj(Text)} <= {7.0, 8.0}
     assert [len(one.lines) for one in axes] == [4, 4, 4]
     drawn = axes[0].lines[1].get_ydata() / law["approach"].sel(direction="loading", time=60.0).values
     assert drawn == pytest.approx(drawn[0])
@@ -91,3 +97,21 @@ def test_a_file_with_legs_is_refused(mistaken, scan):
         '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
     )
     assert mistaken("law", "legs.toml", *scan, *RANGE, "-q").startswith("[[protocol]]: expected none")
+    Path("area.toml").write_text(
+        '[solid]\nkind = "half_space"\nmodulus = 3e9\n[output]\nmeasured = "a.csv"\n'
+    )
+    assert mistaken("law", "area.toml", *scan, *RANGE, "-q").startswith("[output] measured: expected none")
+
+
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        (("--age", "0s"), "--age: expected --write beside it"),
+        (("--millimeters",), "--millimeters: expected --write beside it"),
+        (("--write", "moose", "--age", "3h"), "--age: expected one of the ages of the law, 0 s, got 3h"),
+        (("--work-of-adhesion", "1mJ/m^2"), "--work-of-adhesion: expected none"),
+        (("--per-decade", "0"), "--per-decade: expected a whole number"),
+    ],
+)
+def test_flags_that_a_law_cannot_use_are_refused(mistaken, scan, flags, said):
+    assert mistaken("law", *scan, "--young", "3GPa", *RANGE[:3], *flags, "-q").startswith(said)

@@ -132,7 +132,8 @@ def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(tmp_path, says, m
     wrong = Mock(side_effect=ValueError("no axis fits"))
     monkeypatch.setattr("asperity.app.cli.output.aging_curve", wrong)
     text = says("run", *SMALL, "--out", tmp_path / "out")
-    assert "the figure 'aging' could not be drawn: no axis fits" in text
+    for said in (text, (tmp_path / "out" / "summary.txt").read_text()):
+        assert "the figure 'aging' could not be drawn: no axis fits" in said
     assert results.load(tmp_path / "out" / "history.zarr").sizes["time"] > 1
     assert not (tmp_path / "out" / "aging.png").exists()
 
@@ -146,7 +147,7 @@ def test_an_instrument_looks_at_the_maps(finished, tmp_path, says):
     assert dataset["area_observed"].values.tolist() == seen
     assert dataset["area_observed"].attrs["units"] == "sites"
     assert max(seen) > 0
-    assert re.search(rf"seen at t = 10 +{seen[-1]:g}\n", text)
+    assert re.search(rf"observed at t = 10 +{seen[-1]:g}\n", text)
     assert dataset["u"].identical(usual["u"])
 
 

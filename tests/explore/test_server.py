@@ -133,7 +133,7 @@ def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
         after = page.until("done")
     assert only(after, "scene")[0]["job"] == only(before, "scene")[0]["job"]
     assert len(column(after, "time")) == 2 + 9 * 100
-    assert "time steps" in dict(only(after, "done")[0]["rows"])["effort"]
+    assert "time steps" in dict(only(after, "done")[0]["rows"])["cost"]
 
 
 def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:
@@ -190,7 +190,7 @@ def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
 NESTED = {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "step"}]}]}
 TABLE = {"solid": {"kind": "half_space", "modulus": 1.0, "relaxation": "/etc/hosts"}}
 MISTAKES: list[tuple[object, str, str]] = [
-    ({"contact": {"load": -1}}, "contact.load", "expected a number of at least 0.0, got -1"),
+    ({"contact": {"load": -1}}, "contact.load", "expected more than 0, got -1; try adhesion"),
     (NESTED, "protocol[0].legs[0]", "expected load, pressure, separation or approach"),
     ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; did you mean 'k0'?"),
     ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),  # found late

@@ -137,6 +137,15 @@ def contact_patches(contact: asp.Contact) -> int:
     return asp.patches.patches(contact.in_contact, edges=contact.lattice.edges).count
 
 
+def test_the_force_of_a_rough_contact_grows_with_the_work():
+    """No site that is pressed opens with pulled ones beside it: nothing would be left that pulls."""
+    heights = asp.surfaces.spectral((32, 32), roll_off=12.0, cutoff=3.0, rms_slope=0.1, seed=1)
+    contact = asp.press(surface(heights, "periodic"), HALF_SPACE, load=3.41)
+    forces = np.array([contact.pull_off(work).force for work in (1.7e-5, 1.7e-4, 1.7e-3)])
+    assert forces[0] > 0
+    assert (forces[1:] > 5 * forces[:-1]).all()
+
+
 @pytest.mark.slow
 def test_the_tack_of_a_rough_surface_grows_as_its_area_does():
     """C. Creton, L. Leibler (1996): at light load ~ A(t) ~ J(t)."""

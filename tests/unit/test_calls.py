@@ -190,7 +190,7 @@ def test_a_remark_is_at_the_line_that_called():
         ("resistivity", "carried=asperity.Carried(resistivity=...)"),
         ("pixel", "instrument={'pixel': ...}"),
         ("times", "first=..., last=... and per_decade=..."),
-        ("legs", "asperity.press, and asperity.age with the protocol"),
+        ("legs", "protocol=[...]"),
         ("shear_strenght", "shear_strength=..."),
     ],
 )

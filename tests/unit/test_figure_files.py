@@ -64,6 +64,7 @@ def test_a_figure_is_written_in_each_format_with_its_table(prediction, tmp_path)
     (tmp_path / "own.csv").write_text("t;A\n1;2\n")
     assert [path.name for path in figures.write(figure, tmp_path / "own.png")] == ["own.png", "own_data.csv"]
     assert figures.write(figure, tmp_path / "growth.svg")[-1].name == "growth.csv"
+    assert figures.write(figure, tmp_path / "none", []) == []
     for wrong in ("eps", ["png", "jpeg"]):
         with refuses("formats", "eps" if wrong == "eps" else "jpeg"):
             figures.write(figure, tmp_path / "growth", wrong)  # type: ignore[arg-type]
@@ -139,7 +140,7 @@ def test_one_panel_of_a_result_is_drawn_into_axes(prediction):
         assert all(kind in str(found.value) for kind in kinds)
     area = prediction.plot()  # the first, in a new figure
     assert area.get_figure() is plt.gcf()
-    drawn = next(line for line in area.lines if line.get_label() == "less the rim")
+    drawn = next(line for line in area.lines if line.get_label() == "corrected for pixel rims")
     np.testing.assert_allclose(drawn.get_ydata(), 1e12 * prediction.series("contact_area_corrected"))
 
 

@@ -360,7 +360,7 @@ def test_the_figure_draws_the_numbers(kind):
     shares, times = np.array(found.series.branches).T
     places = 1 / times if kind == "dynamic" else times
     np.testing.assert_allclose(points(marks), np.column_stack([places, 100 * shares]))
-    said = re.search(r"missed by (\S+) % rms, (\S+) % at most", upper.get_title())
+    said = re.search(r"fit error (\S+) % rms, (\S+) % at most", upper.figure.get_suptitle())
     assert said is not None
     assert float(said[1]) == pytest.approx(100 * found.rms, rel=0.05)
     assert float(said[2]) == pytest.approx(100 * found.series.error, rel=0.05)

@@ -14,10 +14,10 @@ PAGES = {
         *sorted((ROOT / "docs" / "studies").glob("*.md")),
     )
 }
-LONGEST_PAGE, LONGEST_SENTENCE, ALL_PAGES = 2000, 35, 44_500
+LONGEST_PAGE, LONGEST_SENTENCE, ALL_PAGES = 2000, 35, 38_000
 
 CEILINGS = {
-    "docs/predict.md": (2883, 8),
+    "docs/predict.md": (2000, 1),
 }
 """Words, and long sentences, of pages that may only become shorter."""
 

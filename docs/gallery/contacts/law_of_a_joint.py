@@ -6,7 +6,7 @@ A model of two blocks that touch has flat faces. What roughness adds is a law be
 :math:`p` against the approach :math:`a` of the rough layer, its stiffness, and what it conducts,
 
 .. math:: a = \max h - \langle u \rangle, \qquad \frac{dp}{da} = \frac{1}{A\,c}, \qquad
-   h_c = \frac{2}{E^*}\,\frac{dp}{da}\,\Big(\frac{1}{k_1} + \frac{1}{k_2}\Big)^{-1},
+   h_c = \frac{2}{E^*}\,\frac{dp}{da}\,\left(\frac{1}{k_1} + \frac{1}{k_2}\right)^{-1},
 
 with the heights :math:`h`, the surface :math:`u` of the solid, and the lowering :math:`c` of its mean by a
 unit of load. ``asp.law`` tabulates it at each age. After an hour the joint is stiffer, and when the pressure

@@ -44,7 +44,7 @@ with tempfile.TemporaryDirectory() as folder:
     print(*(file.name for file in files))
     table = Path(folder) / "area.csv"
     print(table.read_text().splitlines()[1][:60], "...")
-    found = asp.fits.read_measurements(table, value="less the rim: real contact area [um^2]")
+    found = asp.fits.read_measurements(table, value="corrected for pixel rims: real contact area [um^2]")
 
 # Origin: the series of the prediction itself; Lee and Radok with J(t) of one branch in closed form; 85 mm.
 np.testing.assert_allclose(found.value, area, rtol=1e-9)

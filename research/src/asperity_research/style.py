@@ -42,5 +42,5 @@ def families(
 
 def panels(width: float, height: float, columns: int = 1, rows: int = 1) -> tuple[Drawing, np.ndarray]:
     """Return a figure of a size in inches, and its axes in the order of reading."""
-    figure = Drawing(figsize=(width, height), layout="constrained")
+    figure = Drawing(figsize=(width, height))
     return figure, figure.subplots(rows, columns, squeeze=False).ravel()

@@ -76,10 +76,10 @@ def rows_of_maps(dataset: xr.Dataset) -> list[int]:
     """Entries of the time series at the times of the maps: at a jump those of the same side."""
     time, rows = np.asarray(dataset["time"]), []
     for number, moment in enumerate(np.asarray(dataset["field_time"])):
-        here = np.flatnonzero(time == moment)
+        entries = np.flatnonzero(time == moment)
         if "leg" in dataset.coords:
-            here = here[np.asarray(dataset["leg"])[here] == int(dataset["field_leg"][number])]
-        rows.append(int(here[-1]))
+            entries = entries[np.asarray(dataset["leg"])[entries] == int(dataset["field_leg"][number])]
+        rows.append(int(entries[-1]))
     return rows
 
 
@@ -104,25 +104,25 @@ class OfScan:
     def of(cls, dataset: xr.Dataset, contact: Contact) -> OfScan:
         """Take it from the maps of a history that began with a contact."""
         touching, rows = np.asarray(dataset["in_contact"]), rows_of_maps(dataset)
-        area, load = _in_tiles(touching), _in_tiles(np.asarray(dataset["pressure"]))
-        sites = _in_tiles(np.ones_like(touching))
+        area, load = in_tiles(touching), in_tiles(np.asarray(dataset["pressure"]))
+        sites = in_tiles(np.ones_like(touching))
         parts = {"in_contact": (area, load)}
         if set(banded(dataset)) - set(_BY_AREA):
-            parts["punch"] = _in_tiles(np.array([punch(contact, one) for one in touching])), load
+            parts["punch"] = in_tiles(np.array([punch(contact, one) for one in touching])), load
         if "stick" in dataset:
-            parts["stick"] = _in_tiles(np.asarray(dataset["stick"])), area
+            parts["stick"] = in_tiles(np.asarray(dataset["stick"])), area
         entries = np.arange(dataset.sizes["time"])
         with np.errstate(divide="ignore", invalid="ignore"):
-            left = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
-            left["load"] = np.log(_left(load) / _left(sites))
+            ratios = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
+            ratios["load"] = np.log(_left(load) / _left(sites))
             # Where much touches, the area is less than in proportion to the load.
-            left["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * left["load"]
+            ratios["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * ratios["load"]
             bearing = np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1))
         without = {
             name: np.array(
-                [np.interp(entries, rows, np.where(np.isfinite(tile), tile, np.nan)) for tile in found.T]
+                [np.interp(entries, rows, np.where(np.isfinite(tile), tile, np.nan)) for tile in ratio.T]
             )
-            for name, found in left.items()
+            for name, ratio in ratios.items()
         }
         return cls(without, np.interp(entries, rows, bearing))
 
@@ -136,13 +136,13 @@ class OfScan:
 
     def draws_of(self, measure: Callable[[Field], float]) -> Floats:
         """What another scan would add to a measure of factors on the area, shape (draws,)."""
-        found = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
-        found -= measure(np.ones_like(self.bearing))
+        deviations = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
+        deviations -= measure(np.ones_like(self.bearing))
         # What a tile takes over from others changes nothing for all: the regression on it is left out.
         moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
-        found -= moved * (found @ moved) / max(float(moved @ moved), _ROUNDING)
-        known = self.bearing.min() >= _FEWEST
-        return _student(found[:, None], np.array(len(found) - 1 if known else 0))[:, 0]
+        deviations -= moved * (deviations @ moved) / max(float(moved @ moved), _ROUNDING)
+        enough = self.bearing.min() >= _FEWEST
+        return _student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
 
 
 def banded(dataset: xr.Dataset) -> list[str]:
@@ -153,16 +153,19 @@ def banded(dataset: xr.Dataset) -> list[str]:
 
 def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -> xr.Dataset:
     """Add ``_low`` and ``_high`` of what has a band; `solid` is that of `draws_of_solid`."""
-    found = {}
+    columns = {}
     for name in banded(dataset):
         base, power = _BY_AREA.get(name, (name, 1))
         factors = scan.draws("in_contact" if name in _BY_AREA else _SHARES.get(name, "punch"))
         factors *= np.resize(solid.get(base, [[1.0]]), factors.shape)
         ends, facts = np.asarray(dataset[name]) * interval(factors**power), dataset[name].attrs
         for end, values in zip(("low", "high"), ends, strict=True):
-            said = {"long_name": f"{facts['long_name']}: {end} end of the 95 % band", "units": facts["units"]}
-            found[f"{name}_{end}"] = "time", values, said
-    return dataset.assign(found)
+            attributes = {
+                "long_name": f"{facts['long_name']}: {end} end of the 95 % band",
+                "units": facts["units"],
+            }
+            columns[f"{name}_{end}"] = "time", values, attributes
+    return dataset.assign(columns)
 
 
 def effective_load(dataset: xr.Dataset, series: PronySeries) -> Field | None:
@@ -210,7 +213,7 @@ def draws_of_solid(
     on = np.flatnonzero(loads > 0)
     crept = [np.log(np.asarray(effective_load(dataset, one))[on] / one.modulus) for one in series]
     grown = np.flatnonzero(np.diff(np.maximum.accumulate(crept[0]), prepend=-np.inf) > _ROUNDING)
-    found = {}
+    factors_of = {}
     for name, curve in curves.items():
         factors = np.ones((len(series) - 1, curve.size))
         if grown.size > 1 and (curve[on] > 0).all() and np.isfinite(curve[on]).all():
@@ -219,8 +222,8 @@ def draws_of_solid(
             for factor, one, other in zip(factors, crept[1:], series[1:], strict=True):
                 factor[on] = np.exp(_continued(one, crept[0][grown], y[grown]) - y)
                 factor[on] *= other.modulus / series[0].modulus if at_once else 1.0
-        found[name] = factors
-    return found
+        factors_of[name] = factors
+    return factors_of
 
 
 def _by_some(
@@ -234,10 +237,10 @@ def _by_some(
     time = np.asarray(dataset["time"])
     lags = np.append(0.0, np.geomspace(time[time > 0][0] / 10, time[-1], _LAGS))
     compliance = np.log([one.compliance_at(lags) for one in series])
-    left, size, _ = np.linalg.svd(compliance[1:] - compliance[0], full_matrices=False)
+    modes, size, _ = np.linalg.svd(compliance[1:] - compliance[0], full_matrices=False)
     missed = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0.0))
     count = min(int(np.argmax(missed <= _MISSED * missed[0])), _MOST)
-    scores = (left * size)[:, :count]
+    scores = (modes * size)[:, :count]
     chosen = scipy.linalg.qr(scores.T, mode="r", pivoting=True)[1][:count]
     weights = np.linalg.lstsq(scores[chosen].T, scores.T, rcond=None)[0].T
     found = {name: np.zeros((count, curve.size)) for name, curve in curves.items()}
@@ -257,11 +260,11 @@ def _by_some(
     return {name: np.exp(weights @ logarithms) for name, logarithms in found.items()}
 
 
-def _in_tiles(maps: Floats) -> Floats:
-    """Sums over the tiles of maps, shape (maps, tiles)."""
+def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
+    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
     for axis in (1, 2):
         ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
-        maps = np.add.reduceat(maps, ends, axis=axis, dtype=np.float64)
+        maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
     return maps.reshape(maps.shape[0], -1)
 
 

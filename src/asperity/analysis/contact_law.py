@@ -28,6 +28,7 @@ of the tiles have.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -42,6 +43,7 @@ from scipy.optimize import brentq
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
+from asperity.analysis.bands import in_tiles
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
@@ -78,8 +80,8 @@ OF_LAWS = {
 
 _CONDUCTANCES = {"resistance": "conductance", "thermal_resistance": "thermal_conductance"}
 
-_TILES, _DRAWS = 4, 200
-"""Tiles along each axis of the scan, and how often they are drawn."""
+_DRAWS = 200
+"""How often tiles are drawn."""
 
 _WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
 """Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
@@ -145,13 +147,17 @@ def law(
     if body.adhesion is not None:
         expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
         raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
-    if carried is not None and carried.shear is not None:
-        raise InputError("shear", expected="none: the law is that of a small one", got=carried.shear)
+    for name in ("shear", "work_of_adhesion"):
+        if (put := getattr(carried, name, None)) is not None:
+            raise InputError(name, expected="none: a law is that of contacts pressed alone", got=put)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
+    if steps[-1] >= body.hardness:
+        expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
+        raise InputError("pressures", expected=expected, got=got, advice="a lower last pressure")
     if times is None and body.branches:
         expected, advice = "the ages of a solid that creeps", "0 s, and when the law is needed"
         raise InputError("times", expected=expected, got="none", advice=advice)
-    ages = checks.times("times", units.numbers("times", [0.0] if times is None else times, "s"), at_least=0)
+    ages = checks.times("times", units.numbers("times", 0.0 if times is None else times, "s"))
     scan = read(surface) if isinstance(surface, str | Path) else surface
     scan = checks.instance("surface", scan, Surface, "Surface(heights, unit='um', pixel_size='1 um')").scan
     if scan.heights.ndim != 2:
@@ -207,7 +213,7 @@ class _Layer:
 
     def __init__(self, rough: Field, carried: Carried | None) -> None:
         self.rough, self.carried = rough, carried
-        highest, random = _in_tiles(rough[np.newaxis], np.maximum)[0], np.random.default_rng(0)
+        highest, random = in_tiles(rough[np.newaxis], np.maximum)[0], np.random.default_rng(0)
         self.chosen = random.integers(0, highest.size, (_DRAWS, highest.size))
         higher = random.gumbel(scale=highest.std(ddof=1) * math.sqrt(6) / math.pi, size=_DRAWS)
         self.higher = (higher - np.median(higher)) / _WIDER  # which is for means of a few values
@@ -216,14 +222,7 @@ class _Layer:
         self, scan: Surface, body: Solid, pressure: float, ages: Field, down: list[float], rtol: float
     ) -> list[Row]:
         """Rows at each age of a held pressure, and then of lower ones, at once."""
-        try:
-            contact = pressed(scan, body, pressure=pressure)
-        except InputError as error:
-            if error.name != "load":
-                raise
-            expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(pressure, "Pa")
-            advice = "a lower last pressure"
-            raise InputError("pressures", expected=expected, got=got, advice=advice) from None
+        contact = pressed(scan, body, pressure=pressure)
         found: list[Row] = []
 
         def reached(time: float, contact: Contact) -> None:
@@ -261,7 +260,7 @@ class _Layer:
                     row[_CONDUCTANCES[name]] = per_area / value
         row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
         maps = np.stack([contact.in_contact, contact.force, borne, gap, np.ones_like(gap)])
-        return row | _hydraulic(gap) | self._bands(row, _in_tiles(maps))
+        return row | _hydraulic(gap) | self._bands(row, in_tiles(maps))
 
     def _bands(self, row: Row, tiles: Field) -> Row:
         touching, force, borne, gap, sites = tiles[:, self.chosen].sum(axis=-1)
@@ -282,14 +281,6 @@ class _Layer:
             low, high = np.nanquantile(row[name] + _WIDER * (values - row[name]), (0.025, 0.975)).tolist()
             ends |= {f"{name}_low": low, f"{name}_high": high}
         return ends
-
-
-def _in_tiles(maps: Field, gather: np.ufunc = np.add) -> Field:
-    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
-    for axis in (1, 2):
-        ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
-        maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
-    return maps.reshape(maps.shape[0], -1)
 
 
 def _hydraulic(gap: Field) -> Row:
@@ -317,15 +308,12 @@ def _kept(path: Path | None, mark: str) -> list[Row]:
 
 
 def _dataset(rows: list[Row]) -> xr.Dataset:
-    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
+    ends = {"": "", "_low": ", low end of the 95 % band", "_high": ", high end of the 95 % band"}
     facts = {
-        f"{name}{end}": {"units": unit, "long_name": meaning + said}
-        for name, (unit, meaning) in OF_LAWS.items()
-        for end, said in (
-            ("", ""),
-            *((f"_{one}", f", {one} end of the 95 % band") for one in ("low", "high")),
-        )
+        f"{name}{end}": {"units": unit, "long_name": f"{meaning}{said}"}
+        for (name, (unit, meaning)), (end, said) in itertools.product(OF_LAWS.items(), ends.items())
     }
+    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
     dataset = table[[name for name in facts if name in table]].to_xarray()
     dataset = dataset.assign_coords(direction=dataset["direction"].astype(str))
     facts["time"] = {"units": "s", "long_name": "age: how long the pressure was held"}

@@ -59,15 +59,15 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
         The history kept no fields.
     """
     check_fields(dataset)
-    found = []
+    at_times = []
     for number, time in enumerate(dataset["field_time"].values.tolist()):
-        here = dataset.isel(field_time=number)
-        touching = np.asarray(here["in_contact"], dtype=bool)
-        gap = np.sort(np.asarray(here["u"] - _rough(here))[~touching])
-        pressure = np.sort(np.asarray(here["pressure"])[touching]) if "pressure" in here else None
+        fields = dataset.isel(field_time=number)
+        touching = np.asarray(fields["in_contact"], dtype=bool)
+        gap = np.sort(np.asarray(fields["u"] - _rough(fields))[~touching])
+        pressure = np.sort(np.asarray(fields["pressure"])[touching]) if "pressure" in fields else None
         sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes[::-1]
-        found.append(Distribution(time, gap, pressure, sizes.astype(np.float64), touching.size))
-    return found
+        at_times.append(Distribution(time, gap, pressure, sizes.astype(np.float64), touching.size))
+    return at_times
 
 
 def lattice_of(dataset: xr.Dataset) -> Lattice:

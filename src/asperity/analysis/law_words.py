@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Literal, get_args
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from asperity.analysis.contact_law import check_law
@@ -83,14 +82,19 @@ def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr
     """The part of a law of one age and direction."""
     check_law(dataset)
     checks.choice("direction", direction, dataset["direction"].values.tolist())
-    times = dataset["time"].values
-    found = times if age is None else units.number("age", age, "s", least=0)
-    near = np.flatnonzero(np.isclose(times, found, rtol=1e-6, atol=0))
+    return dataset.sel(direction=direction).isel(time=place_of(age, dataset["time"].values))
+
+
+def place_of(age: float | str | None, times: ArrayLike) -> int:
+    """Which of the ages of a law, s, one is; None where there is one alone. `InputError` if it is none."""
+    ages = np.asarray(times)
+    found = ages if age is None else units.number("age", age, "s", least=0)
+    near = np.flatnonzero(np.isclose(ages, found, rtol=1e-6, atol=0))
     if near.size != 1:
-        expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in times.tolist())}"
-        advice = f'age="{written(float(times[-1]), "s")}"'
+        expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in ages.tolist())}"
+        advice = f'age="{written(float(ages[-1]), "s")}"'
         raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
-    return dataset.sel(direction=direction).isel(time=int(near[0]))
+    return int(near[0])
 
 
 def _calculix(columns: dict[str, Field], head: str) -> str:
@@ -159,17 +163,18 @@ def closure_fits(
     """
     table = _one_age(dataset, age, direction)
     p, a = table["pressure"].values, table["approach"].values
-    formulas: dict[str, tuple[Callable[..., Field], tuple[float, float]]] = {
-        "Barton-Bandis": (lambda p, k, v: -np.logaddexp(k - np.log(p), -v), (p[0] / a[0], 1.2 * a[-1])),
-        "power": (lambda p, c, n: c + np.exp(n) * np.log(p / 1e6), (a[-1], 0.5)),
-    }
+    power = np.polyfit(np.log(p / 1e6), np.log(a), 1)
+
+    def lack(logs: Field) -> Field:
+        k, v = np.exp(logs)
+        return np.asarray(np.log(p / (k + p / v) / a))
+
+    k, v = np.exp(least_squares(lack, np.log([p[0] / a[0], 1.2 * a[-1]])).x)
     found = []
-    for name, (of, begin) in formulas.items():  # logarithms of all: numbers are above 0
-        best = least_squares(partial(_lack, of, p, a), np.log(begin)).x
-        error = np.expm1(_lack(of, p, a, best))
-        found.append((name, *np.exp(best), np.sqrt((error**2).mean()), np.abs(error).max()))
+    for name, first, second, formula in (
+        ("Barton-Bandis", k, v, p / (k + p / v)),
+        ("power", np.exp(power[1]), power[0], np.exp(np.polyval(power, np.log(p / 1e6)))),
+    ):
+        error = formula / a - 1
+        found.append((name, first, second, np.sqrt((error**2).mean()), np.abs(error).max()))
     return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
-
-
-def _lack(formula: Callable[..., Field], pressure: Field, approach: Field, logs: Field) -> Field:
-    return formula(pressure, *logs) - np.log(approach)

@@ -70,7 +70,7 @@ def leg_table(dataset: xr.Dataset) -> list[LegRow]:
         return [_row(dataset, 0, Hold(lasted), 0.0, lasted)] if lasted > 0 else []
     spans = pairwise(json.loads(dataset.attrs["switches"]))
     parted = dataset.attrs.get("pulled_off", math.inf)
-    reached = int(numbers_of(dataset).max()) + 1
+    reached = int(numbers_of(dataset).max()) + 1 if parted < math.inf else None
     return [
         _row(dataset, number, leg, begin, min(end, parted))
         for number, (leg, (begin, end)) in enumerate(zip(legs_of(protocol), spans, strict=True))
@@ -90,17 +90,17 @@ def numbers_of(dataset: xr.Dataset) -> NDArray[np.int_]:
 
 def _row(dataset: xr.Dataset, number: int, leg: Leg, begin: float, end: float) -> LegRow:
     time, numbers = dataset["time"].values, numbers_of(dataset)
-    own = np.flatnonzero(numbers == number)
+    at_leg = np.flatnonzero(numbers == number)
     # The entry at a switch belongs to the leg that ends there, and that of time 0 to the first leg.
-    first = own[:1] if number == 0 else np.flatnonzero(numbers < number)[-1:]
+    first = at_leg[:1] if number == 0 else np.flatnonzero(numbers < number)[-1:]
     first = first[time[first] == begin]
-    own = np.setdiff1d(own, first)
-    last = own[-1:][time[own[-1:]] == end]
+    at_leg = np.setdiff1d(at_leg, first)
+    last = at_leg[-1:][time[at_leg[-1:]] == end]
 
     def at(name: str, entries: NDArray[np.int_]) -> float:
         return float(dataset[name].values[entries[0]]) if entries.size else math.nan
 
-    entries = np.concatenate([first, own])
+    entries = np.concatenate([first, at_leg])
     lowest = entries[np.argsort(dataset["area"].values[entries], kind="stable")[:1]]
     names = ("load", "separation", "area")
     load, separation, area = ((at(name, first), at(name, last)) for name in names)

@@ -229,9 +229,11 @@ def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
     axes = [axis for axis in ("y", "x") if f"field_shift_{axis}" in dataset.coords]
     moved = {}
     for name, field in dataset.data_vars.items():
-        own = [axis for axis in axes if axis in field.dims]
-        if own and "field_time" in field.dims:
-            shifts = ({axis: -round(float(one[f"field_shift_{axis}"])) for axis in own} for one in field)
+        shifted_axes = [axis for axis in axes if axis in field.dims]
+        if shifted_axes and "field_time" in field.dims:
+            shifts = (
+                {axis: -round(float(one[f"field_shift_{axis}"])) for axis in shifted_axes} for one in field
+            )
             back = [one.roll(shift) for one, shift in zip(field, shifts, strict=True)]
             moved[name] = field.copy(data=np.stack(back))
     return dataset.assign(moved)
@@ -269,11 +271,11 @@ def _maps_of(
     reference: int = 0,
 ) -> ContactMaps:
     """Compare maps with one of them; `spacing` is given in metres, like all lengths then."""
-    here = measured_part(heights.shape, origin)
+    part = measured_part(heights.shape, origin)
     copies = heights.size
-    indentation = np.broadcast_to(indentation, heights.shape)[here]
-    touching, surfaces = [field[here] for field in touching], [field[here] for field in surfaces]
-    heights = heights[here]
+    indentation = np.broadcast_to(indentation, heights.shape)[part]
+    touching, surfaces = [field[part] for field in touching], [field[part] for field in surfaces]
+    heights = heights[part]
     size, lateral = origin.get("pixel_size") or None, str(origin.get("length_unit", ""))
     unit = str(origin.get("unit", "1"))
     if spacing is not None:

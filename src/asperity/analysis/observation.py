@@ -192,12 +192,12 @@ def _scene(
         return touching.values.astype(np.float64), lattice.spacing, lattice.edges, bool(image.attrs.get("si"))
     is_mask = np.asarray(image).dtype == np.bool_
     brightness = checks.heights("image", np.asarray(image, dtype=np.float64) if is_mask else image)
-    given = np.ones(1) if spacing is None else checks.positive("spacing", spacing).reshape(-1)
-    if given.size not in (1, brightness.ndim):
-        raise InputError("spacing", expected=f"one length, or {brightness.ndim}", got=given.size)
+    spacings = np.ones(1) if spacing is None else checks.positive("spacing", spacing).reshape(-1)
+    if spacings.size not in (1, brightness.ndim):
+        raise InputError("spacing", expected=f"one length, or {brightness.ndim}", got=spacings.size)
     if edges is not None:
         checks.choice("edges", edges, get_args(Edges))
-    return brightness, tuple(np.broadcast_to(given, brightness.ndim).tolist()), edges or "periodic", False
+    return brightness, tuple(np.broadcast_to(spacings, brightness.ndim).tolist()), edges or "periodic", False
 
 
 def _length(name: str, given: float | str, si: bool) -> float:

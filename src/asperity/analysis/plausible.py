@@ -53,11 +53,11 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterato
     nominal, series = heights.size * math.prod(spacing), relaxing_of(solid)
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
     expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
-    found = float(dataset["contact_area_corrected"][at]) / nominal
-    if found <= _BEYOND * expected:
+    fraction = float(dataset["contact_area_corrected"][at]) / nominal
+    if fraction <= _BEYOND * expected:
         return
     yield (
-        f"{100 * found:.2g} % of the surface touches under the full load; random heights of its rms slope "
+        f"{100 * fraction:.2g} % of the surface touches under the full load; random heights of its rms slope "
         f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
         "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)"
     )

@@ -223,8 +223,8 @@ def predicted(
     if strength is not None:
         dataset = add_friction(dataset, strength)
     if solid.separable and (load := effective_load(dataset, relaxing_of(solid))) is not None:
-        said = {"long_name": "load on an elastic half-space with the same contact", "units": "N"}
-        dataset["effective_load"] = "time", load, said
+        attributes = {"long_name": "load on an elastic half-space with the same contact", "units": "N"}
+        dataset["effective_load"] = "time", load, attributes
     progress.stage("bootstrapping the band")
     of_solid = draws_of_solid(dataset, material.spread, solid, drawn)
     of_scan = OfScan.of(dataset, contact)
@@ -236,8 +236,8 @@ def predicted(
     span = times[[0, -1]].tolist()
     bands = bands_of(scan, lambda part, at: followed(part, solid, at), span, progress) if study else ()
     facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
-    known = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
-    dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(known))
+    settings = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
+    dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(settings))
     looked_at = (dataset.isel(field_time=n) for n in range(dataset.sizes["field_time"] if instrument else 0))
     prediction = Prediction(
         dataset,
@@ -332,12 +332,12 @@ def _check_known(material: Material, **times: float) -> None:
     begin, end = material.span
     for name, time in times.items():
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-            what, advice = "the table spans", "a table of more decades"
+            source, advice = "the table spans", "a table of more decades"
             if material.fit is None:
-                what, advice = "the data span", "extrapolate='model'"
+                source, advice = "the data span", "extrapolate='model'"
             elif time > end:
                 advice = "extrapolate='plateau'"
-            expected = f"a time that {what}, {begin:.3g} s to {end:.3g} s"
+            expected = f"a time that {source}, {begin:.3g} s to {end:.3g} s"
             raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
 
 
@@ -369,7 +369,7 @@ def bands_of(
     sides = scan.pixel_size or ()
     meter = length_factor(str(scan.length_unit), "m")
     longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST
-    found = []
+    bands = []
     for factor in _FACTORS:
         shortest = 2 * max(sides) * factor
         if factor > 1 and shortest > longest:
@@ -379,5 +379,5 @@ def bands_of(
         first, last = history.dataset["time"].values == span[0], history.final
         area, force = last.contact_area_corrected, last.load
         growth = area / float(history.dataset["contact_area_corrected"][first][0])
-        found.append(Band(shortest * meter, area, force / area, growth, last.normal_stiffness))
-    return tuple(found)
+        bands.append(Band(shortest * meter, area, force / area, growth, last.normal_stiffness))
+    return tuple(bands)

@@ -107,7 +107,7 @@ class Band:
     shortest
         The shortest wave kept; two pixels for the scan as it is.
     area
-        Real contact area less its rim.
+        Real contact area, corrected for pixel rims.
     pressure
         Load over that area.
     growth
@@ -139,7 +139,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     material
         The half-space, with the fit of its relaxation table or draws of its branches.
     growth
-        Of the area less its rim, under a load that stays; None for another history.
+        Of the area corrected for pixel rims, under a load that stays; None for another history.
     resolved
         What is resolved at the times of the maps.
     shear_strength
@@ -167,8 +167,8 @@ class Prediction(views.InNotebooks, views.Pictured):
             float(one[-1]) for one in (ends[0], self.series("contact_area_corrected"), ends[1])
         )
         if self.growth is None:
-            said = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
-            return f"<Prediction: {said}, 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}>"
+            area_at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
+            return f"<Prediction: {area_at_last}, 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}>"
         band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
         return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
 
@@ -255,23 +255,23 @@ class Prediction(views.InNotebooks, views.Pictured):
     def words(self) -> tuple[str, ...]:
         """The solid in words: how stiff it is, how it creeps, and under which pressure the scan yields."""
         law = self.solid.creep
-        said = [f"half-space, E* = {written(self.modulus, 'Pa')} at once"]
+        parts = [f"half-space, instantaneous E* = {written(self.modulus, 'Pa')}"]
         if law is not None:
             numbers = [
                 f"{what.symbol} = {written(law.parameters[name], what.unit or '1').removesuffix(' 1')}"
                 for name, what in PARAMETERS_OF_LAWS.items()
                 if name in law.parameters
             ]
-            said.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
+            parts.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
             if share := self.solid.permanent_share:
-                said.append(f"a share of {share:g} does not creep")
+                parts.append(f"a share of {share:g} does not creep")
         mobilities = [branch.mobility for branch in self.solid.branches if branch.mobility is not None]
-        said += [f"flows with the mobility {mobility} (SI)" for mobility in mobilities]
+        parts += [f"flows with the mobility {mobility} (SI)" for mobility in mobilities]
         if self.fit is None and self.branches:
-            said.append(counted(len(self.branches), "relaxation time"))
+            parts.append(counted(len(self.branches), "relaxation time"))
         if self.solid.yields:
-            said.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
-        return tuple(said)
+            parts.append(f"the scan yields under {written(self.solid.hardness, 'Pa')}")
+        return tuple(parts)
 
     @property
     def relaxing(self) -> PronySeries | None:
@@ -326,7 +326,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def friction_force(self) -> Field | None:
-        """Shear strength times area less rim, N; None without a shear strength."""
+        """Shear strength times corrected area, N; None without a shear strength."""
         return None if self.shear_strength is None else self.series("friction_force")
 
     @property
@@ -339,8 +339,8 @@ class Prediction(views.InNotebooks, views.Pictured):
 
         NaN where fewer than two of sixteen tiles of the scan bear the load. `InputError` for other names.
         """
-        if (known := banded(self.dataset)) and name not in known:
-            raise InputError("name", expected=f"one of {', '.join(known)}", got=repr(name))
+        if (quantities := banded(self.dataset)) and name not in quantities:
+            raise InputError("name", expected=f"one of {', '.join(quantities)}", got=repr(name))
         return self.series(f"{name}_low"), self.series(f"{name}_high")
 
 
@@ -373,21 +373,21 @@ def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) ->
 
 def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
     """Say what is resolved at the times of the maps."""
-    said = []
+    rows = []
     for number, row in enumerate(rows_of_maps(dataset)):
-        here = dataset.isel(field_time=number, time=row)
-        touching = np.asarray(here["in_contact"], dtype=bool)
-        found = patches(touching, edges=dataset.attrs["edges"])
-        counted, corrected = (float(here[name]) for name in ("contact_area", "contact_area_corrected"))
-        said.append(
+        fields = dataset.isel(field_time=number, time=row)
+        touching = np.asarray(fields["in_contact"], dtype=bool)
+        of_map = patches(touching, edges=dataset.attrs["edges"])
+        counted, corrected = (float(fields[name]) for name in ("contact_area", "contact_area_corrected"))
+        rows.append(
             Resolved(
-                patches=found.count,
-                mean=found.mean_size,
-                in_small=float(found.sizes[found.sizes < _FEW].sum() / max(touching.sum(), 1)),
+                patches=of_map.count,
+                mean=of_map.mean_size,
+                in_small=float(of_map.sizes[of_map.sizes < _FEW].sum() / max(touching.sum(), 1)),
                 rim=1 - corrected / counted if counted else 0.0,
             )
         )
-    return tuple(said)
+    return tuple(rows)
 
 
 def _said(quantity: str, value: float) -> str:

@@ -40,11 +40,11 @@ class Row:
         """Value, interval and note; `spelled` turns a plain "2 um" into what a medium shows."""
         if isinstance(self.value, str):
             return self.value + self.note
-        said = spelled(written(self.value, self.unit, self.digits))
+        text = spelled(written(self.value, self.unit, self.digits))
         if self.interval is not None:
             ends = (spelled(written(end, self.unit, 3)) for end in self.interval)
-            said += f" (95 %: {' to '.join(ends)})"
-        return said + self.note
+            text += f" (95 %: {' to '.join(ends)})"
+        return text + self.note
 
 
 def words_of(rows: Iterable[Row]) -> list[tuple[str, str]]:
@@ -81,14 +81,14 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
         times, areas = seen["field_time"].values.tolist(), seen.values.tolist()
         ends = dict.fromkeys((0, seen.size - 1))
         unit = seen.attrs["units"]
-        rows += [Row(f"seen at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
+        rows += [Row(f"observed at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
     residual = float(dataset["residual"].max())
     worst = Row("worst residual", f"{residual:.1e} of the mean contact force", brief=True)
     return [*rows, *carried_rows(dataset), worst]
 
 
 def carried_rows(dataset: xr.Dataset) -> list[Row]:
-    """What the contact carries, at first and at last."""
+    """Stiffness, resistance and slip, at first and at last."""
     rows = []
     for name, one in select("series", of=["carried"]).items():
         if name in dataset:
@@ -134,7 +134,9 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     def contact(when: str, area: int) -> Row:
         return _extent(f"contact {when}", area, summary.sites, summary.initial_area, cell, square)
 
-    prescribed = Row("held", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True)
+    prescribed = Row(
+        "prescribed", f"{held} {written(float(dataset.attrs[f'held_{held}']), unit, 8)}", brief=True
+    )
     rows = [prescribed, *_loads(dataset, summary), contact("at t = 0", summary.initial_area)]
     if "mean_contact_pressure" in dataset:
         mean, most = (_value(dataset, name, 0, 4) for name in ("mean_contact_pressure", "largest_pressure"))
@@ -196,25 +198,25 @@ def _yielding(dataset: xr.Dataset) -> list[Row]:
     if "yielding_area" not in dataset:
         return []
     first, last = (int(dataset["yielding_area"][at]) for at in (0, -1))
-    said = f"{counted(first, 'site')} at t = 0, {thousands(last)} at the end"
+    text = f"{counted(first, 'site')} at t = 0, {thousands(last)} at the end"
     if "permanent_indentation" in dataset:
         lower = dataset["permanent_indentation"][-1]
-        said += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}"
+        text += f"; lowered for good: {counted(int((lower > 0).sum()), 'site')}"
         if (lower > 0).any():
-            said += f", by up to {written(float(lower.max()), lower.attrs['units'])}"
-    return [Row("yielding", said)]
+            text += f", by up to {written(float(lower.max()), lower.attrs['units'])}"
+    return [Row("yielding", text)]
 
 
 def _fit(summary: AgingSummary) -> list[Row]:
     fit = summary.fit
     if fit is None:
         return [Row("fit", summary.fit_note)] if summary.fit_note else []
-    known = summary.relaxed_ratio is not None
-    a = ", A(relaxed)/A(0), exact" if known else ", extrapolated: no relaxed state is known"
+    relaxed = summary.relaxed_ratio is not None
+    a = ", A(relaxed)/A(0), exact" if relaxed else ", extrapolated: no relaxed state is known"
     misfit = f"{100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst"
     rows = [
         Row("fit", "A/A(0) = a - (a - 1) / (1 + t/t0)^q"),
-        Row("  a", fit.a, note=a, digits=5 if known else 3),
+        Row("  a", fit.a, note=a, digits=5 if relaxed else 3),
         Row("  q", fit.q, digits=3),
         Row("  t0", fit.t0, digits=3),
         Row("  (a - 1) q", fit.C, digits=3),
@@ -247,9 +249,9 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
 
 
 def _areas(dataset: xr.Dataset, *sites: float) -> str:
-    said = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
+    text = f"{' to '.join(f'{area:.0f}' for area in sites)} sites"
     if not dataset.attrs["si"]:
-        return said
+        return text
     cell = math.prod(json.loads(dataset.attrs["spacing"]))
     unit, factor = readable(dataset["contact_area"].attrs["units"], max(sites) * cell)
-    return f"{' to '.join(f'{area * cell * factor:.4g}' for area in sites)} {unit} ({said})"
+    return f"{' to '.join(f'{area * cell * factor:.4g}' for area in sites)} {unit} ({text})"

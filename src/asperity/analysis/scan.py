@@ -46,8 +46,8 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     Prefixes of areas are a million apart: their numbers are from 0.1 to 100 000.
     Numbers without a unit ("1") that are very small or large get a power of ten in its place, "1e-06".
     """
-    if found := display_unit(unit, span):
-        return found
+    if shown := display_unit(unit, span):
+        return shown
     if unit in _PREFIXED and math.isfinite(span):
         power = {"m^2": 2, "m^3": 3}.get(unit, 1)
         least = _LEAST.get(unit, 1.0) * (1 - 1e-9)
@@ -83,9 +83,9 @@ def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
     others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
     sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")
     lengths = []
-    for what, unit, how in sources:
+    for quantity, unit, how in sources:
         named = f"in {origin[unit]}" if origin.get(unit) not in (None, "", "1") else "without a unit"
-        lengths += [f"{what} {named} (from {origin[how]})"] if origin.get(how) else []
+        lengths += [f"{quantity} {named} (from {origin[how]})"] if origin.get(how) else []
     rows = {
         "channel": f"{origin.get('channel') or ''}{others}",
         "orientation": str(origin.get("orientation") or ""),

@@ -144,24 +144,24 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
     for number, (time, touching) in enumerate(zip(times, maps, strict=True)):
         shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
         link = linked(before, shapes.found)
-        own = np.append(numbers, -1)[link.continued - 1]
-        fresh = np.flatnonzero(own < 0)
-        own[fresh] = len(fates) + np.arange(fresh.size)
+        track = np.append(numbers, -1)[link.continued - 1]
+        fresh = np.flatnonzero(track < 0)
+        track[fresh] = len(fates) + np.arange(fresh.size)
         for parent in np.append(numbers, -1)[link.main_predecessor[fresh] - 1].tolist():
             origin = "split" if parent >= 0 else "new" if number else "first map"
             fates.append({"birth": time, "origin": origin, "parent": parent} | _LASTING)
-        for place in np.flatnonzero(~np.isin(numbers, own)):
-            heir = int(np.append(own, -1)[link.main_successor[place] - 1])
+        for place in np.flatnonzero(~np.isin(numbers, track)):
+            heir = int(np.append(track, -1)[link.main_successor[place] - 1])
             end = "merged" if heir >= 0 else "gone"
             fates[numbers[place]] |= {"death": time, "end": end, "heir": heir}
-        one, other = link.pairs.T - 1
-        pairs = {"before": numbers[one], "after": own[other], "shared": link.shared}
-        links.append({"map": np.full(one.size, number)} | pairs)
+        earlier, after = link.pairs.T - 1
+        pairs = {"before": numbers[earlier], "after": track[after], "shared": link.shared}
+        links.append({"map": np.full(earlier.size, number)} | pairs)
         pressure = pressure_of(dataset.isel(field_time=number))
-        entry = {"map": np.full(own.size, number), "time": np.full(own.size, time)}
-        entry |= {"patch": np.arange(1, own.size + 1), "track": own}
+        entry = {"map": np.full(track.size, number), "time": np.full(track.size, time)}
+        entry |= {"patch": np.arange(1, track.size + 1), "track": track}
         entries.append(entry | _columns(shapes, lattice, "pressure" in dataset, pressure))
-        before, numbers = shapes.found, own
+        before, numbers = shapes.found, track
     everything = _joined(entries)
     largest = np.zeros(len(fates), dtype=np.int64)
     np.maximum.at(largest, everything["track"], everything["size"])

@@ -15,8 +15,9 @@ from asperity.base import checks
 from asperity.base.words import power
 from asperity.errors import InputError
 from asperity.figures import style
-from asperity.figures.measured import draw_measured, of_history
+from asperity.figures.measured import draw_measured
 from asperity.fits import Measurements
+from asperity.fits.measurements import measured_area
 from asperity.lattice import Field
 from asperity.results.history import check_dataset
 
@@ -68,7 +69,7 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        found = of_history(dataset, measured)
+        found = measured_area(measured, si=dataset.attrs["si"])
         first = float(dataset["contact_area" if dataset.attrs["si"] else "area"][0])
         draw_measured(grid[:2], found, summary.time, summary.area_ratio, 1 / first)
     if summary.load is not None:

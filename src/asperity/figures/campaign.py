@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 
 from asperity.base import checks
 from asperity.errors import InputError
@@ -59,9 +58,7 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
     panels, curves = _points(dataset, others, _MOST_PANELS), _points(dataset, along, _MOST_CURVES)
     columns = min(3, len(panels))
     rows = math.ceil(len(panels) / columns)
-    figure = style.Drawing(
-        figsize=(style.PAGE if columns > 1 else style.COLUMN, 1.2 + 1.9 * rows), layout="constrained"
-    )
+    figure = style.Drawing(figsize=(style.PAGE if columns > 1 else style.COLUMN, 1.2 + 1.9 * rows))
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawn = mean.where(mean > 0)
     logarithmic = float(drawn.max()) > _WIDE * float(drawn.min())
@@ -76,9 +73,7 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.set_xscale("log")
         if logarithmic:
             axes.set_yscale("log")
-            axes.yaxis.set_minor_locator(LogLocator(subs=(2, 5)))
-            axes.yaxis.set_minor_formatter("{x:g}")
-        axes.yaxis.set_major_formatter("{x:g}")
+            style.few_ticks(axes)
         axes.set_title(_said(dataset, panel))
         style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:

@@ -115,7 +115,7 @@ def _(solid: Solid) -> str:
         axes, series = _axes(), PronySeries(1.0, tuple(pairs))
         t = np.geomspace(0.03 * pairs[0][1], 30 * pairs[-1][1], 200)
         axes.semilogx(t, series.modulus_at(t), color=style.BLUE)
-        axes.set(ylim=(0, 1.05), xlabel="time", ylabel="modulus, over that at once")
+        axes.set(ylim=(0, 1.05), xlabel="time", ylabel="modulus over the instantaneous one")
     note = "Moduli in Pa, times in s, lengths in m under a surface with units." if solid.in_lengths else ""
     return _card("Solid", rows, axes, note)
 
@@ -141,7 +141,7 @@ def _(fit: Fit) -> str:
     rows = [
         ("branches", str(len(series.branches))),
         ("times", f"{first} to {last}"),
-        ("modulus at once", quantity(series.modulus, "Pa")),
+        ("instantaneous modulus", quantity(series.modulus, "Pa")),
         ("deviations", f"{100 * fit.rms:.2g} % rms, {100 * series.error:.2g} % at most"),
     ]
     axes = _axes()
@@ -163,7 +163,7 @@ def _(prediction: Prediction) -> str:
         ]
     rows += [
         ("load", quantity(prediction.load, "N")),
-        ("modulus E* at once", quantity(prediction.modulus, "Pa")),
+        ("instantaneous modulus E*", quantity(prediction.modulus, "Pa")),
     ]
     if (friction := prediction.friction) is not None:
         rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))

@@ -92,5 +92,7 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     head(grid, time, dataset)
     for axes in grid:
         style.finish(axes, lines_along="y")
-    style.entitle(figure, "What the contact carries", style.conditions(dataset, f"load {whole} at {begins}"))
+    style.entitle(
+        figure, "Stiffness, resistance and slip", style.conditions(dataset, f"load {whole} at {begins}")
+    )
     return figure

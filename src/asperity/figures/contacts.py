@@ -80,8 +80,7 @@ def _map_figure(maps: ContactMaps) -> Figure:
     side = side_of_cells(maps, panel * _FILLED * min(1.0, 3.0 * shape[1] / shape[0]))
     heights = [tall, 1.0] * rows if side > 1 else [tall] * rows
     figure = style.Drawing(
-        figsize=(panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9),
-        layout="constrained",
+        figsize=(panel * columns + _BAR, sum(panel * height + 0.4 for height in heights) + 0.9)
     )
     grid = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
     for axes in grid.ravel():
@@ -245,7 +244,7 @@ def _moment(maps: ContactMaps, time: float) -> str:
 
 
 def _profile_figure(maps: ContactMaps) -> Figure:
-    figure = style.Drawing(figsize=(style.PAGE, 4.6), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6))
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window
     step, label = positions(maps)

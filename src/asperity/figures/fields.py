@@ -54,7 +54,7 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
         expected, advice = "a history that kept fields at two times or more", "age(..., fields_at=times)"
         raise InputError("dataset", expected=expected, got=f"{count}", advice=advice)
     time = dataset["field_time"].values.astype(np.float64)
-    figure = style.Drawing(figsize=(style.PAGE, 4.6), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6))
     (number, size), (growth, age) = figure.subplots(2, 2, sharex=True)
     style.curve(number, time, dataset["patches"].values, "o-", style.BLUE, "")
     number.set_ylabel("patches")
@@ -133,7 +133,7 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         ("area of a patch" if si else "sites of a patch", "m^2" if plane else "m", "patches", sizes),
         *([("contact pressure", "Pa", "contact", pressures)] if pressures else []),
     ]
-    figure = style.Drawing(figsize=(style.PAGE, 2.4), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 2.4))
     for axes, (name, unit, of_what, samples) in zip(figure.subplots(1, len(panels)), panels, strict=True):
         largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
         label, factor = style.scaled(name, unit if si else "1", largest)

@@ -17,9 +17,10 @@ from matplotlib.figure import Figure
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.errors import InputError
 from asperity.figures import style
-from asperity.figures.measured import draw_measured, of_history
+from asperity.figures.measured import draw_measured
 from asperity.figures.time_axis import BESIDE, GAP, TimeAxis, label_times, time_axis
 from asperity.fits import Measurements
+from asperity.fits.measurements import measured_area
 from asperity.lattice import Field
 from asperity.protocols import Say
 from asperity.results.quantities import select
@@ -75,7 +76,8 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         _mark_lowest(grid[last], time, per_site)
     figure.table = series_table(dataset, names)
     if measured is not None:
-        found, sites = of_history(dataset, measured), dataset["area"].values.astype(np.float64)
+        found = measured_area(measured, si=dataset.attrs["si"])
+        sites = dataset["area"].values.astype(np.float64)
         site = float(dataset["contact_area"][-1]) / sites[-1] if dataset.attrs["si"] else 1.0
         times = dataset["time"].values
         drawn = draw_measured(grid[last:], found, times, per_site * sites, per_site / site, time.at)

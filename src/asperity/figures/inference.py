@@ -67,7 +67,7 @@ def parameters_figure(found: Inference) -> Figure:
     """Draw the posterior of each parameter of the curve over its prior, and its profile likelihood."""
     shown = {name: found.verdicts[name] for name in found.profiles}
     rows = -(-len(shown) // _COLUMNS)
-    figure = style.Drawing(figsize=(style.PAGE, 1.7 * rows), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 1.7 * rows))
     panels = list(figure.subplots(rows, _COLUMNS, squeeze=False).ravel())
     prior = found.problem.values(found.problem.of_prior(np.random.default_rng(0), 20_000))
     for axes, (name, verdict) in zip(panels, shown.items(), strict=False):
@@ -103,7 +103,7 @@ def corner_figure(found: Inference) -> Figure:
         wide = found.model.priors[name].logarithmic and values.max() > 10 * values.min()
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
     side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
-    figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),), layout="constrained")
+    figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),))
     figure.table = {"quantile": shares} | {name: np.quantile(one, shares) for name, one in drawn.items()}
     figure.elsewhere = "the draws in posterior.nc"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)

@@ -21,6 +21,7 @@ _PANELS = {
 }
 
 
+@style.drawn
 def law_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw a law: a color for each age, with its band; dashed the law of a pressure that falls.
 
@@ -36,7 +37,7 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     """
     check_law(dataset)
     names = [name for name in _PANELS if name in dataset]
-    figure, grid = style.stacked((6.4, 1.6 + 1.7 * len(names)), *[1.4, *[1] * (len(names) - 1)])
+    figure, grid = style.stacked((style.COLUMN, 0.9 + 1.0 * len(names)), *[1.4, *[1] * (len(names) - 1)])
     across, factor = readable("Pa", float(dataset["pressure"][-1]))
     pressure, ages = dataset["pressure"].values * factor, dataset["time"].values.tolist()
     colors = dict(zip(ages, colormaps["viridis"](np.linspace(0, 0.85, len(ages))), strict=True))
@@ -53,12 +54,16 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
         low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
         axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)
         axes.set_ylabel(f"{_PANELS[name]}\n[{style.spelled(unit)}]")
-        axes.set(xscale="log", yscale="linear" if name == "approach" else "log")
+        axes.set_xscale("log")
+        if name != "approach":
+            axes.set_yscale("log")
+            style.few_ticks(axes)
         style.finish(axes, legend=axes is grid[0])
     figure.align_ylabels(grid)
+    grid[-1].xaxis.set_major_formatter("{x:g}")
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
-    parts = ["shaded: 95 % band for another scan of this size, at the last age"]
+    parts = ["shaded: 95 % band for other such scans", "at the last age"]
     if dataset.sizes["direction"] > 1:
-        parts.append("dashed: unloading from the largest pressure, at once")
+        parts += ["dashed: unloading without creep", "from the largest pressure"]
     style.entitle(figure, "Law of the rough layer", parts)
     return figure

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
 from asperity.figures import style
 from asperity.fits import Measurements
-from asperity.fits.measurements import measured
 from asperity.lattice import Field
 
 
@@ -36,13 +33,8 @@ def draw_measured(
     beside = np.interp(later, np.log(time[positive]), computed[positive], left=np.nan, right=np.nan)
     at, value = place(found.time), factor * found.value
     error = None if found.stderr is None else factor * found.stderr
-    look: dict[str, Any] = {
-        "fmt": "D",
-        "color": style.INK,
-        "markerfacecolor": style.ORANGE,
-        "markersize": 3.5,
-    }
-    look |= {"elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
+    look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}
+    look |= {"markersize": 3.5, "elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
     upper.errorbar(at, value, error, label="measured", **look)
     low, high = upper.get_ylim()
     ends = (value, value) if error is None else (value - error, value + error)
@@ -54,9 +46,3 @@ def draw_measured(
     columns: dict[str, object] = {style.with_unit("measured: time", found.time_unit): found.time}
     columns |= {f"measured: {upper.get_ylabel()}": value, "measured / computed": value / beside}
     return columns if error is None else columns | {f"standard error: {upper.get_ylabel()}": error}
-
-
-def of_history(dataset: xr.Dataset, source: Measurements | Path | str) -> Measurements:
-    """What was measured, in the units of a history: SI, or none; `InputError` where it has others."""
-    si = bool(dataset.attrs.get("si"))
-    return measured(source) if si else measured(source, time="1", value="1")

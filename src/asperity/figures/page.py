@@ -113,7 +113,7 @@ def prediction_pictures(
     if "normal_stiffness" in prediction.dataset:
         captions["carried"] = (
             carried_figure(prediction.dataset),
-            "What the contact carries: stiffness and resistance of the constrictions, from the contacts at "
+            "Stiffness and resistance of the constrictions, from the contacts at "
             "each time (docs/carried.md).",
         )
     if prediction.fit is not None:

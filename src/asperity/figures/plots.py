@@ -278,8 +278,8 @@ def shown_figure(size: tuple[float, float]) -> Figure:
     """Make a figure, of this size in inches, that a notebook or ``pyplot.show()`` shows."""
     import matplotlib.pyplot as plt  # it looks for a display, so only where a figure is to be shown
 
-    options: dict[str, Any] = {"FigureClass": style.Drawing, "layout": "constrained"}
-    return plt.figure(figsize=size, **options)
+    options: Any = {"FigureClass": lambda **_: style.Drawing(figsize=size)}
+    return plt.figure(**options)
 
 
 def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:

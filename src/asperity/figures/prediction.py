@@ -99,13 +99,13 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
-    """Draw the area against the logarithm of time, as counted and less its rim, and what theory has."""
+    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and what theory has."""
     unit, square = _areas(prediction)
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
     )
-    style.curve(axes, prediction.time, counted, "s-", style.GRAY, "sites counted", linewidth=1.0)
-    style.curve(axes, prediction.time, corrected, "o-", style.INK, "less the rim", linewidth=1.0)
+    style.curve(axes, prediction.time, counted, "s-", style.GRAY, "raw", linewidth=1.0)
+    style.curve(axes, prediction.time, corrected, "o-", style.INK, "corrected for pixel rims", linewidth=1.0)
     draw_band(axes, prediction, "contact_area_corrected", square)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
@@ -138,7 +138,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     heights = np.asarray(prediction.dataset["heights"])
     touching, pressure = (_ends(prediction, name) for name in ("in_contact", "pressure"))
     tall = heights.shape[0] * prediction.spacing[0] / (heights.shape[1] * prediction.spacing[1])
-    figure = style.Drawing(figsize=(style.PAGE, 1.0 + 4.8 * min(max(tall, 0.3), 1.6)), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 1.0 + 4.8 * min(max(tall, 0.3), 1.6)))
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
     unit, extent = _extent(prediction, heights.shape)
     low, high = color_range(heights)
@@ -225,7 +225,7 @@ def observed_figure(prediction: Prediction) -> Figure:
     """Draw the contact at the last time, its image in the instrument, and what of it counts as contact."""
     observation = prediction.observed[-1]
     touching = np.asarray(prediction.dataset["in_contact"])[-1]
-    figure = style.Drawing(figsize=(style.PAGE, 3.0), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 3.0))
     grid = figure.subplots(1, 3, sharex=True, sharey=True)
     unit, extent = _extent(prediction, touching.shape)
     rows, columns = (n * side for n, side in zip(observation.image.shape, observation.spacing, strict=True))

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable
 from asperity.base import checks
@@ -29,7 +28,7 @@ def rate_and_state_figure(found: StateLaws) -> Figure:
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     peaks, fit = found.peaks(), found.fits[found.preferred]
     holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
-    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8), layout="constrained")
+    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8))
     heights = [3.0, 1, 1.2][: 2 + of_machine]
     widths = [1.7, 1][: 1 + holds]
     grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)
@@ -76,10 +75,7 @@ def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
         if isinstance(fit, MachineFit):
             color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,), numticks=7))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    style.few_ticks(axes)
     axes.set_ylabel(rf"state $\theta$ [{'s' if found.record.si else 'time'}]")
 
 

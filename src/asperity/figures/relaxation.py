@@ -36,7 +36,7 @@ def relaxation_figure(fit: Fit) -> Figure:
     figure, _ = style.figure_of(style.panels_of(fit).values())
     found = counted(len(fit.series.branches), "branch", "branches")
     missed = f"{100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
-    style.entitle(figure, "", [f"{found} over {fit.decades:.1f} decades", f"data missed by {missed}"])
+    style.entitle(figure, "", [f"{found} over {fit.decades:.1f} decades", f"fit error {missed}"])
     return figure
 
 

@@ -12,7 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar, cast
+from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable, written
 from asperity.lattice import Field
@@ -80,8 +81,8 @@ class Drawing(Figure):
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
-    def __init__(self, **kwargs: object) -> None:
-        super().__init__(**cast(Any, kwargs))
+    def __init__(self, *, figsize: tuple[float, float]) -> None:
+        super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
     def savefig(
@@ -150,7 +151,7 @@ def lines(parts: list[str], width: float, size: float = 8, between: str = ", ") 
 
 def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Axes]]:
     """Make a figure, of this size in inches, with panels of these heights above a common axis."""
-    figure = Drawing(figsize=size, layout="constrained")
+    figure = Drawing(figsize=size)
     grid = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False)
     return figure, list(grid[:, 0])
 
@@ -250,6 +251,14 @@ def over_time(dataset: xr.Dataset, what: str) -> str:
     unit = dataset["time"].attrs.get("units", "")
     known = {"s": "  [s]", "time unit": ""}
     return what + known.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
+
+
+def few_ticks(axes: Axes) -> None:
+    """Label a logarithmic y axis with few plain numbers."""
+    low, high = axes.get_ylim()
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:

@@ -122,9 +122,8 @@ def surface_figure(
     checks.instance("surface", surface, Surface, "asperity.surfaces.Surface(heights)")
     view = SurfaceView(surface)
     flat = view.heights.ndim == 2
-    figure = style.Drawing(
-        figsize=(style.PAGE, 5.6 if flat else 4.4), layout=ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2)
-    )
+    figure = style.Drawing(figsize=(style.PAGE, 5.6 if flat else 4.4))
+    figure.set_layout_engine(ConstrainedLayoutEngine(w_pad=_PAD, h_pad=_PAD / 2))
     grid: list[Any] = [["profile", "profile"], ["heights", "waves"]]
     ratios: dict[str, Any] = {}
     if flat:

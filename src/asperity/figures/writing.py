@@ -28,7 +28,7 @@ _PLAIN = {
 _MATHEMATICS = re.compile(r"\\[,; ]|[${}\\]")
 
 
-def write(figure: Figure, path: Path | str, formats: Iterable[Format] = ()) -> list[Path]:
+def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = None) -> list[Path]:
     """Write a figure in one format or several, and what it draws as a table beside it.
 
     Parameters
@@ -39,7 +39,7 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] = ()) -> l
         Its name; without formats, its suffix is the one.
     formats
         ``"png"``, with 300 dots per inch; ``"pdf"`` and ``"svg"``, whose text stays text and which have no
-        title.
+        title. Nothing is written where the list is empty.
 
     Returns
     -------
@@ -53,12 +53,14 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] = ()) -> l
     """
     checks.instance("figure", figure, Figure, "asperity.figures.history_figure(history.dataset)")
     path = expanded(path)
-    suffixes: list[str] = [formats] if isinstance(formats, str) else list(formats)
-    for one in suffixes or [path.suffix.removeprefix(".")]:
+    if formats is None:
+        formats = [path.suffix.removeprefix(".")]  # type: ignore[list-item]
+    suffixes = [formats] if isinstance(formats, str) else list(formats)
+    for one in suffixes:
         if one not in FORMATS:
             raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=one or "none")
-    files = [path.with_name(f"{path.stem}.{one}") for one in suffixes] or [path]
-    files.append(table_beside(path))
+    files = [path.with_name(f"{path.stem}.{one}") for one in suffixes]
+    files += [table_beside(path)] * bool(files)
     for file in files:
         write_one(figure, file)
     return files

@@ -16,8 +16,11 @@ from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, p
 from asperity.base.tables import Table, read_table
 from asperity.errors import InputError
 
-_EXAMPLES = {"s": "s or min", "m^2": "um^2", "1": "none"}
-_ADVICE = {"times": "a header such as time_s", "values": "a header such as area_um2"}
+_EXPECTED = {
+    "s": ("in a unit such as s or min", "a header such as time_s"),
+    "m^2": ("in a unit such as um^2", "a header such as area_um2"),
+    "1": ("without a unit, as the run has none", "a header such as time, area"),
+}
 _ROLES = Role("time", "s", rf"{TIME.words}|hold|halte"), Role("value", "", ""), Role("stderr", "", "$^")
 
 
@@ -149,13 +152,18 @@ def measured(source: Path | str | Measurements, *, time: str = "s", value: str =
         written = units.spelled(unit or "1") or ""
         factor = 1.0 if written == target else units.factor(written, target)
         if factor is None:
-            expected = f"{what} in a unit such as {_EXAMPLES[target]}"
-            raise InputError(name, expected=expected, got=unit or "none", advice=_ADVICE[what])
+            expected, advice = _EXPECTED[target]
+            raise InputError(name, expected=f"{what} {expected}", got=unit or "none", advice=advice)
         factors.append(factor)
     by, up = factors
     stderr = None if source.stderr is None else up * source.stderr
     numbers: dict[str, Any] = {"time": by * source.time, "value": up * source.value, "stderr": stderr}
     return replace(source, **numbers, time_unit=time, value_unit=value)
+
+
+def measured_area(source: Path | str | Measurements, *, si: bool) -> Measurements:
+    """What was measured of an area, in SI, or without units where nothing has any."""
+    return measured(source) if si else measured(source, time="1", value="1")
 
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:

@@ -275,7 +275,7 @@ def infer(
     seed, rng
         Seed of the random numbers; or a numpy generator, which draws one, or its seed.
     walkers, effective, workers
-        Walkers in each of four ensembles; effective draws that are enough; processes for the ensembles.
+        Walkers in each of four ensembles; effective samples that are enough; processes for the ensembles.
     progress
         True for a line for each stage; or who is told.
     checkpoint

@@ -276,8 +276,9 @@ def sample(
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(
-        f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} effective draws, "
-        f"got R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, narrower priors, or fewer parameters"
+        f"inference: expected ensembles that agree, R-hat below {agreement} and {effective} "
+        f"effective samples, got R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, "
+        "narrower priors, or fewer parameters"
     )
 
 

@@ -71,17 +71,17 @@ _of_map = partial(Quantity, home="map", tables=_RESULT)
 _MEAN_U0 = "separation, the mean of u0"
 _POSITION = "separation, the position of the body; without an apparatus and free edges, the mean of u"
 _AREA = "real contact area"
-_RIM = f"{_AREA} less what counting sites adds at the rim"
+_RIM = f"{_AREA}, corrected for pixel rims"
 _SCALE = "mean contact force, or where the load has died out the smallest that the heights resolve"
 _REJECTED = "time steps repeated with a smaller length since the previous entry"
 _AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
 _SLID = "length that the rough surface has slid since the start"
 _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
-_STIFF = "normal contact stiffness, at once and with the contacts as they are"
+_STIFF = "normal contact stiffness, instantaneous, at fixed contacts"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
 _OHMIC = "electrical resistance of the constrictions"
-_PULLED = "pull-off force, the largest tension if pulled apart at that time, at once"
+_PULLED = "pull-off force, the largest tension if pulled apart instantly at that time"
 _LOWER = "by how much the rough surface is lower where it has yielded"
 _LARGEST = "size of the largest patch"
 _TOUCHED = "time for which the sites in contact have touched without interruption"
@@ -103,7 +103,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("rejected", "1", _REJECTED, whole=True),
     Quantity("iterations", "1", "iterations of the contact solver since the previous entry", whole=True),
     Quantity("contact_area", "area", _AREA, _ALL, "continua"),
-    Quantity("contact_area_corrected", "area", _RIM, _ALL, "continua", label="contact area less rim"),
+    Quantity("contact_area_corrected", "area", _RIM, _ALL, "continua", label="corrected contact area"),
     Quantity("mean_gap", "length", "mean gap", _SOLVED, "continua"),
     Quantity("rms_gap", "length", "root mean square of the gap over all sites", _ALL),
     Quantity("mean_contact_pressure", "pressure", "load over real contact area", _SOLVED, "continua"),

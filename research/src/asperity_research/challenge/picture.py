@@ -22,7 +22,7 @@ def score_figure(score: Score) -> Figure:
     """
     instance("score", score, Score, "asperity.challenge.score(result)")
     count = len(score.quantities)
-    figure = Drawing(figsize=(4.2 * count + 0.6, 5.2), layout="constrained")
+    figure = Drawing(figsize=(4.2 * count + 0.6, 5.2))
     panels = figure.subplots(2, count, sharex=True, squeeze=False, height_ratios=[2.2, 1])
     for (upper, lower), one in zip(panels.T, score.quantities, strict=True):
         _draw(upper, lower, one)

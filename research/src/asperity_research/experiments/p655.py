@@ -49,14 +49,14 @@ def found(record: Path | None) -> Path:
 
 def read(path: Path) -> friction.Record:
     """The step, with the calibration of the file."""
-    one = MEASURED
-    lines = [f"{one['time_bit']}, s", f"{one['load_point_bit']}, um"]
-    lines += [f"{one['shear_bit']}, MPa, {one['shear_zero']}", "-"]
-    lines += [f"{one['normal_bit']}, MPa, {one['normal_zero']}"]
+    record = MEASURED
+    lines = [f"{record['time_bit']}, s", f"{record['load_point_bit']}, um"]
+    lines += [f"{record['shear_bit']}, MPa, {record['shear_zero']}", "-"]
+    lines += [f"{record['normal_bit']}, MPa, {record['normal_zero']}"]
     with tempfile.TemporaryDirectory() as folder:
         calibration = Path(folder, "calibration.txt")
         calibration.write_text("\n".join(lines))
-        return friction.read_record(path, calibration=calibration, start=one["start"], stop=one["stop"])
+        return friction.read_record(path, calibration=calibration, start=record["start"], stop=record["stop"])
 
 
 def analyse(_: Evidence, record: Path | None = None) -> Outcome:
@@ -97,9 +97,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     rows = tables["parameters"]
     looks = zip(VARIANTS, (style.BLUE, style.VERMILION, style.INK), strict=True)
     for n, ((law, k), color) in enumerate(looks):
-        one = rows[(rows["law"] == law) & (rows["stiffness"] == k)]
-        x, over = np.arange(len(one)) + 0.15 * (n - 1), one["value"] / one["published"]
-        errors = [over - one["low"] / one["published"], one["high"] / one["published"] - over]
+        curve = rows[(rows["law"] == law) & (rows["stiffness"] == k)]
+        x, over = np.arange(len(curve)) + 0.15 * (n - 1), curve["value"] / curve["published"]
+        errors = [over - curve["low"] / curve["published"], curve["high"] / curve["published"] - over]
         ax.errorbar(
             x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/um"
         )

@@ -84,19 +84,19 @@ def campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> tuple[C
         {"kind": "step", "pressure": pressure * MEASURED["load_after"] / MEASURED["load"]},
         hold(_END - _DROP),
     ]
-    found = []
+    campaigns_made = []
     for name, words in HYPOTHESES.items():
-        own = {"branches": [list(one) for one in branches[name]]} if name in branches else pmma.ACTIVATED
+        creep = {"branches": [list(one) for one in branches[name]]} if name in branches else pmma.ACTIVATED
         tables: dict[str, Any] = {
             "surface": surface,
-            "solid": half_space | own,
+            "solid": half_space | creep,
             "contact": {"load": 0.0},
             "protocol": history,
             "aging": {"times": [*_TIMES, *(_DROP + after for after in _AFTER)]},
             "output": {"maps_at": []},
             "sweep": samples,
         }
-        found.append(Campaign(name, f"Ramp, hold, drop and hold of {words}", tables))
+        campaigns_made.append(Campaign(name, f"Ramp, hold, drop and hold of {words}", tables))
     loads = [float(pressure * effective()[_TIMES.index(time)]) for time in _KEPT]
     tables = {
         "surface": surface,
@@ -106,7 +106,7 @@ def campaigns(surface: Tables, samples: Tables, slope: float = SLOPE) -> tuple[C
         "output": {"maps_at": []},
         "sweep": {"contact.pressure": loads, **samples},
     }
-    return (*found, Campaign("elastic", "An elastic half-space under the effective loads", tables))
+    return (*campaigns_made, Campaign("elastic", "An elastic half-space under the effective loads", tables))
 
 
 def _made(side: int, surfaces: int) -> tuple[Campaign, ...]:
@@ -125,9 +125,9 @@ def over(found: Estimate, value: float, error: float) -> Estimate:
 def _measured_ratio(series: str, time: float) -> tuple[float, float]:
     """A measured area over that after 10 s, and the standard error of that."""
     growth, data = (MEASURED.series[name] for name in ("growth", series))
-    first, one = growth.sel(time=_KEPT[0]), data.sel(time=time)
-    found = float(one["area"] / first["area"])
-    return found, found * math.hypot(*(float(each["area_error"] / each["area"]) for each in (first, one)))
+    first, later = growth.sel(time=_KEPT[0]), data.sel(time=time)
+    ratio = float(later["area"] / first["area"])
+    return ratio, ratio * math.hypot(*(float(each["area_error"] / each["area"]) for each in (first, later)))
 
 
 def analyse(evidence: Evidence) -> Outcome:
@@ -164,9 +164,11 @@ def _findings(evidence: Evidence) -> Iterator[Finding]:
     yield WORDS.judge("elastic", numbers)
     grown, error = _measured_ratio("growth", _DROP)
     for name, words in HYPOTHESES.items():
-        one = growth[name]
-        one = Estimate(one.value - 1, one.stderr, one.low - 1, one.high - 1, one.runs)
-        part = over(one, grown - 1, error)
+        estimate = growth[name]
+        estimate = Estimate(
+            estimate.value - 1, estimate.stderr, estimate.low - 1, estimate.high - 1, estimate.runs
+        )
+        part = over(estimate, grown - 1, error)
         yield WORDS.judge("growth", part, key=f"growth {name}", words=words, grown=grown, error=error)
     dropped, error = _measured_ratio("drop", _DROP + 1)
     flatness = 0.015 / float(MEASURED.series["drop"]["area"][0])
@@ -199,8 +201,8 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     areas, measured = tables["areas"], tables["measured"]
     for name, words in HYPOTHESES.items():
         color, line = _LOOKS[name]
-        own = areas[areas["solid"] == name]
-        held, later = own[own["leg"] <= 1], own[own["leg"] >= 2]
+        curve = areas[areas["solid"] == name]
+        held, later = curve[curve["leg"] <= 1], curve[curve["leg"] >= 2]
         for ax, part, time in ((left, held, held["time"]), (right, later, later["time"] - _DROP + 1)):
             ax.plot(time, part["area"], line, color=color, linewidth=1.2, label=words.removeprefix("a "))
             ax.fill_between(time, part["low"], part["high"], color=color, alpha=0.15, linewidth=0)

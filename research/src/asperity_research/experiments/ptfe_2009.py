@@ -74,11 +74,11 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     rows = rows[rows["time"] > 0]
     colors = {RADII["small"]: style.BLUE, RADII["large"]: style.VERMILION}
     for radius, color in colors.items():
-        own = rows[rows["radius"] == radius]
-        for newtons, mark in zip(sorted(own["load"].unique()), ("^", "o", "s"), strict=True):
-            one, words = own[own["load"] == newtons], f"{1e3 * radius:g} mm, {newtons:.2g} N"
-            ax.plot(one["time"], one["area"], mark, markersize=3.5, color=color, label=words)
-    ax.plot(one["time"], one["form"], "-", color=style.INK, linewidth=0.9, label="Lee and Radok")
+        of_radius = rows[rows["radius"] == radius]
+        for newtons, mark in zip(sorted(of_radius["load"].unique()), ("^", "o", "s"), strict=True):
+            curve, words = of_radius[of_radius["load"] == newtons], f"{1e3 * radius:g} mm, {newtons:.2g} N"
+            ax.plot(curve["time"], curve["area"], mark, markersize=3.5, color=color, label=words)
+    ax.plot(curve["time"], curve["form"], "-", color=style.INK, linewidth=0.9, label="Lee and Radok")
     WORDS.dress(ax)
     return figure
 

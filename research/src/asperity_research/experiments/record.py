@@ -88,13 +88,13 @@ class _File(BaseModel):
 
     @model_validator(mode="after")
     def _sources_are_told(self) -> Self:
-        told = {f"input.{name}": one.source for name, one in self.input.items()}
+        sources = {f"input.{name}": one.source for name, one in self.input.items()}
         for name, series in self.series.items():
-            told |= {f"series.{name}.{column}": one.source for column, one in series.columns.items()}
-        for place, source in told.items():
+            sources |= {f"series.{name}.{column}": one.source for column, one in series.columns.items()}
+        for place, source in sources.items():
             if source not in self.sources:
-                known = ", ".join(self.sources)
-                raise ValueError(f"{place}.source: expected one of [sources]: {known}, got {source!r}")
+                names = ", ".join(self.sources)
+                raise ValueError(f"{place}.source: expected one of [sources]: {names}, got {source!r}")
         return self
 
 
@@ -164,18 +164,18 @@ def read(path: Path) -> Experiment:
         read; a series runs backward; a source is not listed.
     """
     try:
-        found = _File.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+        file = _File.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise InputError(str(path), expected="a file", got=error.strerror or str(error)) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(str(path), expected="TOML", got=str(error)) from None
     except ValidationError as error:
         raise _explained(path, error) from None
-    series = {name: _dataset(one) for name, one in found.series.items()}
+    series = {name: _dataset(one) for name, one in file.series.items()}
     columns = {
-        (name, key): column for name, one in found.series.items() for key, column in one.columns.items()
+        (name, key): column for name, one in file.series.items() for key, column in one.columns.items()
     }
-    known = (found.title, found.doi, found.sources, found.input, series, columns, tuple(found.missing))
+    known = (file.title, file.doi, file.sources, file.input, series, columns, tuple(file.missing))
     return Experiment(path.stem, *known)
 
 

@@ -30,8 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         interrupted = isinstance(error, KeyboardInterrupt)
         if not came and not interrupted:
             raise
-        said = interrupted and str(error)
-        print(f"asperity: {said or 'interrupted; nothing was written'}", file=sys.stderr)
+        reason = interrupted and str(error)
+        print(f"asperity: {reason or 'interrupted; nothing was written'}", file=sys.stderr)
         return 130
 
 

@@ -54,8 +54,8 @@ def with_others() -> App:
     """The command with those of other distributions, which are looked for when this is called."""
     from importlib.metadata import entry_points  # takes as long as all else that most commands import
 
-    for found in entry_points(group="asperity.commands"):
-        found.load()
+    for plugin in entry_points(group="asperity.commands"):
+        plugin.load()
     return app
 
 
@@ -128,8 +128,8 @@ def _usage(error: CycloptsError) -> str:
     text = str(error).rstrip(".")
     if isinstance(error, UnknownOptionError):
         flag = (error.token.keyword or error.token.value).split("=")[0]
-        known = [name for argument in error.argument_collection if argument.parse for name in argument.names]
-        text = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, known)}"
+        names = [name for argument in error.argument_collection if argument.parse for name in argument.names]
+        text = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, names)}"
     elif isinstance(error, UnknownCommandError):
         commands = sorted(name for name in app if not name.startswith("-"))
         word = (error.unused_tokens or [""])[0]

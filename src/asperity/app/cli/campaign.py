@@ -32,13 +32,13 @@ _SHOWN_FAILURES = 10
 
 def dry_run(plan: Plan, out: Path, _: Work) -> None:
     """Say what a campaign would do."""
-    left = campaign.estimate(plan, out)
-    to_do = f"{len(plan.distinct)}, of which {left.runs} are to do"
+    demand = campaign.estimate(plan, out)
+    to_do = f"{len(plan.distinct)}, of which {demand.runs} are to do"
     rows = [("runs", to_do), ("dimensions", _dimensions(plan))]
-    if left.runs:
-        memory = f"about {data_size(left.memory)} for the largest run, one on each worker; "
+    if demand.runs:
+        memory = f"about {data_size(demand.memory)} for the largest run, one on each worker; "
         memory += f"this machine has {data_size(available())} available"
-        rows += [("memory", memory), ("disk", f"about {data_size(left.bytes)}")]
+        rows += [("memory", memory), ("disk", f"about {data_size(demand.bytes)}")]
     sys.stdout.write(f"{aligned(rows)}\n")
 
 
@@ -67,8 +67,8 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
         raise AsperityError(str(error)) from error
     if not work.quiet:
         unasked = ("scheduler", f"{work.scheduler} was not asked: there was nothing to do")
-        told = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
-        sys.stdout.write(f"{told}\n")
+        rows = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
+        sys.stdout.write(f"{rows}\n")
     if end.failed:
         why = f"{shlex.join(('asperity', 'status', str(out)))} says why; try again with --retry-failed"
         raise AsperityError(f"{end.failed} of {end.total} runs failed: {why}")
@@ -77,8 +77,8 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
 def _check_out(out: Path) -> None:
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    found = any(path.name[0] != "." for path in out.iterdir()) if out.exists() else False
-    if found and kind_of(out) != "campaign":  # in this order: another campaign may be filling the folder
+    occupied = any(path.name[0] != "." for path in out.iterdir()) if out.exists() else False
+    if occupied and kind_of(out) != "campaign":  # in this order: another campaign may be filling the folder
         expected = "a new folder, or that of a campaign"
         got = f"{out}, which holds something else and is kept"
         raise InputError("--out", expected=expected, got=got, advice="another name")
@@ -137,8 +137,8 @@ class _Lines:
         if self.calls <= 2 or over == now.total or moment - self.last >= _LINE_EVERY:
             self.last = moment
             fresh = over - self.over_at_begin
-            left = (now.total - over) * (moment - self.begin) / fresh if fresh else None
-            estimate = f", about {duration(left)} left" if left else ""
+            remaining = (now.total - over) * (moment - self.begin) / fresh if fresh else None
+            estimate = f", about {duration(remaining)} left" if remaining else ""
             print(f"{_words(now)}: {over} of {now.total}{estimate}", file=sys.stderr, flush=True)
 
 

@@ -18,7 +18,7 @@ from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import PlaceTakenError, whole_folder, write_into
 
-_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law.png")
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law")
 """What of a folder of results is opened, the first that is there: a page, or a picture in any format."""
 
 
@@ -43,21 +43,21 @@ def compute_into(
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
             progress.stage(f"going on from {place}")
-        found = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
-        rows = report(found, seconds=clock.perf_counter() - started, resumed=resumed)
+        result = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
+        rows = report(result, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         with folder_of_results(kind, out, rows, replaceable) as folder:
-            write_into(found.dataset, folder / "history.zarr")
-            remarks = write(found, folder) or ()
-    tell_results([*rows, *(("remark", remark) for remark in remarks)], out, results)
+            write_into(result.dataset, folder / "history.zarr")
+            rows += [("remark", remark) for remark in write(result, folder) or ()]
+    tell_results(rows, out, results)
 
 
 @contextmanager
 def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
     """The folder to write to, with its marker: it appears when all is written, and replaces nothing else."""
     with whole_folder(out, overwrite=replaceable) as folder:
-        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         yield folder
+        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
 
 
@@ -88,7 +88,7 @@ def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
 
 def open_results(out: Path) -> None:
     """Open the page of a prediction or the picture of a run; where nothing can show it, say where it is."""
-    here = [found for name in _SHOWN for found in sorted(out.glob(f"{name}*")) if found.is_file()]
-    shown = next((path for path in here if path.suffix not in (".csv", ".toml")), out).resolve()
+    files = [file for name in _SHOWN for file in sorted(out.glob(f"{name}*")) if file.is_file()]
+    shown = next((path for path in files if path.suffix not in (".csv", ".toml")), out).resolve()
     if not webbrowser.open(shown.as_uri()):
         print(f"remark: nothing here opens {shown}", file=sys.stderr)

@@ -69,15 +69,15 @@ def _export(folder: Path | None, page: Path, *, overwrite: bool) -> None:
     from asperity.app.explore.scene import pack
     from asperity.results.store import whole_file
 
-    found = entries(folder)
-    if len(found) != 1:
-        got = f"{folder}, which holds {len(found)} results"
-        advice = f"{folder / found[0]['path']}" if found else ""
+    listing = entries(folder)
+    if len(listing) != 1:
+        got = f"{folder}, which holds {len(listing)} results"
+        advice = f"{folder / listing[0]['path']}" if listing else ""
         raise InputError("folder", expected="one run, prediction or campaign", got=got, advice=advice)
-    opened = open_entry(folder, found[0]["path"])
+    opened = open_entry(folder, listing[0]["path"])
     messages = [] if opened.campaign is None else [pack(*opened.campaign)]
     messages += [] if opened.recording is None else opened.recording.messages()
-    title = found[0]["title"]
+    title = listing[0]["title"]
     with whole_file(page, overwrite=before) as part:
         part.write_text(exported_page(messages, title=f"{title} · Asperity"), encoding="utf-8")
     print(page)

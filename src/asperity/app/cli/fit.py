@@ -69,7 +69,7 @@ def fit(
     unit_time
         Unit of the hold times, such as s, for the figure. [default: that of the table]
     """
-    figures = check_figures("--out", out, drawn.figures, overwrite=overwrite, source=file)
+    figures = check_figures("--out", out, drawn, overwrite=overwrite, source=file)
     if json is not None:
         numbers_before = check_new_file("--json", json, (".json",), overwrite=overwrite)
     first, last = window or (None, None)
@@ -103,9 +103,11 @@ def fit(
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
     figure = fit_figure(growth, quantity=label, unit_time=unit, window=window is not None)
-    written = f"figure written: {write_figures(figure, figures)}"
+    written = write_figures(figure, figures)
     if json is not None:
         write_numbers(growth, json, numbers_before, file=str(file), quantity=named, unit_time=unit)
-        written += f"\nnumbers written: {json}"
+        written.append(f"numbers written: {json}")
     blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
-    sys.stdout.write("\n\n".join([f"read {data.source}", *map(aligned, blocks), written]) + "\n")
+    sys.stdout.write(
+        "\n\n".join([f"read {data.source}", *map(aligned, blocks), "\n".join(written)]).rstrip() + "\n"
+    )

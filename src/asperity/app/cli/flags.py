@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -77,8 +77,8 @@ def flags_for(*sections: str) -> type[Flags]:
     quantity = "QUANTITY" if "prediction" in sections else "FLOAT"  # which may be without a unit in a run
     fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
     facts = {"__module__": __name__, "keys": keys}
-    made = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
-    return Parameter(name="*")(made)
+    flags = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
+    return Parameter(name="*")(flags)
 
 
 def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
@@ -148,7 +148,7 @@ def _read(written: bool | str | list[str], what: What) -> object:
             pairs = [[number(part) for part in parts] for parts in split]
             return pairs if what == "pairs" else pairs[-1]
         if what == "choices":
-            return [word for item in written for word in item.split()]
+            return listed(written)
         if what == "texts":
             return written
         return numbers(written, whole=what == "wholes")
@@ -157,6 +157,11 @@ def _read(written: bool | str | list[str], what: What) -> object:
     if what == "text or whole":
         return int(written) if written.isdecimal() else written
     return number(written)
+
+
+def listed(written: Iterable[str]) -> list[str]:
+    """Words with blanks or commas between."""
+    return " ".join(written).replace(",", " ").split()
 
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
@@ -174,9 +179,9 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     if "" in kinds:
         yield from ((section, key) for key in kinds[""].values())
         return
-    said = f"Kind of {section}."
+    help_text = f"Kind of {section}."
     usual = next(iter(kinds))
-    yield section, Key(name="kind", what="choice", choices=tuple(kinds), default=usual, description=said)
+    yield section, Key(name="kind", what="choice", choices=tuple(kinds), default=usual, description=help_text)
     measured = kinds.pop("file", {})
     for name in dict.fromkeys(name for keys in kinds.values() for name in keys if name not in measured):
         owners = {kind: keys[name] for kind, keys in kinds.items() if name in keys}
@@ -229,8 +234,8 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         for name, key in keys_of(model).items():
             if name in names:
                 named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
-                said = words.get(flag_of(section, name), key.description)
-                yield section, dataclasses.replace(key, name=named, description=said)
+                help_text = words.get(flag_of(section, name), key.description)
+                yield section, dataclasses.replace(key, name=named, description=help_text)
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
@@ -243,7 +248,9 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         return Annotated[bool | None, switch]
     if key.default not in (None, []):
         default = key.default if isinstance(key.default, list) else [key.default]
-        words = [f"{one:g}" if isinstance(one, float) else str(one) for one in default]
+        words = [
+            f"{annotation:g}" if isinstance(annotation, float) else str(annotation) for annotation in default
+        ]
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
     parameter = Parameter(
@@ -257,5 +264,5 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )
-    one: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
-    return Annotated[(list[str] if key.several or paired else one) | None, parameter]
+    annotation: Any = Literal[key.choices] if key.what == "choice" and quantity == "QUANTITY" else str
+    return Annotated[(list[str] if key.several or paired else annotation) | None, parameter]

@@ -103,18 +103,20 @@ def friction(
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
     with in_flags(_FLAGS):
-        found = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
-    rows, by_event, fit = friction_report(found, str(records[0])), None, found.fits[found.preferred]
-    if isinstance(fit, MachineFit) and len(events_of(found.record)) > 1:
-        k = f"{fit.stiffness:.12g} 1/m" if found.record.si else fit.stiffness
-        more, by_event = events_report(fit_events(found.record, law=fit.law, stiffness=k), found.record)
+        comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
+    rows, by_event = friction_report(comparison, str(records[0])), None
+    fit = comparison.fits[comparison.preferred]
+    if isinstance(fit, MachineFit) and len(events_of(comparison.record)) > 1:
+        k = f"{fit.stiffness:.12g} 1/m" if comparison.record.si else fit.stiffness
+        fits = fit_events(comparison.record, law=fit.law, stiffness=k)
+        more, by_event = events_report(fits, comparison.record)
         rows += more
     with folder_of_results("fit of friction", out, rows, replaceable) as folder:
         for kind in ("toml", "csv"):
-            save_parameters(found, folder / f"friction.{kind}", law=None if law == "best" else law)
+            save_parameters(comparison, folder / f"friction.{kind}", law=None if law == "best" else law)
         if by_event is not None:
             by_event.to_csv(folder / "events.csv", index=False)
-        write(rate_and_state_figure(found), folder / "friction", drawn.figures or ["png"])
+        write(rate_and_state_figure(comparison), folder / "friction", drawn.formats())
     tell_results(rows, out, results)
 
 

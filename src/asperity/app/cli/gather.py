@@ -49,13 +49,13 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     # Gathering again, with more runs, is what one does: the default place is always replaced.
     replace = overwrite or to is None
     csv = target.with_suffix(".csv")
-    formats = drawn.figures or tomllib.loads(dataset.attrs["config"])["output"]["figures"]
+    formats = drawn.formats(tomllib.loads(dataset.attrs["config"])["output"]["figures"])
     pictures = [target.with_suffix(f".{one}") for one in formats]
     pictures += [target.with_name(f"{target.stem}_data.csv")] * bool(formats)
-    before = {there: standing(there) for there in (csv, *pictures, *[target] * (target.suffix == ".nc"))}
-    for there in before:
-        if there.exists() and not replace:
-            raise InputError("--to", expected="a new name", got=f"{there} exists", advice="--overwrite")
+    before = {file: standing(file) for file in (csv, *pictures, *[target] * (target.suffix == ".nc"))}
+    for file in before:
+        if file.exists() and not replace:
+            raise InputError("--to", expected="a new name", got=f"{file} exists", advice="--overwrite")
     if target.suffix == ".nc":
         with whole_file(target, overwrite=before[target]) as part:
             dataset.to_netcdf(part)
@@ -77,6 +77,6 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
         ("", f"{csv}: one row a run, {len(runs)} rows"),
     ]
     if formats and float(dataset["time"].max()) > 0:
-        files = write_figures(campaign_figure(dataset), {there: before[there] for there in pictures})
-        rows.append(("", f"growth of the contact, with standard errors: {files}"))
+        lines = write_figures(campaign_figure(dataset), {file: before[file] for file in pictures})
+        rows += [("", line) for line in lines]
     sys.stdout.write(f"{aligned(rows)}\n")

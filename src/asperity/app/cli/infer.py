@@ -86,7 +86,7 @@ def infer(
         lengths of a ball have the unit of the column, if it has one]
     ramp
         Time within which the load was put on in proportion to time; times count from its beginning.
-        [default: at once]
+        [default: instantly]
     seed
         Seed of the random numbers.
     walkers
@@ -122,13 +122,13 @@ def infer(
     with place_beside(out, asked) as place, listener(not results.quiet) as progress:
         columns = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
         with in_flags(_FLAGS | columns):
-            found = inferred(*data, **how, progress=progress, checkpoint=place)
-        found = replace(found, remarks=(*remarks, *found.remarks), unit=about["unit"])
-        rows = [("read", read), *inference_report(found, str(file))]
+            inference = inferred(*data, **how, progress=progress, checkpoint=place)
+        inference = replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
+        rows = [("read", read), *inference_report(inference, str(file))]
         progress.stage("writing the results")
         with folder_of_results("inference", out, rows, replaceable) as folder:
             typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(found, folder, drawn.figures or ["png"], source=file.name, command=typed)
+            write_inference(inference, folder, drawn.formats(), source=file.name, command=typed)
     tell_results(rows, out, results)
 
 
@@ -187,12 +187,15 @@ def _data(
 
 def _of_ball(quantity: str | None, name: str) -> str:
     """Whether depth or radius was measured, by a flag or the name of the column."""
-    said = {"depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac", "radius": "radius|rayon"}
-    found = [one for one, words in said.items() if re.search(words, name, re.I)]
-    if quantity is None and len(found) != 1:
+    patterns = {
+        "depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac",
+        "radius": "radius|rayon",
+    }
+    matching = [one for one, words in patterns.items() if re.search(words, name, re.I)]
+    if quantity is None and len(matching) != 1:
         expected, got = "depth or radius of the contact of the ball", f"a column {name!r}"
         raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
-    return quantity or found[0]
+    return quantity or matching[0]
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import functools
-import math
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flags_for, given, in_flags
+from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flag, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Results
+from asperity.app.cli.options import Drawn, Results
 from asperity.errors import InputError
 
 __all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
 
-_RESULTS = Results()
+_DRAWN, _RESULTS = Drawn(), Results()
 _Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
-_FLAGS = {name: f"--{name}" for name in ("pressures", "times", "age", "shear", "solid")}
+_TOLD = ("pressures", "per_decade", "times", "age", "shear", "work_of_adhesion", "solid")
+_FLAGS = {name: flag(name) for name in _TOLD}
 
 
 @command("preparation", "solid", "carried")
@@ -38,6 +38,7 @@ def law(
     millimeters: Switch = False,
     out: Out = Path("law"),
     results: Results = _RESULTS,
+    drawn: Drawn = _DRAWN,
     keys: Flags | None = None,
 ) -> None:
     """Tabulate approach, stiffness and conductance of a rough contact against pressure, for other programs.
@@ -68,7 +69,7 @@ def law(
         Folder for the results, which appears when all is written; it must not exist yet.
     """
     flags = given(keys, units=True)
-    for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s")):
+    for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s"), ("age", age, "s")):
         check_unit(f"--{name}", quantities or [], unit)
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
@@ -83,18 +84,21 @@ def law(
     else:
         solid |= {} if material is None else {"relaxation": str(material)}
         solid.setdefault("kind", "half_space")
+    if drawn.figures is not None:
+        flags["output"] = {"figures": drawn.figures}
     if times is not None:
         flags["aging"] = {"times": times}
     from asperity.app.config.reading import read_config, to_toml
-    from asperity.base.units import quantity
 
     settings = read_config(config, flags)
-    ages = settings.aging.times or [0.0]
-    if write and (ages[1:] or age):
-        check_unit("--age", age or "", "s")
-        if age is None or not any(math.isclose(quantity(age, "s", "--age"), one) for one in ages):
-            expected = f"one of the ages of the law, {', '.join(f'{one:g} s' for one in ages)}"
-            raise InputError("--age", expected=expected, got=age or "none", advice=f"--age {ages[-1]:g}s")
+    if write:
+        from asperity.analysis.law_words import place_of
+
+        with in_flags(_FLAGS):
+            place_of(age, settings.aging.times or [0.0])
+    elif asked := [name for name, one in (("age", age), ("millimeters", millimeters)) if one]:
+        expected = "--write beside it: it is for files of other programs"
+        raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.cli.reports.law import law_report, write_law

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from asperity.base.files import FORMATS, MARKER, Format, Standing, marker_of, named, standing, table_beside
+from asperity.app.cli.options import Drawn
+from asperity.base.files import FORMATS, MARKER, Standing, marker_of, named, standing, table_beside
 from asperity.errors import InputError, OutputError
 
 FIGURE_SUFFIXES = tuple(f".{one}" for one in FORMATS)
@@ -26,24 +26,16 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 
 
 def check_figures(
-    flag: str, out: Path, formats: Sequence[Format] | None, *, overwrite: bool, source: Path | None = None
+    flag: str, out: Path, drawn: Drawn, *, overwrite: bool, source: Path | None = None
 ) -> dict[Path, Standing]:
     """Names of a figure in its formats, by default that of its name, with what stands there.
 
     The table of what it draws is the last of them, but never over the source of the numbers.
     """
-    files = [out.with_name(f"{out.stem}.{one}") for one in formats or ()] or [out]
+    files = [out] if drawn.figures is None else [out.with_suffix(f".{one}") for one in drawn.formats()]
     found = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
-    table = table_beside(out, source)
-    return found | {table: standing(table)}
-
-
-def check_measured(path: str, *, bare: bool = True) -> None:
-    """Read a measured area before anything is computed, to tell a mistake; it may be bare of units."""
-    from asperity.fits.measurements import measured, read_measurements  # for which the help does not wait
-
-    if not bare or read_measurements(path).value_unit:
-        measured(path)
+    tables = [table_beside(out, source)] * bool(files)
+    return found | {table: standing(table) for table in tables}
 
 
 def check_free(out: Path, *, overwrite: bool) -> Standing:
@@ -53,9 +45,9 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
     if out.exists() and not out.is_dir():
         raise InputError("--out", expected="a folder", got=f"{out}, which is a file")
-    if found := {path.name for path in out.iterdir()} if out.exists() else set():
+    if names := {path.name for path in out.iterdir()} if out.exists() else set():
         marker = marker_of(out)
-        foreign = sorted(found - {MARKER, *marker.get("files", ())})
+        foreign = sorted(names - {MARKER, *marker.get("files", ())})
         expected, held, advice = "a new folder", "", "another name"
         if not marker:
             held = f"no {MARKER}, the mark of results,"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypeVar, dataclass_transform
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
-from asperity.app.cli.flags import Columns, Open, Quiet, Switch, Units, Whole
-from asperity.base.files import Format
+from asperity.app.cli.flags import Columns, Open, Quiet, Switch, Units, Whole, listed
+from asperity.base.files import FORMATS, Format
 from asperity.errors import InputError
 
 _Flags = TypeVar("_Flags")
@@ -40,6 +41,13 @@ def flags_of_fields(kind: type[_Flags]) -> type[_Flags]:
     return Parameter(name="*")(dataclass(frozen=True, kw_only=True)(kind))
 
 
+def _formats(_: object, tokens: Sequence[Token]) -> list[str]:
+    words = listed(token.value for token in tokens)
+    if wrong := [word for word in words if word not in FORMATS]:
+        raise ValueError(f"expected some of {', '.join(FORMATS)}, got {wrong[0]}")
+    return words
+
+
 @flags_of_fields
 class Results:
     """What is done with the folder of results.
@@ -66,11 +74,17 @@ class Drawn:
     Parameters
     ----------
     figures
-        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it. [default:
-        png, or that of the name of the file]
+        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it; "" for
+        none. [default: those of the TOML file, that of the name of the file, or png]
     """
 
-    figures: Annotated[list[Format] | None, Parameter(negative=(), consume_multiple=True)] = None
+    figures: Annotated[
+        list[Format] | None, Parameter(negative=(), consume_multiple=True, converter=_formats)
+    ] = None
+
+    def formats(self, usual: Sequence[Format] = ("png",)) -> Sequence[Format]:
+        """What was asked for, or what is usual."""
+        return usual if self.figures is None else self.figures
 
 
 @flags_of_fields

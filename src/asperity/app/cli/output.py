@@ -44,12 +44,12 @@ def write_run(outcome: Outcome, folder: Path) -> list[str]:
     return _write_figures(outcome, folder)
 
 
-def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> str:
-    """Write a figure under names that `check_figures` gave; return them in words."""
+def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> list[str]:
+    """Write a figure under names that `check_figures` gave; return a line that says so, if there are any."""
     for path, before in files.items():
         write_figure(figure, path, overwrite=before)
-    *pictures, table = map(str, files)
-    return f"{', '.join(pictures)}; what it draws: {table}"
+    *pictures, table = map(str, files) if files else [""]
+    return [f"figure written: {', '.join(pictures)}; what it draws: {table}"] * bool(files)
 
 
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
-from asperity.app.cli.new_files import check_free, check_measured
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
@@ -78,7 +78,7 @@ def predict(
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     ramp
         Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
-        start. [default: at once]
+        start. [default: instantly]
     leg
         In its place a leg of the history of the load, as often as there are legs: "ramp 2.4s pressure=1MPa",
         "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs so far). Before a first ramp the load is 0
@@ -100,7 +100,9 @@ def predict(
         flags["protocol"] = {"legs": legs_from_words(leg)}
     asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
     if output.measured is not None:
-        check_measured(output.measured, bare=False)
+        from asperity.fits.measurements import measured_area
+
+        measured_area(output.measured, si=True)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report

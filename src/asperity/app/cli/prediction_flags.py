@@ -84,10 +84,10 @@ def _of_table(table: Material, scan: MeasuredSurface, how: dict[str, Any], **mor
 
 
 def _scan(flags: Sections) -> MeasuredSurface:
-    given = dict(flags.get("surface", {}))
-    if "path" not in given:
+    keys = dict(flags.get("surface", {}))
+    if "path" not in keys:
         raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
-    return file_surface(Path(str(given.pop("path"))), given)
+    return file_surface(Path(str(keys.pop("path"))), keys)
 
 
 def _sections(path: Path | None, flags: Sections, wanted: dict[str, Any]) -> Sections:
@@ -116,18 +116,18 @@ def _check_units(legs: Sequence[Mapping[str, Any]]) -> None:
     for leg in legs:
         _check_units(leg.get("legs", []))
         kind = str(leg["kind"])
-        known = parameters_of(KINDS[kind]) if kind in KINDS else {}
-        for name in leg.keys() & known.keys():
-            if unit := known[name].quantity.unit:
+        parameters = parameters_of(KINDS[kind]) if kind in KINDS else {}
+        for name in leg.keys() & parameters.keys():
+            if unit := parameters[name].quantity.unit:
                 check_unit(f"--leg {kind}: {name}", str(leg[name]), unit)
 
 
 def _one_load(flags: Sections) -> None:
-    given: dict[str, Any] = flags.get("contact", {})
+    contact: dict[str, Any] = flags.get("contact", {})
     legs: Any = flags.get("protocol", {}).get("legs", [])
     rises = bool(legs) and legs[0]["kind"] == "ramp"
-    if len(given) != 1 and (given or not rises):
-        got = "both" if given else "neither"
+    if len(contact) != 1 and (contact or not rises):
+        got = "both" if contact else "neither"
         raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
 
 
@@ -160,12 +160,12 @@ def _arguments(flags: Sections, wanted: dict[str, Any]) -> tuple[dict[str, Any],
     }
     how: dict[str, Any] = {}
     for section, model in SECTIONS.items():
-        found = section_from(section, model, flags.get(section, {}))
-        if isinstance(found, Output):
-            how["instrument"] = found.instrument
-        elif not isinstance(found, CarriedSection):
-            how |= found.model_dump(exclude_unset=True)
-        elif (carried := found.asked([of_table.get("poisson", POISSON)])) is not None:
+        section_keys = section_from(section, model, flags.get(section, {}))
+        if isinstance(section_keys, Output):
+            how["instrument"] = section_keys.instrument
+        elif not isinstance(section_keys, CarriedSection):
+            how |= section_keys.model_dump(exclude_unset=True)
+        elif (carried := section_keys.asked([of_table.get("poisson", POISSON)])) is not None:
             how["carried"] = carried
     return of_table, how
 

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import Flags, Out, flags_for, given
-from asperity.app.cli.new_files import check_free, check_measured
+from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
 
 __all__ = ["flags_for", "run"]  # the annotation that `command` writes names flags_for
@@ -56,8 +56,6 @@ def run(
         flags["protocol"] = {"legs": legs_from_words(leg)}
     settings = read_config(config, flags)
     table = getattr(settings.solid, "fit", None)
-    if settings.output.measured is not None:
-        check_measured(settings.output.measured)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before

@@ -35,11 +35,11 @@ def check_campaign(command: str, out: Path) -> None:
     word, inside = shlex.quote(str(out)), next((path.parent for path in out.glob("*/seed")), None)
     advice = f"asperity {command} {word}/studies/NAME for one of its studies, "
     advice += f"or asperity reproduce --out {word} for what is missing"
-    for there, what, advised in (
+    for wrong, expected, advised in (
         ((out / "studies").is_dir(), "a reproduction", advice),
         (inside is not None, "a study", f"asperity {command} {shlex.quote(str(inside))}/CAMPAIGN"),
         (bool(kind), named(kind or "folder"), "its summary.txt"),
     ):
-        if there:
-            got = f"{out}, that of {what}"
+        if wrong:
+            got = f"{out}, that of {expected}"
             raise InputError(command, expected="the folder of a campaign", got=got, advice=advised)

@@ -43,9 +43,9 @@ def surface(
     of_run = file.suffix.lower() == ".toml"
     settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
-    figures = check_figures("--out", target, drawn.figures, overwrite=overwrite, source=file)
+    figures = check_figures("--out", target, drawn, overwrite=overwrite, source=file)
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
     from asperity.app.cli.reports.surface import drawn_and_told
 
-    figure, told = drawn_and_told(settings)
-    sys.stdout.write(f"{told}\n\nfigure written: {write_figures(figure, figures)}\n")
+    figure, rows = drawn_and_told(settings)
+    sys.stdout.write("\n\n".join([rows, *write_figures(figure, figures)]) + "\n")

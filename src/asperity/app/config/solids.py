@@ -132,15 +132,15 @@ class SolidSection(Section):
     def laws(self) -> dict[str, Law]:
         """The local law of creep, from numbers or from its activation, and the law of adhesion, if any."""
         facts = {key: value for key, value in self if value is not None}
-        found: dict[str, Law] = {}
+        laws: dict[str, Law] = {}
         for kind in filter(facts.__contains__, LAWS):
             law = LAWS[kind][facts[kind]]
             if kind == "creep" and "temperature" in facts:
                 activation = {key.removeprefix("creep_"): facts[key] for key in ACTIVATION}
-                found[kind] = Eyring.activated(**activation)
+                laws[kind] = Eyring.activated(**activation)
             else:
-                found[kind] = law(**{name: facts[f"{kind}_{name}"] for name in parameters_of(law)})
-        return found
+                laws[kind] = law(**{name: facts[f"{kind}_{name}"] for name in parameters_of(law)})
+        return laws
 
     @model_validator(mode="after")
     def _possible(self) -> Self:
@@ -154,19 +154,19 @@ class SolidSection(Section):
     def check(self) -> None:
         """Refuse keys of a law that are not those of one law, with `ValueError`."""
         keys = type(self).model_fields
-        for kind, known in KEYS_OF_LAWS.items():
+        for kind, kinds in KEYS_OF_LAWS.items():
             law = getattr(self, kind, None)
-            given = {name for name in OF_LAWS[kind] if getattr(self, name, None) is not None}
-            told = marked(given) or "none"
-            ways = [way for way in known.get(law or "", []) if way <= keys.keys()]
-            if law is None and given:
-                laws = [name for name, ways in known.items() if given <= set().union(*ways)]
-                drop = told if getattr(self, "permanent", None) is None else f"{told}, `permanent`"
+            stated = {name for name in OF_LAWS[kind] if getattr(self, name, None) is not None}
+            named = marked(stated) or "none"
+            ways = [way for way in kinds.get(law or "", []) if way <= keys.keys()]
+            if law is None and stated:
+                laws = [name for name, ways in kinds.items() if stated <= set().union(*ways)]
+                drop = named if getattr(self, "permanent", None) is None else f"{named}, `permanent`"
                 advice = f"; try to drop {drop}" if kind in self.model_fields_set else ""
-                raise ValueError(f"{kind}: expected {any_of(laws or known)} beside {told}, got none{advice}")
-            if law is not None and given not in ways:
+                raise ValueError(f"{kind}: expected {any_of(laws or kinds)} beside {named}, got none{advice}")
+            if law is not None and stated not in ways:
                 raise ValueError(
-                    f"{kind}: expected {' or '.join(map(marked, ways))} beside {law}, got {told}"
+                    f"{kind}: expected {' or '.join(map(marked, ways))} beside {law}, got {named}"
                 )
 
     @property
@@ -267,23 +267,23 @@ class Continuum(SolidSection):
 
     @property
     def _of_one_body(self) -> dict[str, float | None]:
-        found = {"young": self.young, "poisson": self.poisson}
-        return {name: one[0] if isinstance(one, list) else one for name, one in found.items()}
+        elastic = {"young": self.young, "poisson": self.poisson}
+        return {name: one[0] if isinstance(one, list) else one for name, one in elastic.items()}
 
     @property
     def fit(self) -> Fit | None:
         """The table, fitted."""
-        return None if (made := self.of_table) is None else made.fit
+        return None if (material := self.of_table) is None else material.fit
 
     @property
     def _of_table(self) -> dict[str, Any]:
         """Arguments that the table gives: branches, and a modulus where no other is given."""
-        if (made := self.of_table) is None or made.fit is None:
+        if (material := self.of_table) is None or material.fit is None:
             return {}
-        facts: dict[str, Any] = {"branches": list(made.fit.series.branches)}
+        facts: dict[str, Any] = {"branches": list(material.fit.series.branches)}
         if self.modulus is not None or self.young is not None:
             return facts
-        contact, ratio = cast(float, made.solid.modulus), self._of_one_body["poisson"]
+        contact, ratio = cast(float, material.solid.modulus), self._of_one_body["poisson"]
         return facts | ({"modulus": contact} if ratio is None else {"young": contact * (1 - ratio**2)})
 
     @property
@@ -321,8 +321,8 @@ class Continuum(SolidSection):
         if self.table is None:
             return self
         facts = self.model_dump(exclude_none=True, exclude=set(OfTable.model_fields))
-        if "data_last" in type(self).model_fields and math.isfinite((known := cast(Any, self.known))[1]):
-            facts |= dict(zip(("data_first", "data_last"), known, strict=True))
+        if "data_last" in type(self).model_fields and math.isfinite((span := cast(Any, self.known))[1]):
+            facts |= dict(zip(("data_first", "data_last"), span, strict=True))
         return type(self).model_validate(facts | self._of_table)
 
 

@@ -41,14 +41,14 @@ def write_files(prediction: Prediction, folder: Path, *, output: Output, command
 
 
 def _solid(prediction: Prediction, fit: Fit) -> str:
-    known = prediction.assumed
+    assumed = prediction.assumed
     solid: dict[str, object] = {"kind": "half_space", "modulus": prediction.modulus}
-    if known["measured"] == "young":
-        solid = {"kind": "half_space", "young": fit.series.modulus, "poisson": known["poisson"]}
+    if assumed["measured"] == "young":
+        solid = {"kind": "half_space", "young": fit.series.modulus, "poisson": assumed["poisson"]}
     solid["branches"] = list(prediction.branches)
     if prediction.solid.yields:
         solid["hardness"] = prediction.solid.hardness
-    table, (first, last) = known["table"] or "A table", fit.data.span
+    table, (first, last) = assumed["table"] or "A table", fit.data.span
     if math.isfinite(fit.series.span[1]):  # a plateau has no end
         solid |= {"data_first": first, "data_last": last}
     head = f"# {table} as a sum of exponentials, known from {first:.4g} s to {last:.4g} s."

@@ -27,14 +27,14 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     if fit is not None:
         begin, end = fit.data.span
         rows += [("read", fit.data.source)] if fit.data.source else []
-        said = f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
-        said += f"missed by {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
-        rows.append(("relaxation", said))
+        text = f"{prediction.assumed['table']}: {written(begin, 's')} to {written(end, 's')}, "
+        text += f"fit error {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
+        rows.append(("relaxation", text))
     nominal = prediction.nominal_area
-    held = f"load {written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
-    held += f"put on within {written(ramp, 's')}, from 0 s on" if ramp else "put on at once"
+    held = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
+    held += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
     held = prediction.legs or held
-    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("held", held)]
+    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("load", held)]
     loaded = prediction.loaded
     rows += _contacts(prediction)
     rows += _growth(prediction)
@@ -55,18 +55,18 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     rows += words_of(carried_rows(dataset.isel(time=slice(1 + loaded, None))))
     for which, place in (("first", 0), ("last", -1)) if prediction.observed else ():
         seen = prediction.observed[place]
-        rows.append((f"seen at {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
+        rows.append((f"observed {which}", f"{written(seen.area, 'm^2')}, patches: {seen.patches.count}"))
     if prediction.solid.yields:
         lowered = dataset["permanent_indentation"].values
-        begun, left = (int((lowered[place] > 0).sum()) for place in (0, -1))
-        said = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(left)} at last"
-        said += f", by up to {written(float(lowered[-1].max()), 'm')}" if left else ""
-        rows.append(("yields", said))
+        begun, remaining = (int((lowered[place] > 0).sum()) for place in (0, -1))
+        text = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(remaining)} at last"
+        text += f", by up to {written(float(lowered[-1].max()), 'm')}" if remaining else ""
+        rows.append(("yields", text))
     exact = dataset.attrs.get("exact_contact") == "at all times"
     effort = "exact contact" if exact else f"{int(dataset['steps'].sum())} time steps"
     effort += f", {int(dataset['iterations'].sum())} iterations, {seconds:.1f} s"
     rows.append(("worst residual", f"{float(dataset['residual'].max()):.1e} of the mean contact force"))
-    rows.append(("effort", effort + (" in this session" if resumed else "")))
+    rows.append(("cost", effort + (" in this session" if resumed else "")))
     return [*rows, *(("remark", remark) for remark in prediction.remarks)]
 
 
@@ -81,24 +81,25 @@ def _contacts(prediction: Prediction) -> list[Row]:
         low, high = (float(end[place]) for end in prediction.band(names[1]))
         band = "" if math.isnan(low) else f", 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}"
         many = how_many(prediction.resolved[number].patches, "patch", "patches")
-        said = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} % less its rim{band}; "
-        said += f"counted {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
+        text = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} %"
+        text += f", corrected for pixel rims{band}; "
+        text += f"raw {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
         jumped = place > 0 and prediction.time[place] == prediction.time[place - 1]
         when = "just after" if jumped else f"contact at {written(float(prediction.time[place]), 's')}"
-        rows.append((when, said))
+        rows.append((when, text))
     return rows
 
 
 def _branches(prediction: Prediction) -> list[Row]:
     """Shares and relaxation times; where a fit knows their 95 % intervals, with these."""
-    rows, known = [], None if prediction.fit is None else prediction.fit.intervals
+    rows, intervals = [], None if prediction.fit is None else prediction.fit.intervals
     for number, (share, time) in enumerate(prediction.branches):
-        said = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
-        if known is not None:
-            (low, high), (early, late) = known[number].tolist()
-            said[0] += f" ({low:.4g} to {high:.4g})"
-            said[1] += f" ({written(early, 's')} to {written(late, 's')})"
-        rows.append(("" if number else "branches", " ".join(said)))
+        parts = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
+        if intervals is not None:
+            (low, high), (early, late) = intervals[number].tolist()
+            parts[0] += f" ({low:.4g} to {high:.4g})"
+            parts[1] += f" ({written(early, 's')} to {written(late, 's')})"
+        rows.append(("" if number else "branches", " ".join(parts)))
     rows += [("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
     if prediction.draws:
         rows.append(("", f"{prediction.draws} draws of the branches, whose spread is in the band"))
@@ -111,11 +112,11 @@ def _growth(prediction: Prediction) -> list[Row]:
         return []
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
     low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
-    said = f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
-    said += f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %"
+    text = f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
+    text += f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %"
     rows = [
         ("growth", f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}"),
-        ("in each decade", said),
+        ("in each decade", text),
     ]
     if effective is not None:
         name, symbol = prediction.beside

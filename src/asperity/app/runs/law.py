@@ -18,9 +18,10 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
 
     Where the solid is a half-space of one Poisson's ratio, the tangential stiffness is tabulated.
     """
-    if config.protocol:
-        expected = "none: each pressure of a law is held"
-        raise InputError("[[protocol]]", expected=expected, got="legs", advice="asperity run")
+    for name, put in (("[[protocol]]", config.protocol), ("[output] measured", config.output.measured)):
+        if put:
+            expected, advice = "none for a law, whose pressures are held", "asperity run"
+            raise InputError(name, expected=expected, got="some", advice=advice)
     solid, chosen = config.solid.build(), config.surface
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         chosen = chosen.model_copy(update={"periodic": "reflect"})

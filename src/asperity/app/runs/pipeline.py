@@ -25,6 +25,7 @@ from asperity.base.words import InUnits, written_with_units
 from asperity.carried import Carried, check_half_space
 from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError, PulledOff
+from asperity.fits.measurements import measured_area
 from asperity.friction import ShearStrength, add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
@@ -126,8 +127,11 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
-    """Refuse numbers with units where nothing else has any."""
-    if solid.in_lengths and rough.has_lengths:
+    """Refuse numbers with units where nothing else has any, and a measured area that is none beside them."""
+    si = solid.in_lengths and rough.has_lengths
+    if config.output.measured is not None:
+        measured_area(config.output.measured, si=si)
+    if si:
         return
     if (text := next(written_with_units(config.model_dump()), None)) is not None:
         expected, advice = f"plain numbers for a {solid.kind}, which is defined on sites", "solid half_space"

@@ -29,7 +29,7 @@ def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: s
         *[Row("read", read)] * bool(read),
         Row("solid", _solid(outcome.config, dataset)),
         *history_rows(dataset, outcome.summary),
-        Row("effort", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
+        Row("cost", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
         *(Row("remark", remark) for remark in outcome.remarks),
     ]
 

@@ -112,8 +112,8 @@ def _comparison(found: Comparison) -> list[tuple[str, ...]]:
 
 def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **origin: str) -> None:
     """Write all numbers, and where they come from, as JSON, which has no infinity."""
-    found = {} if growth.comparison is None else vars(growth.comparison)
-    numbers = {name: _finite(value) for name, value in found.items() if name not in growth.fits}
+    comparison = {} if growth.comparison is None else vars(growth.comparison)
+    numbers = {name: _finite(value) for name, value in comparison.items() if name not in growth.fits}
     facts = {
         **origin,
         "points": growth.points,

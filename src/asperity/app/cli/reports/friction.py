@@ -111,8 +111,10 @@ def _law(found: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = found.record, found.fits[law]
     rows = []
     for text, name in _NAMES:
-        one = found.estimates[law][name]
-        value, stderr, low, high = (float(part) for part in (one.value, one.stderr, one.low, one.high))
+        estimate = found.estimates[law][name]
+        value, stderr, low, high = (
+            float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
+        )
         if name == "a" and fit.a_stderr == 0:
             said = f"{value:g}, as given"
         elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
@@ -132,8 +134,8 @@ def _verdict(found: StateLaws) -> str:
     if found.runs > 1:
         low, high = float(found.log_ratio.low), float(found.log_ratio.high)
         scatter = f"ln of the ratio of squares, aging over slip: {low:.3g} to {high:.3g}"
-        known = f"the surfaces prefer the {found.verdict} law"
-        return f"{known if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
+        preference = f"the surfaces prefer the {found.verdict} law"
+        return f"{preference if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
     if found.verdict == "undecided":
         return "undecided: these data do not tell the aging law from the slip law"
     other = "slip" if found.verdict == "aging" else "aging"

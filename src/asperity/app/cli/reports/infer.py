@@ -23,10 +23,12 @@ def inference_report(found: Inference, source: str) -> list[Row]:
     ]
     table = aligned([[*found.models.columns], *cells]).splitlines()
     rows += [("models" * (n == 0), line) for n, line in enumerate(table)]
-    said = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in found.findings}
-    rows += [("", sentence) for sentence in found.sentences if sentence not in said]
+    sentences = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in found.findings}
+    rows += [("", sentence) for sentence in found.sentences if sentence not in sentences]
     rows += found.findings
-    rows.append(("agreement", f"R-hat {found.draws.r_hat:.4f}, {found.draws.effective:.0f} effective draws"))
+    rows.append(
+        ("agreement", f"R-hat {found.draws.r_hat:.4f}, {found.draws.effective:.0f} effective samples")
+    )
     return [*rows, *(("remark", remark) for remark in found.remarks)]
 
 

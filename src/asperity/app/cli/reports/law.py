@@ -14,7 +14,7 @@ from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.tables import with_unit
-from asperity.figures import law_figure
+from asperity.figures import law_figure, write
 
 
 def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -40,11 +40,11 @@ def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list
             rows.append((name, f"{said}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
     rows.append(("taken off", "what a flat solid does: the approach is that of the mean of the surface"))
     if dataset.sizes["direction"] > 1:
-        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, at once"))
+        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, without creep"))
     if dataset.sizes["time"] > 1:
         said = "do not interpolate between them while the load changes: what has crept depends on its history"
         rows.append(("ages", said))
-    rows.append(("effort", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
+    rows.append(("cost", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
     return [*rows, *(("remark", remark) for remark in found.remarks)]
 
 
@@ -61,7 +61,7 @@ def write_law(
     names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
     table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
-    law_figure(dataset).savefig(folder / "law.png")
+    write(law_figure(dataset), folder / "law", found.config.output.figures)
     (folder / "config.toml").write_text(to_toml(found.config), encoding="utf-8")
     for program in programs:
         for direction in dataset["direction"].values.tolist():

@@ -20,15 +20,15 @@ from asperity.surfaces.prepare import is_length, is_square
 def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
     """Make or read a surface, draw it and describe it; `AsperityError` if it, or its file, cannot be used."""
     if not isinstance(settings, MeasuredSurface):
-        made = settings.build()
-        facts = [("surface", described(settings)), ("edges", made.edges)]
-        figure = surface_figure(made, title=settings.kind.replace("_", " "))
-        return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=made.describe()))}"
+        surface = settings.build()
+        facts = [("surface", described(settings)), ("edges", surface.edges)]
+        figure = surface_figure(surface, title=settings.kind.replace("_", " "))
+        return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
     # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found["lines"] = "none"
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
-    found = settings.model_copy(update=as_found).build()
+    unprepared = settings.model_copy(update=as_found).build()
     prepared = settings.build()
     # A border that was brought to the mean is no part of what was measured.
     tapered = settings.rule == "taper"
@@ -38,8 +38,8 @@ def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
     note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])
     figure = surface_figure(prepared, title=Path(settings.path).name, note=note, spectrum=spectrum)
     blocks: tuple[list[Any], ...] = (
-        _origin(found, prepared),
-        _comparison(**{"in the file": found.describe(), "prepared": prepared.describe()}),
+        _origin(unprepared, prepared),
+        _comparison(**{"in the file": unprepared.describe(), "prepared": prepared.describe()}),
         _spectrum(spectrum),
         [(name, said) for name, said, _ in done],
     )
@@ -121,8 +121,8 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
         averaged = f"averaged to {_sides(prepared)}"
         rows.append(("pixels", averaged, averaged.replace(" x ", " × ")))
     if waves := [f"{name} {facts[name]:g}" for name in ("longest", "shortest") if name in facts]:
-        said = f"{', '.join(waves)} {prepared.length_unit or 'pixel'}"
-        rows.append(("wavelengths kept", said, "waves left out"))
+        band = f"{', '.join(waves)} {prepared.length_unit or 'pixel'}"
+        rows.append(("wavelengths kept", band, "waves left out"))
     scaled = f"{prepared.unit}: heights x {facts['scale_factor']:g}"
     rows.append(("unit", "as in the file" if facts["scale_factor"] == 1 else scaled, ""))
     final = " × ".join(map(str, prepared.shape))
