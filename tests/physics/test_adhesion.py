@@ -18,6 +18,7 @@ from asperity.base.parameters import Quantity
 from asperity.contact.choice import chosen_solver
 from asperity.errors import PulledOff, Remark
 from asperity.results import load_contact
+from asperity.results.checkpoint import Keeper
 from asperity.solids import Dugdale, coated_half_space, half_space, layer
 from asperity.surfaces import Surface
 from tests.dense_reference import Dense
@@ -303,6 +304,53 @@ def test_a_record_ends_where_bodies_part(legs, when, tmp_path):
     again = load_contact(tmp_path / "last", solid)
     np.testing.assert_array_equal(again.in_contact, history.final.in_contact)
     assert again.load == pytest.approx(history.final.load, rel=1e-6)
+
+
+def test_a_run_killed_before_bodies_part_goes_on_to_the_same_end(tmp_path, monkeypatch):
+    solid, one = sticking(0.5, 6.0, branches=[(0.5, 1.0)])
+    contact = asp.press(Surface(ball((40, 40)), edges="free"), solid, load=one)
+    write = Keeper.write
+
+    def aged(**how):
+        with pytest.warns(Remark, match="pulled off"):
+            return asp.age(contact, [0.05, 1.5], protocol=P.Ramp(2.0, load=-5.0), **how)
+
+    whole = aged()
+    steps = int(whole["steps"].values.sum())
+    for last in (steps - 10, steps):
+        written = iter(range(1, last))
+
+        def killed(keeper, place, left=written):
+            write(keeper, place)
+            if next(left, None) is None:
+                raise InterruptedError
+
+        checkpoint = asp.Checkpoint(tmp_path / f"{last}.npz", every=0.0)
+        monkeypatch.setattr(Keeper, "write", killed)
+        with pytest.raises(InterruptedError):
+            asp.age(contact, [0.05, 1.5], protocol=P.Ramp(2.0, load=-5.0), checkpoint=checkpoint)
+        monkeypatch.setattr(Keeper, "write", write)
+        resumed = aged(checkpoint=checkpoint)
+        np.testing.assert_array_equal(resumed.time, whole.time)
+        np.testing.assert_array_equal(resumed.final.u, whole.final.u)
+
+
+@pytest.mark.parametrize("edges", ["periodic", "free"])
+@pytest.mark.parametrize("left", [1e-9, 1e-11, 1e-13, 1e-14, 0.0])
+def test_contacts_bear_what_all_sites_attract_to_the_last_digits(edges, left):
+    x = 2 * np.pi * np.arange(16) / 16
+    heights = 0.05 * (np.cos(x)[:, None] * np.cos(x) + 0.5 * np.sin(2 * x + 1))
+    law = Dugdale(work=3.3, range=8.1)  # far longer than the heights: every site is within it
+    contact = asp.press(Surface(heights, edges=edges), half_space(modulus=1.0, adhesion=law), load=1.0)
+    all_attract = law.strength * heights.size
+    if left < 1e-13:  # as much as the rounding of so many forces
+        with pytest.raises(PulledOff):
+            asp.press(contact, load=-(1 - left) * all_attract)
+        return
+    last = judged(asp.press(contact, load=-(1 - left) * all_attract))
+    assert last.area > 0
+    assert last.load == pytest.approx(-(1 - left) * all_attract, rel=1e-14)
+    np.testing.assert_array_equal(last.force[~last.in_contact], -law.strength)
 
 
 def test_a_contact_remembers_from_where_it_came():

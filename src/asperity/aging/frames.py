@@ -76,8 +76,8 @@ class Midway:
     """State from which a new march resumes, at a time between two frames, to identical results.
 
     That are the kind of time steps and their arrays, what the rigid approach is measured from, the scale of
-    the error, how long the next step is, what was counted since the last frame, and how the area is kept, if
-    it is.
+    the error, how long the next step is, what was counted since the last frame, how the area is kept, if it
+    is, and whether the bodies are about to part.
     """
 
     time: float
@@ -88,6 +88,7 @@ class Midway:
     controller: Controller
     counts: Counts
     area: ConstantArea | None = None
+    parting: bool = False
 
 
 @dataclass

@@ -152,16 +152,14 @@ class _March:
         start = self.start
         if from_start:
             yield Frame(0.0, start, approach=0.0, steps=0, rejected=0, iterations=start.iterations)
-        reached = self.now.time
         for stop in stops.tolist():
             try:
                 self.advance_to(stop)
             except PulledOff:
-                if self.now.time > reached:
+                if self.counts.steps:
                     yield self.published()
                 raise
             yield self.published()
-            reached = stop
 
     def published(self) -> Frame:
         """The present state."""
@@ -191,7 +189,7 @@ class _March:
         """Where another march was."""
         self.origin, self.counts = copy(midway.origin), copy(midway.counts)
         self.controller, self.area = copy(midway.controller), copy(midway.area)
-        self.deformation = midway.deformation
+        self.deformation, self.parting = midway.deformation, midway.parting
         if self.area is not None:
             system = replace(system, control=Load(self.area.load))
         self.now = KINDS[midway.kind](system, self.solver, midway.resume_state)
@@ -203,7 +201,7 @@ class _March:
         if self.now.system.yields:
             heights, indentation = self.start.heights, self.start.permanent_indentation
             arrays |= {"heights": heights, "indentation": indentation, "obstacle": self.now.system.heights}
-        march: Any = self.origin, self.deformation, self.controller, self.counts, self.area
+        march: Any = self.origin, self.deformation, self.controller, self.counts, self.area, self.parting
         return Midway(self.now.time, self.now.kind, arrays, *map(copy, march))
 
     def raise_deformation(self) -> None:

@@ -30,6 +30,9 @@ class Tuning:
     rough: float = 1e-3
     """Residual of contacts on the way."""
 
+    rounding: float = 64 * float(np.finfo(float).eps)
+    """What is left for contacts to bear, over all that attracts, where it is rounding."""
+
     most_rounds: int = 1000
     """Contacts without adhesion after which a sequence is given up."""
 
@@ -50,24 +53,20 @@ class Adhesive:
             return self.solver.solve(problem, guess, accuracy)
         last = np.inf if guess is None else guess.u if guess.last is None else guess.last
         pull = interface.pull(np.broadcast_to(last - heights, heights.shape))
-        assert pull is not None
         slack, iterations, revisions = accuracy.residual * interface.adhesion.strength * interface.cell, 0, 0
         rough = replace(accuracy, residual=max(accuracy.residual, TUNING.rough))
-        wanted = rough
+        settled = False
         for _ in range(TUNING.most_rounds):
-            load = problem.spectral().load
-            if load is not None and load - float(pull.sum()) <= 0:
+            load, attraction = problem.spectral().load, -float(pull.sum())
+            if load is not None and load + attraction <= TUNING.rounding * attraction:
                 raise PulledOff
-            found = self.solver.solve(problem.beside(pull), guess, wanted)
+            found = self.solver.solve(problem.beside(pull), guess, accuracy if settled else rough)
             iterations, revisions = iterations + found.iterations, revisions + found.set_changes
             before, pull = pull, interface.pull(found.u - heights)
-            assert pull is not None
-            if np.abs(pull - before).max() > slack:
-                wanted = rough
-            elif wanted == accuracy:
+            stays = float(np.abs(pull - before).max()) <= slack
+            if stays and (settled or rough == accuracy):
                 return replace(found, iterations=iterations, set_changes=revisions)
-            else:
-                wanted = accuracy
+            settled = stays
             guess = Guess(found.u, found.in_contact, disposable=True)
         raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
 

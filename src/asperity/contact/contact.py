@@ -67,7 +67,8 @@ class Contact(Bodies, views.InNotebooks):
         Elastic energy, force times length (Jagla, Eq. e), and that of adhesion, -w for each area in contact.
     residual
         Largest force off contact (or tension in contact, or excess over the hardness) that the fields leave,
-        relative to the mean contact force; evaluated from u and the anchors as they are kept, measured from
+        relative to the mean contact force, or to the attraction of a site where bodies stick and that is
+        more; evaluated from u and the anchors as they are kept, measured from
         the highest point of the heights, rounding included. Once a continuum has crept, anchors are kept as
         Fourier modes. Where the separation is held and the load has died out, relative to the smallest force
         that double precision can resolve to as many digits.

@@ -43,9 +43,10 @@ class Interface:
         """The interface where a known force acts beside that of contact."""
         return self if known is None else replace(self, known=known)
 
-    def pull(self, gap: Field) -> Field | None:
-        """The force by which sites attract each other, below 0; None without adhesion."""
-        return None if self.adhesion is None else -self.cell * self.adhesion.traction(gap)
+    def pull(self, gap: Field) -> Field:
+        """The force by which sites attract each other, at most 0, where there is adhesion."""
+        assert self.adhesion is not None
+        return -self.cell * self.adhesion.traction(gap)
 
     def bond(self, gap: Field) -> float:
         """Energy of adhesion, at most 0."""

@@ -32,7 +32,8 @@ def contact_from(
 
     Anchors and position are relative to the system's datum. `ConvergenceError` where double precision cannot
     resolve the load, unless it may vanish, as at a held separation. Residuals are relative to at least
-    ``least_force``, the mean contact force of a contact with which this one is compared.
+    ``least_force``, the mean contact force of a contact with which this one is compared, and to the largest
+    known force, whose rounding contact forces bear.
     """
     lattice, yielding = system.mechanics.lattice, solution.u < system.heights
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
@@ -51,6 +52,8 @@ def contact_from(
     system = system.pulled(surface)
     if (load_may_vanish and not system.load) or not touching.any():
         least_force = _smallest_force(system, surface)
+    if system.known is not None:
+        least_force = max(least_force, float(np.abs(system.known).max()))
     state = anchors.balance(system, surface, position)
     left = _judged(system, surface, state, touching, yielding, least_force)
     force = system.interface.admit(state.force, touching)

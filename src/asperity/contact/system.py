@@ -99,9 +99,9 @@ class System:
 
     def pulled(self, u: Field) -> System:
         """Return the system with the pull of adhesion under a surface among the known forces."""
-        pull = self.mechanics.interface.pull(u - self.heights)
-        if pull is None:
+        if not self.sticks:
             return self
+        pull = self.mechanics.interface.pull(u - self.heights)
         return replace(self, known=pull if self.known is None else self.known + pull)
 
     def lowered(self, u: Field) -> System:
