@@ -16,11 +16,6 @@ PAGES = {
 }
 LONGEST_PAGE, LONGEST_SENTENCE, ALL_PAGES = 2000, 35, 38_000
 
-CEILINGS = {
-    "docs/predict.md": (2000, 1),
-}
-"""Words, and long sentences, of pages that may only become shorter."""
-
 MEASURED = r"benchmarks/\w+\.(?:py|sh)|data/studies|AMD EPYC|NVIDIA|busy machine"
 """Scripts and machines, of which a page speaks that has measured numbers."""
 
@@ -29,7 +24,6 @@ DATED = r"(?:[Vv]ersions?|Asperity) 0\.\d+\.\d+|\(0\.\d+\.\d+|20\d\d-\d\d-\d\d"
 UNDATED = {
     *("CONTRIBUTING.md", "docs/design.md"),  # they name scripts, and no numbers
     "docs/units.md",  # test_docs computes its tables anew
-    "docs/predict.md",  # to be dated
 }
 
 
@@ -53,9 +47,8 @@ def long_sentences(page):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_pages_and_their_sentences_are_short(name):
-    length, long = CEILINGS.get(name, (LONGEST_PAGE, 0))
-    assert words(PAGES[name]) <= length
-    assert len(long_sentences(PAGES[name])) <= long, long_sentences(PAGES[name])
+    assert words(PAGES[name]) <= LONGEST_PAGE
+    assert not long_sentences(PAGES[name])
 
 
 def test_the_documentation_is_short():
