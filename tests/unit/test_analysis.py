@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -240,7 +241,8 @@ def made_history(slope: float, spread: float) -> xr.Dataset:
 def grown(history: xr.Dataset, series: list[PronySeries]) -> Growth:
     """The growth of a history, with the bands of tiles and series."""
     never: Any = None
-    return growth_of(history, OfScan.of(history, never), draws_of_solid(history, series, never, never))
+    contact: Any = SimpleNamespace(solid=SimpleNamespace(separable=True))
+    return growth_of(history, OfScan.of(history, contact), draws_of_solid(history, series, never, never))
 
 
 def noisy(error: float, seed: int) -> asp.relaxation.Relaxation:
