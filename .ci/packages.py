@@ -192,8 +192,8 @@ def tool() -> str:
 
 
 RUN = (
-    *("aging.csv", "aging.png", "asperity.json", "config.toml", "contacts.png", "history.zarr"),
-    *("patches.csv", "patches.png", "summary.txt"),
+    *("aging.csv", "aging.png", "aging_data.csv", "asperity.json", "config.toml", "contacts.csv"),
+    *("contacts.png", "history.zarr", "patches.csv", "patches.png", "patches_data.csv", "summary.txt"),
 )
 
 STEPS: dict[str, Callable[[], str]] = {
@@ -237,7 +237,7 @@ def ten_lines() -> tuple[str, str]:
     """The README's first block of Python, and what its last comment says that it prints."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = text.partition("```python\n")[2].partition("```")[0]
-    return lines, re.findall(r": ([\d ]+)$", lines, flags=re.MULTILINE)[-1]
+    return lines, re.findall(r": ([\d.]+)$", lines, flags=re.MULTILINE)[-1]
 
 
 def lock(folder: Path, *, again: bool = False) -> None:
