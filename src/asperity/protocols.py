@@ -102,7 +102,7 @@ class Leg(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         parameters = parameters_of(type(self))
-        for name in vars(self).keys() - parameters:
+        for name in sorted(vars(self).keys() - parameters):
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
         if self.target not in _TARGETS and (self.target or type(self).value is not Leg.value):

@@ -125,7 +125,7 @@ def sweep(
         raise SystemExit(1)
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
-    for unused in {run.config.solid.unused for run in plan.runs} - {""}:
+    for unused in dict.fromkeys(run.config.solid.unused for run in plan.runs if run.config.solid.unused):
         remark(unused)
     store = Store(expanded(directory).resolve())
     try:

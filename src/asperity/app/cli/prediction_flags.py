@@ -117,7 +117,7 @@ def _check_units(legs: Sequence[Mapping[str, Any]]) -> None:
         _check_units(leg.get("legs", []))
         kind = str(leg["kind"])
         parameters = parameters_of(KINDS[kind]) if kind in KINDS else {}
-        for name in leg.keys() & parameters.keys():
+        for name in filter(parameters.__contains__, leg):
             if unit := parameters[name].quantity.unit:
                 check_unit(f"--leg {kind}: {name}", str(leg[name]), unit)
 
