@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,11 @@ def test_a_table_of_relaxation_gives_a_law_at_each_age(says, scan):
         assert found == pytest.approx(dataset[name].values.ravel().tolist(), rel=1e-14)
     text = asp.analysis.law_for("moose", dataset, age="1 h", direction="unloading", millimeters=True)
     assert Path("law/unloading_moose.i").read_text() == text
+    # One input may include loading and unloading, so no two interactions or functions share a name.
+    texts = "".join(path.read_text() for path in Path("law").glob("*calculix.inp"))
+    texts += "".join(path.read_text() for path in Path("law").glob("*moose.i"))
+    names = re.findall(r"^\*SURFACE INTERACTION, NAME=(\w+)|^  \[(\w+)\]", texts, flags=re.MULTILINE)
+    assert len(set(names)) == len(names) >= 8
     # The configuration that was written gives the same law.
     says("law", "law/config.toml", *RANGE, "--out", "again", "-q")
     again = asp.results.load("again")

@@ -11,6 +11,7 @@ from annotated_types import Gt
 
 import asperity as asp
 from asperity.aging.field_steps import FieldSteps
+from asperity.analysis.rows import history_rows
 from asperity.app.config import to_toml
 from asperity.app.config.python import to_python
 from asperity.app.config.reading import config_from
@@ -299,6 +300,8 @@ def test_a_record_ends_where_bodies_part(legs, when, tmp_path):
     assert history["load"].values[-1] == pytest.approx(history.final.load)
     rows = asp.analysis.leg_table(history.dataset)
     assert (len(rows), rows[-1].end) == (1, parted)
+    tension = {row.name: row.value for row in history_rows(history.dataset, None)}.get("largest tension")
+    assert tension == (pytest.approx(-history.final.load) if history.final.load < 0 else None)
     history.save(tmp_path / "parted")
     history.final.save(tmp_path / "last")
     again = load_contact(tmp_path / "last", solid)

@@ -74,8 +74,9 @@ def law_for(
     if direction == "unloading":
         columns["approach"][0] = columns["approach"][1] - columns["pressure"][1] / columns["stiffness"][1]
     head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, age "
-    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa' if millimeters else 'SI units'}"
-    return (_calculix if program == "calculix" else _moose)(columns, head)
+    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa, mW' if millimeters else 'SI units'}"
+    prefix = "" if direction == "loading" else f"{direction}_"  # an input may include both files
+    return (_calculix if program == "calculix" else _moose)(columns, head, prefix)
 
 
 def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr.Dataset:
@@ -97,24 +98,27 @@ def place_of(age: float | str | None, times: ArrayLike) -> int:
     return int(near[0])
 
 
-def _calculix(columns: dict[str, Field], head: str) -> str:
-    pressure, approach = columns["pressure"], columns["approach"]
+def _calculix(columns: dict[str, Field], head: str, prefix: str) -> str:
+    name, pressure, approach = f"{prefix.upper()}ROUGH", columns["pressure"], columns["approach"]
     if pressure.size > _MOST_ROWS:
         expected = f"at most {_MOST_ROWS - 1} pressures for CalculiX"
         raise InputError("pressures", expected=expected, got=pressure.size - 1, advice="fewer")
     lines = [
         f"** {head}",
-        "** Pressure, overclosure. CalculiX 2.20 reads the table in *CONTACT PAIR, TYPE=NODE TO SURFACE",
-        "** alone: in surface-to-surface contact it passes no pressure.",
-        "*SURFACE INTERACTION, NAME=ROUGH",
+        "** Pressure, overclosure: 0 where the surfaces of the meshes touch. To use it:",
+        "**   *INCLUDE, INPUT=<this file>",
+        f"**   *CONTACT PAIR, INTERACTION={name}, TYPE=NODE TO SURFACE",
+        "**   <dependent surface>, <independent surface>",
+        "** In surface-to-surface contact CalculiX 2.20 passes no pressure by a table.",
+        f"*SURFACE INTERACTION, NAME={name}",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
         *(f"{p:.10g}, {a:.10g}" for p, a in zip(pressure, approach, strict=True)),
     ]
     if "thermal_conductance" in columns:
         lines += [
-            "** Conductance, pressure, temperature. For heat CalculiX 2.20 knows the pressure of a line",
-            "** and not of a table: use this under a known load, with TYPE=SURFACE TO SURFACE.",
-            "*SURFACE INTERACTION, NAME=ROUGH_HEAT",
+            "** Conductance, pressure, temperature. For it CalculiX 2.20 takes the pressure of a linear law,",
+            "** not of a table: use this where the load is known, with TYPE=SURFACE TO SURFACE.",
+            f"*SURFACE INTERACTION, NAME={name}_HEAT",
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
             f"{pressure[-1] / approach[-1]:.10g}",
             "*GAP CONDUCTANCE",
@@ -126,12 +130,14 @@ def _calculix(columns: dict[str, Field], head: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _moose(columns: dict[str, Field], head: str) -> str:
+def _moose(columns: dict[str, Field], head: str, prefix: str) -> str:
     pressure, lines = columns["pressure"], [f"# {head}", "[Functions]"]
-    tables = {"pressure_of_approach": (columns["approach"], pressure)}
-    tables |= {f"{name}_of_pressure": (pressure, columns[name]) for name in _OF_PRESSURE if name in columns}
+    tables = {f"{prefix}pressure_of_approach": (columns["approach"], pressure)}
+    tables |= {
+        f"{prefix}{name}_of_pressure": (pressure, columns[name]) for name in _OF_PRESSURE if name in columns
+    }
     for name, axes in tables.items():
-        first = int(name.startswith("hydraulic"))  # a gap is not 0 where nothing presses
+        first = int("hydraulic" in name)  # a gap is not 0 where nothing presses
         x, y = (" ".join(f"{value:.10g}" for value in axis[first:]) for axis in axes)
         lines += [f"  [{name}]", "    type = PiecewiseLinear", f"    x = '{x}'", f"    y = '{y}'", "  []"]
     return "\n".join([*lines, "[]"]) + "\n"

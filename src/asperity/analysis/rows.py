@@ -245,6 +245,12 @@ def _legs(dataset: xr.Dataset) -> list[Row]:
         rows.append(Row(f"leg {row.number}", f"{row.kind}, {at}: {change}", brief=row.number < 5))
     if len(table) > _MOST_LEGS:
         rows.append(Row("", f"and {len(table) - _MOST_LEGS} more legs: see aging.csv"))
+    least = int(np.argmin(dataset["load"].values))
+    if dataset["load"][least] < 0:
+        note = f" at t = {_time(dataset, float(dataset['time'][least]))}, among the recorded times"
+        rows.append(
+            Row("largest tension", -float(dataset["load"][least]), unit, note=note, digits=4, brief=True)
+        )
     return rows
 
 
