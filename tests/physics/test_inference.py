@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from scipy.stats import chisquare
 
 import asperity as asp
-from asperity.errors import CheckpointError, ConvergenceError
+from asperity.errors import CheckpointError, ConvergenceError, Remark
 from asperity.fits.result import student
 from asperity.inference import Prior, inferring, rivals, sampling
 from asperity.inference.models import of_name
@@ -482,6 +482,9 @@ def test_a_ball_under_a_held_load_gives_the_modulus_and_the_relaxation(quantity)
     assert str(found.solid()["modulus"]).endswith(" Pa")
     low, _, high = found.predicted(T)
     assert np.mean((low < exact) & (exact < high)) > 0.9
+    found.predicted([10 * T[-1]])
+    with pytest.warns(Remark, match="1e\\+03 times the last measured time"):
+        found.predicted([1.0, 1000 * T[-1]])
 
 
 # -- Bad input -----------------------------------------------------------------------------------------------

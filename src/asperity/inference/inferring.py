@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
 from asperity.base import checks, units, views
+from asperity.base.calls import remark
 from asperity.base.checks import Floats
 from asperity.base.files import expanded
 from asperity.errors import LARGEST, InputError
@@ -60,6 +61,9 @@ _NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
 
 _OF_SOLIDS = ("modulus", "k0", "x1", "rate", "stress")
 """Parameters of solids that a section leaves out where they are not identified."""
+
+_FAR = 10.0
+"""Times of the last measured time up to which the report compares models and figures show the band."""
 
 _OF_SOLID = 100
 """Draws of a solid that are written for the band of a prediction."""
@@ -174,9 +178,14 @@ class Inference(views.Brief, views.Pictured):
         """The curve at any times: a 95 % band over all acceptable models, and the median of the chosen one.
 
         Shape (3, n): the least of the 2.5 % quantiles of the posteriors, the median, and the largest of the
-        97.5 % quantiles.
+        97.5 % quantiles. A remark says if times are far beyond the data: the band knows no slower process.
         """
         at = checks.not_negative("time", time)
+        if (beyond := float(at.max(initial=0.0) / self.time[-1])) > 1.001 * _FAR:
+            remark(
+                f"{at.max():.3g} is {beyond:.3g} times the last measured time: "
+                "the band covers the models that were tried, and no process slower than the data"
+            )
         bands = np.array([one.band(at) for one in self.acceptable])
         return np.array([bands[:, 0].min(axis=0), bands[0, 1], bands[:, 2].max(axis=0)])
 

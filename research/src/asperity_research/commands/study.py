@@ -59,7 +59,7 @@ def answer(one: Study, words: list[str], out: Path, ensembles: Ensembles, work: 
         return None
     command = command_of(words, out, ensembles)
     with worked_through("campaign", prepare(out), work) as (prepared, say):
-        say("computing the numbers and drawing the figure")
+        say(f"computing the numbers and drawing the figure{f', {one.takes}' if one.takes else ''}")
         done = conclude(one, out, prepared, quick=ensembles.quick, command=command, seed=ensembles.seed)
     if not work.quiet:
         for finding in done.outcome.findings:
@@ -110,5 +110,5 @@ def worked_through(
             yield prepared, say
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            "interrupted; what is finished is kept, and the same command does the rest"
+            "interrupted; finished runs are kept, and the same command does the rest"
         ) from None

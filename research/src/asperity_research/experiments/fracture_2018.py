@@ -229,7 +229,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     return figure
 
 
-FRACTURE_2018 = Study(**WORDS.study, quick=(), full=(), analyse=analyse, draw=draw)
+FRACTURE_2018 = Study(
+    **WORDS.study, quick=(), full=(), analyse=analyse, draw=draw, takes="two to four minutes"
+)
 
 
 def of_files(files: Sequence[Path]) -> Study:

@@ -100,6 +100,8 @@ class Study:
         Computes the outcome from the finished campaigns.
     draw
         Draws the figure of the tables of the outcome.
+    takes
+        How long `analyse` takes, if longer than seconds.
     """
 
     name: str
@@ -110,6 +112,7 @@ class Study:
     full: tuple[Campaign, ...]
     analyse: Callable[[Evidence], Outcome]
     draw: Callable[[Mapping[str, pd.DataFrame]], Figure]
+    takes: str = ""
 
     @property
     def home(self) -> Home:
