@@ -127,8 +127,8 @@ def test_settings_and_array_libraries_are_checked():
         (Interface(low=-0.2), [2.0, 1.0, -0.6], 3, 0.5),
         (Interface(low=-1.0), [2.0, 1.0, -0.6], 3, 0.0),
         (Interface(high=1.2), [2.0, 1.0, 0.0], 2, 0.8 / 1.5),
-        (Interface(known=np.array([-0.5, 0.0, -0.2])), [0.5, 3.0, -0.2], 2, 0.0),
-        (Interface(known=np.array([-0.5, 0.0, -0.2])), [-0.7, 3.0, 0.0], 2, 0.2 / 1.4),
+        (Interface(external=np.array([-0.5, 0.0, -0.2])), [0.5, 3.0, -0.2], 2, 0.0),
+        (Interface(external=np.array([-0.5, 0.0, -0.2])), [-0.7, 3.0, 0.0], 2, 0.2 / 1.4),
     ],
 )
 def test_forces_beyond_a_bound_or_off_contact_are_violations(interface, force, contacts, worst):
@@ -145,7 +145,7 @@ def test_forces_beyond_a_bound_or_off_contact_are_violations(interface, force, c
         (Interface(high=2.0), None, [1.0, 2.0, 0.0, 0.0]),
         (Interface(high=2.0), 3.5, [1.5, 2.0, 0.0, 0.0]),
         (Interface(high=2.0), 9.0, [2.0, 2.0, 0.0, 0.0]),
-        (Interface(known=np.array([0.5, 0.0, 0.0, -1.0])), 1.5, [0.5 + 1 / 3.5, 3 * 2 / 3.5, 0.0, -1.0]),
+        (Interface(external=np.array([0.5, 0.0, 0.0, -1.0])), 1.5, [0.5 + 1 / 3.5, 3 * 2 / 3.5, 0.0, -1.0]),
     ],
 )
 def test_admitted_forces_are_within_bounds_and_add_up(interface, total, admitted):

@@ -165,7 +165,7 @@ class FreeSites:
         while iterations < most:
             estimate = self.waves.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
-            found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
+            square = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
             if direction is None:
                 direction = estimate
             else:
@@ -180,7 +180,7 @@ class FreeSites:
             part = direction * length
             total += part
             if allowed_error > 0:
-                found = max(found, inner(part, part, xp))
+                square = max(square, inner(part, part, xp))
             change *= length
             residual -= change
             del part, change  # memory for the transforms
@@ -188,7 +188,7 @@ class FreeSites:
             defect *= self.free
             iterations += 1
             if allowed_error > 0:
-                left_over = unit * TUNING.usual_rate * math.sqrt(found / lattice.sites)
+                left_over = unit * TUNING.usual_rate * math.sqrt(square / lattice.sites)
                 if left_over <= allowed_error and allowed_imbalance < math.inf:
                     share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
                     left_over = max(left_over, allowed_error * share)
