@@ -41,7 +41,7 @@ class Dense:
     def contact(self, v, load=None, position=None, known=0.0):
         """The surface u, X and r for given anchors, by guesses of the set of contacts that get better.
 
-        A known force acts beside r; the load is the sum of both.
+        An external force acts beside r; the load is the sum of both.
         """
         n, one = self.n, np.ones(self.n)
         S = self.H + sum(self.C)

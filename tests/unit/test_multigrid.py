@@ -150,7 +150,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     found = np.linalg.solve(matrix, np.concatenate([np.zeros(n), -error.ravel(), [0.0]]))
     exact = found[:n] - found[n:-1] + found[-1]
     work.improve_on_grids(float(touching.sum()))
-    mean, estimate = work.left_of(work.backend.packed(error))
+    mean, estimate = work.filtered_error(work.backend.packed(error))
     assert mean == pytest.approx(exact.mean(), abs=0.02)
     expected = np.sqrt(np.mean(exact**2)) if held else exact.std()
     # Of errors between 1.2 and 30 times as large; stiff springs leave more of what is rough off contact.

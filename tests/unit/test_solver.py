@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.contact import ActiveSet, Multigrid, active_set
+from asperity.contact import ActiveSet, Multigrid, active_set, free_sites
 from asperity.contact.arrays import library
 from asperity.contact.cascade import cold_start, independent_asperities
 from asperity.contact.contact_sites import solved_on_contacts
-from asperity.contact.free_sites import _added_up, _density
+from asperity.contact.free_sites import FreeSites
 from asperity.contact.interface import RIGID, Interface
 from asperity.contact.pinning import effective_pinning
 from asperity.contact.problem import PUBLISHED, TOLERANCE, Accuracy, Guess
@@ -127,8 +127,8 @@ def test_settings_and_array_libraries_are_checked():
         (Interface(low=-0.2), [2.0, 1.0, -0.6], 3, 0.5),
         (Interface(low=-1.0), [2.0, 1.0, -0.6], 3, 0.0),
         (Interface(high=1.2), [2.0, 1.0, 0.0], 2, 0.8 / 1.5),
-        (Interface(known=np.array([-0.5, 0.0, -0.2])), [0.5, 3.0, -0.2], 2, 0.0),
-        (Interface(known=np.array([-0.5, 0.0, -0.2])), [-0.7, 3.0, 0.0], 2, 0.2 / 1.4),
+        (Interface(external=np.array([-0.5, 0.0, -0.2])), [0.5, 3.0, -0.2], 2, 0.0),
+        (Interface(external=np.array([-0.5, 0.0, -0.2])), [-0.7, 3.0, 0.0], 2, 0.2 / 1.4),
     ],
 )
 def test_forces_beyond_a_bound_or_off_contact_are_violations(interface, force, contacts, worst):
@@ -145,7 +145,7 @@ def test_forces_beyond_a_bound_or_off_contact_are_violations(interface, force, c
         (Interface(high=2.0), None, [1.0, 2.0, 0.0, 0.0]),
         (Interface(high=2.0), 3.5, [1.5, 2.0, 0.0, 0.0]),
         (Interface(high=2.0), 9.0, [2.0, 2.0, 0.0, 0.0]),
-        (Interface(known=np.array([0.5, 0.0, 0.0, -1.0])), 1.5, [0.5 + 1 / 3.5, 3 * 2 / 3.5, 0.0, -1.0]),
+        (Interface(external=np.array([0.5, 0.0, 0.0, -1.0])), 1.5, [0.5 + 1 / 3.5, 3 * 2 / 3.5, 0.0, -1.0]),
     ],
 )
 def test_admitted_forces_are_within_bounds_and_add_up(interface, total, admitted):
@@ -191,12 +191,12 @@ def test_the_solution_says_who_solved(max_cycles, solver):
 
 @pytest.mark.parametrize("edges", ["periodic", "reflecting"])
 def test_a_density_of_contacts_has_their_number_and_place(edges):
-    shape, coarse, xp = (64, 96), Lattice((15, 21), edges=edges), library("numpy")
-    contacts = np.zeros(shape, int)
-    contacts[27:35, 43:51] = 1
-    density = _density(_added_up(contacts, xp), coarse, float, xp)
+    lattice, contacts = Lattice((64, 96), edges=edges), np.zeros((64, 96), bool)
+    contacts[27:35, 43:51] = True
+    sites = FreeSites(lattice, lattice.lam, 1.0, lattice.lam, contacts, library("numpy"))
+    density = (1 / sites.long_weight - 1) / free_sites.TUNING.crowding
     assert density.mean() == pytest.approx(contacts.mean(), rel=0.01)  # ripples are clipped
-    for axis, (n, m) in enumerate(zip(shape, coarse.shape, strict=True)):
+    for axis, (n, m) in enumerate(zip(lattice.shape, sites.coarse.shape, strict=True)):
         # A coarse site stands on a fine one, or in the middle of its cell where edges reflect.
         place = np.arange(m) * n / m if edges == "periodic" else (np.arange(m) + 0.5) * n / m - 0.5
         part = density.sum(axis=1 - axis)

@@ -3,7 +3,7 @@ r"""Laws of adhesion with a range: the energy of two surfaces for each area, as 
     phi(gap) <= 0,      phi(0) = -w,      phi' >= 0 does not rise with the gap
 
 phi' is the traction that pulls the surfaces together. As phi is concave, a contact with adhesion is a
-sequence of contacts with known forces, see `asperity.contact.adhesive`.
+sequence of contacts with external forces, see `asperity.contact.adhesive`.
 """
 
 from __future__ import annotations
@@ -58,10 +58,10 @@ class Adhesion(Law):
 def checked_adhesion(adhesion: Adhesion) -> Adhesion:
     """Take a law of adhesion and nothing else."""
     advice = "asperity.solids.Dugdale(work='50 mJ/m^2', range='10 nm')"
-    found = checks.instance("adhesion", adhesion, Adhesion, advice)
+    law = checks.instance("adhesion", adhesion, Adhesion, advice)
     for method in ("strength", "energy", "traction"):
-        if getattr(type(found), method) is getattr(Adhesion, method):
+        if getattr(type(law), method) is getattr(Adhesion, method):
             expected = "a law with a strength, an energy(gap) and a traction(gap)"
-            got = f"{checks.kind_of(found)} without {method}"
+            got = f"{checks.kind_of(law)} without {method}"
             raise InputError("adhesion", expected=expected, got=got, advice=advice)
-    return found
+    return law

@@ -75,11 +75,11 @@ class Controller:
         """Length of the step from a time toward a stop, exactly all that is left where it ends there."""
         if time > 2 * self.since:
             self.tried, self.unsolved, self.since = 0, 0, time
-        left, usual = stop - time, min(self.length, longest)
-        if usual >= left * (1 - 1e-9):
-            return left
+        remaining, usual = stop - time, min(self.length, longest)
+        if usual >= remaining * (1 - 1e-9):
+            return remaining
         # Two equal steps rather than a long one and a very short one.
-        return left / 2 if 2 * usual > left else usual
+        return remaining / 2 if 2 * usual > remaining else usual
 
     def is_stuck(self, time: float, length: float) -> bool:
         """Whether no step of a length from a time is of use any more."""

@@ -156,7 +156,7 @@ class FieldSteps(TrBdf2):
             add_creep(modes, number, duration, spectra.rate, point.stretch)
         return modes
 
-    def left_of(self, shares: Sequence[float]) -> float:
+    def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
@@ -166,10 +166,10 @@ class FieldSteps(TrBdf2):
         free = 1.0 - self.contacts_tried() / system.sites
         u *= np.divide(free, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         damp_difference(step.damping, u, error)
-        left = np.subtract(u, error, out=error)
+        remainder = np.subtract(u, error, out=error)
         if system.load is not None:
-            left[system.mechanics.lattice.mean] = 0.0
-        return system.mechanics.rms(left)
+            remainder[system.mechanics.lattice.mean] = 0.0
+        return system.mechanics.rms(remainder)
 
     def advance(self) -> None:
         """See `TrBdf2`."""

@@ -91,20 +91,20 @@ def _through(way: _Way, schedule: Schedule, resume: LegMidway | None) -> Iterato
         yield way.now
     for number, leg in enumerate(schedule.legs):
         span = schedule.switches[number], schedule.switches[number + 1]
-        here = resume if resume is not None and number == resume.leg else None
+        resumed = resume if resume is not None and number == resume.leg else None
         shifts = leg.shifts(way.contact.lattice)
         if resume is not None and number < resume.leg:
             if shifts is not None:
                 way.now = _moved(way.now, shifts, shifts.count)
         elif shifts is not None:
-            yield from way.slide(leg, shifts, number, span, here)
+            yield from way.slide(leg, shifts, number, span, resumed)
         elif leg.jumps:
             pressed = pressed_anew(way.now.contact, way.target(leg), way.solver)
             yield way.at_once(pressed, replace(way.now, time=span[1], leg=number, velocity=0.0))
         else:
-            if here is not None:
+            if resumed is not None:
                 way.resume()
-            yield from way.creep(leg, number, span, here)
+            yield from way.creep(leg, number, span, resumed)
 
 
 @dataclass(eq=False)
@@ -142,43 +142,43 @@ class _Way:
         return self.now
 
     def slide(
-        self, leg: Leg, shifts: Shifts, number: int, span: tuple[float, float], here: LegMidway | None
+        self, leg: Leg, shifts: Shifts, number: int, span: tuple[float, float], resume: LegMidway | None
     ) -> Iterator[Frame]:
         """Shift, creep until the next shift, and so on."""
         begun, end = span
         lasting, start = shifts.length / leg.speed, self.now
-        for n in range(0 if here is None else here.shifts - 1, shifts.count):
+        for n in range(0 if resume is None else resume.shifts - 1, shifts.count):
             last, since = n + 1 == shifts.count, begun + n * lasting
             moved = replace(_moved(start, shifts, n + 1), leg=number, velocity=leg.speed)
-            if here is None:
-                told = n % leg.every == 0 or (last and lasting == 0)
-                place = replace(moved, time=since, at_a_shift=told, passing=lasting == 0 and not last)
+            if resume is None:
+                recorded = n % leg.every == 0 or (last and lasting == 0)
+                place = replace(moved, time=since, at_a_shift=recorded, passing=lasting == 0 and not last)
                 yield self.at_once(self.shifted(moved.shift, shifts.sites), place)
             else:
                 self.now = moved
                 self.resume()
             if lasting > 0:
                 span = since, end if last else begun + (n + 1) * lasting
-                yield from self.creep(leg, number, span, here, n + 1)
-            here = None
+                yield from self.creep(leg, number, span, resume, n + 1)
+            resume = None
 
     def creep(
-        self, leg: Leg, number: int, span: tuple[float, float], here: LegMidway | None, shifts: int = 0
+        self, leg: Leg, number: int, span: tuple[float, float], resume: LegMidway | None, shifts: int = 0
     ) -> Iterator[Frame]:
         """March through a span of time."""
         now, (begun, end), deformation = self.now, span, 0.0
         stops = np.union1d(self.times[(self.times > begun) & (self.times < end)], [end])
-        start, level = (self.start(leg), self.level) if here is None else (here.control, here.level)
+        start, level = (self.start(leg), self.level) if resume is None else (resume.control, resume.level)
         control = self.prescribed(leg, start, level, end - begun)
-        if here is not None:
-            begun, control = here.begun, control.after((here.begun - begun) * leg.mobility)
-            stops = stops[(stops - begun) * leg.mobility >= here.midway.time]
+        if resume is not None:
+            begun, control = resume.begun, control.after((resume.begun - begun) * leg.mobility)
+            stops = stops[(stops - begun) * leg.mobility >= resume.midway.time]
         elif control.course and not now.contact.force.any() and now.contact.has_not_crept:
             begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
             stops = stops[stops > begun]
             if not stops.size:
                 return
-        approach = self.now.approach if here is None else here.approach
+        approach = self.now.approach if resume is None else resume.approach
 
         def keep(midway: Callable[[], Midway]) -> None:
             if self.after_step is not None:
@@ -194,10 +194,10 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
-            midway=None if here is None else here.midway,
+            midway=None if resume is None else resume.midway,
             after_step=keep,
         )
-        if here is None:
+        if resume is None:
             next(frames)  # its start is known
         of_march = dict(zip(((stops - begun) * leg.mobility).tolist(), stops.tolist(), strict=True))
         for frame in frames:  # the last one is between the stops where the bodies part

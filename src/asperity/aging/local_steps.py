@@ -35,7 +35,7 @@ from asperity.lattice import Field
 class LocalSteps(TrBdf2):
     """A creeping state of a solid whose creep is local and not linear.
 
-    ``known`` are the state and those before it, the latest first; their positions count with all that has
+    ``states`` are the present one and those before it, latest first; their positions include all that has
     crept. ``shape`` is u_c from the rigid body, without its mean ``crept`` where the load is prescribed,
     ``rates`` are its velocities at the start of the step and at the ends ``tried`` of its stages.
     """
@@ -47,18 +47,18 @@ class LocalSteps(TrBdf2):
         super().__init__(system, arrays)
         self.solver = local_solver(system)
         states = zip(arrays["u"], arrays["force"], arrays["position"].tolist(), strict=True)
-        self.known = [LocalState(*state) for state in states]
+        self.states = [LocalState(*state) for state in states]
         self.crept, self.begun_at = float(arrays["crept"]), float(arrays["begun_at"])
         self.shape = arrays["shape"]
-        self.rates, self.tried = [arrays["rate"]], self.known[:1]
+        self.rates, self.tried = [arrays["rate"]], self.states[:1]
 
     @classmethod
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> LocalSteps | None:
         """See `Steps`."""
         if system.mechanics.law is None:
             return None
-        if system.known is not None:
-            raise InputError("creep", expected="no known force beside a local law", got="one")
+        if system.external is not None:
+            raise InputError("creep", expected="no external force beside a local law", got="one")
         u, (shape,), _, position = start.relative
         u, shape = np.array(u), np.array(shape)
         force = system.mechanics.creeping_force((u - shape)[np.newaxis], system.load)
@@ -77,14 +77,15 @@ class LocalSteps(TrBdf2):
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `TrBdf2`."""
-        states = {name: [getattr(one, name) for one in self.known] for name in ("u", "force", "position")}
-        own = {"shape": self.shape, "rate": self.rates[0], "crept": self.crept, "begun_at": self.begun_at}
-        return {name: np.array(value) for name, value in (states | own).items()}
+        names = "u", "force", "position"
+        fields = {name: [getattr(state, name) for state in self.states] for name in names}
+        others = {"shape": self.shape, "rate": self.rates[0], "crept": self.crept, "begun_at": self.begun_at}
+        return {name: np.array(value) for name, value in (fields | others).items()}
 
     @property
     def position(self) -> float:
         """How far the rigid body has moved since the beginning."""
-        return self.known[0].position
+        return self.states[0].position
 
     def approach(self, origin: Origin, separation: float) -> float:
         """See `Steps`."""
@@ -96,13 +97,13 @@ class LocalSteps(TrBdf2):
 
     def state(self) -> State:
         """See `Steps`."""
-        now = self.known[0]
+        now = self.states[0]
         stretch = self.solver.balanced(now, self.system.at(self.time).load)
         return State(now.u, AnchorFields((now.u - stretch)[np.newaxis]), self.begun_at + self.position)
 
     def extent(self) -> Extent:
         """See `Steps`."""
-        u, force = self.known[0].u, self.known[0].force
+        u, force = self.states[0].u, self.states[0].force
         greatest = max(largest(u, np), self.solver.indented(force))
         return Extent(float(u.std()), rms(self.solver.stretch(force)), greatest)
 
@@ -133,7 +134,7 @@ class LocalSteps(TrBdf2):
 
     def _extrapolated(self, weights: Sequence[float]) -> LocalState:
         """A guess, whose position goes with the present shape."""
-        latest, *earlier = (*reversed(self.tried), *self.known)
+        latest, *earlier = (*reversed(self.tried), *self.states)
         terms = list(zip(weights[1:], earlier, strict=False))
         u = extrapolated(latest.u, *((weight, state.u) for weight, state in terms))
         force = extrapolated(latest.force, *((weight, state.force) for weight, state in terms))
@@ -149,13 +150,13 @@ class LocalSteps(TrBdf2):
         mean = float(np.mean(end.u - self.solver.stretch(end.force))) - end.position
         return replace(attempt, mean_error=self.mean_error, mean=abs(mean))
 
-    def left_of(self, shares: Sequence[float]) -> float:
+    def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`; the law is linear beside the end."""
         first, *rates = self.rates
         defect = combined(shares[0] * first, *zip(shares[1:], rates, strict=True))
-        mean, left = self.run.left_of(self._about_mean(defect))
+        mean, error = self.run.filtered_error(self._about_mean(defect))
         self.mean_error = abs(float(defect.mean()) + mean)
-        return left
+        return error
 
     def _about_mean(self, field: Field) -> Field:
         """A field less its mean, where the load decides that."""
@@ -171,7 +172,7 @@ class LocalSteps(TrBdf2):
             mean = float(self.shape.mean())
             self.shape -= mean
             self.crept += mean
-        self.known, self.rates = [end, *self.known][: self.through], self.rates[-1:]
+        self.states, self.rates = [end, *self.states][: self.through], self.rates[-1:]
         self.system = self.system.lowered(end.u)
         self.solver.heights = self.system.heights.reshape(self.solver.heights.shape)
 

@@ -122,7 +122,7 @@ class SeparableSteps(Steps):
     def begin(cls, system: System, solver: ContactSolver, start: Contact) -> SeparableSteps | None:
         """See `Steps`; they suit a surface and anchors that are those of an elastic solid."""
         control = system.control
-        suits = start.solid.separable and system.known is None and len(start.anchors)
+        suits = start.solid.separable and system.external is None and len(start.anchors)
         if not (suits and system.load is not None and control.rises):
             return None
         u, anchors, in_contact, _ = start.relative
@@ -139,12 +139,12 @@ class SeparableSteps(Steps):
             loads.append(-float(lifted.mean()) * system.sites)
             if largest(lifted - lifted.mean(), np) > TUNING.flat * max(loads[0], 0.0) / max(start.area, 1):
                 return None
-        own = np.array(loads[1:])
+        parts = np.array(loads[1:])
         most = TUNING.flat * loads[0]
-        if not -most <= own.min() <= own.max() <= loads[0] + most:
+        if not -most <= parts.min() <= parts.max() <= loads[0] + most:
             return None
-        own = np.maximum(own, 0.0)
-        loads = [0.0, 0.0, control.value + float(shares @ own), *own]
+        parts = np.maximum(parts, 0.0)
+        loads = [0.0, 0.0, control.value + float(shares @ parts), *parts]
         modes = system.mechanics.lattice.forward(anchors)
         flat = np.zeros_like(u)  # as before any load
         return cls(system, solver, {"loads": np.array(loads), "u": u, "before": flat, "anchors": modes})
@@ -183,12 +183,12 @@ class SeparableSteps(Steps):
         system, effective = self.system, self.effective
         pieces = max(1, math.ceil(TUNING.pieces * duration / system.control.longest))
         times = np.linspace(self.time, self.time + duration, pieces + 1).tolist()
-        loads, own = [system.control.at(time).value for time in times], self.loads[1:]
+        loads, parts = [system.control.at(time).value for time in times], self.loads[1:]
         for begin, end in pairwise(loads):
             length = duration / pieces
-            own = np.maximum(effective.after(own, begin, (end - begin) / length, length), own)
+            parts = np.maximum(effective.after(parts, begin, (end - begin) / length, length), parts)
         load = loads[-1]
-        total = max(load + float(effective.shares @ own), float(self.loads[0]))
+        total = max(load + float(effective.shares @ parts), float(self.loads[0]))
         ahead = self._ahead(total)
         u = self.u + ahead * (self.u - self.before)
         guess = Guess(u, disposable=True)
@@ -205,7 +205,7 @@ class SeparableSteps(Steps):
         if ahead > 0:
             surprise = solution.u - self.u - ahead * (self.u - self.before)
             error = float(np.std(surprise)) * ahead / (1 + ahead) / 4
-        self.tried = solution.u, np.array([total, *own])
+        self.tried = solution.u, np.array([total, *parts])
         # Anchors are averages of u, so errors of steps do not add up, as the controller expects of errors.
         relative = TUNING.safety * error / aim.deformation if error > 0 else 0.0
         return Attempt(aim.deformation * step_tolerance(relative), solution.iterations)

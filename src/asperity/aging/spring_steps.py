@@ -70,7 +70,7 @@ class SpringSteps(TrBdf2):
         mechanics: Any = system.mechanics
         if not (hasattr(solver, "work_on") and solver.suits(mechanics) and mechanics.springs.creep):
             return None
-        if system.known is not None:
+        if system.external is not None:
             return None  # rates and changes leave it out
         if start.area == 0 and system.load is None:
             return None  # it hangs, and its surface is known to the last digit
@@ -171,7 +171,7 @@ class SpringSteps(TrBdf2):
         """Mean of a field of the corrections."""
         return self.work.backend.total(field, self.work.sites) / self.u.size
 
-    def left_of(self, shares: Sequence[float]) -> float:
+    def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`."""
         work = self.work
         rates = self.rate, self.middle, work.source.f
@@ -179,7 +179,7 @@ class SpringSteps(TrBdf2):
         work.backend.finish(work.correction, rates, numbers, self.error, work.sites)
         if drift := np.dot(shares, self.drifts):  # how the rigid body moves is no error
             self.error -= np.float32(drift / self.unit)
-        return self.unit * work.left_of(self.error)[1]
+        return self.unit * work.filtered_error(self.error)[1]
 
     def advance(self) -> None:
         """See `TrBdf2`."""

@@ -213,16 +213,16 @@ class TrBdf2(Steps):
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; one whose stages are not solved has an infinite error."""
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
-        known, spent = [math.log(time + origin) for time in self.times], 0
+        logs, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
         self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):
-                here = math.log(self.time + ahead + origin)
-                weights = extrapolation(known[: self.through], here)
+                log = math.log(self.time + ahead + origin)
+                weights = extrapolation(logs[: self.through], log)
                 spent += self.solve(Stage(self.time + ahead, tau, creeps, weights, *accuracy))
-                known = [here, *known]
-            return Attempt(self.left_of([duration * share for share in ERROR_WEIGHTS]), spent)
+                logs = [log, *logs]
+            return Attempt(self.filtered_error([duration * share for share in ERROR_WEIGHTS]), spent)
         except (ConvergenceError, PulledOff) as failure:
             return Attempt(math.inf, spent, failure)
 
@@ -259,7 +259,7 @@ class TrBdf2(Steps):
         """Solve a stage; the iterations spent. `ConvergenceError` if not."""
 
     @abstractmethod
-    def left_of(self, shares: Sequence[float]) -> float:
+    def filtered_error(self, shares: Sequence[float]) -> float:
         """What an implicit step leaves of f0, f1 and f2, added up with some shares, rms over the sites."""
 
     @abstractmethod
@@ -271,9 +271,9 @@ class TrBdf2(Steps):
         """What the state is made of."""
 
 
-def extrapolation(known: Sequence[float], x: float) -> list[float]:
+def extrapolation(points: Sequence[float], x: float) -> list[float]:
     """Weights of the values at known points with which Lagrange's polynomial has its value at x."""
-    return [math.prod((x - b) / (a - b) for b in known if b != a) for a in known]
+    return [math.prod((x - b) / (a - b) for b in points if b != a) for a in points]
 
 
 def rms(field: NDArray[np.floating]) -> float:

@@ -238,8 +238,8 @@ class _Run:
 
     def correct(self, target: float) -> Field:
         """Correct the free sites once, and return by how much; the forces are then a prediction."""
-        left = self.method.max_iterations - self.iterations
-        if left <= 0:
+        remaining = self.method.max_iterations - self.iterations
+        if remaining <= 0:
             scale = self.load / max(self.touching, 1)
             force, touching = to_numpy(self.force), to_numpy(self.in_contact)
             left_over = self.interface.violation(force, touching, None, scale)
@@ -254,7 +254,7 @@ class _Run:
         if self.single:
             goal = max(goal, TUNING.digits)
         allowed = self.allowed_error, self.allowed_imbalance
-        correction = self.linear_problem().correct(self.force, self.worst, goal, left, allowed)
+        correction = self.linear_problem().correct(self.force, self.worst, goal, remaining, allowed)
         self.left_over = correction.left_over
         self.u += correction.displacement
         self.fresh = False

@@ -1,11 +1,11 @@
-r"""Contacts that stick: a sequence of contacts without adhesion, beside known forces.
+r"""Contacts that stick: a sequence of contacts without adhesion, under external forces.
 
-Sites attract each other with the energy phi(gap), which is concave, while all other energies are convex. So
-the tangent of phi at the last gap, a known force, makes a problem as without adhesion, and its solution has
-less energy than the last one (difference of convex functions; P. D. Tao, L. T. H. An, Acta Math. Vietnam.
-22, 289 (1997)). The force of Dugdale's law follows from which sites are within the range, of which there are
-finitely many sets: so the sequence ends. It begins with the sites within the range of the state before, from
-which follows what the contact remembers; and without a state before with none.
+Sites attract each other with the energy phi(gap), which is concave; all other energies are convex. The
+tangent of phi at the last gap is an external force. With it the problem is as without adhesion, and its
+solution has less energy than the last one (difference of convex functions; P. D. Tao, L. T. H. An, Acta
+Math. Vietnam. 22, 289 (1997)). The force of Dugdale's law depends on the set of sites within the range alone.
+There are finitely many sets, so the sequence ends. It begins with the set of the state before, or with none:
+so the contact remembers.
 """
 
 from __future__ import annotations
@@ -60,14 +60,14 @@ class Adhesive:
             load, attraction = problem.spectral().load, -float(pull.sum())
             if load is not None and load + attraction <= TUNING.rounding * attraction:
                 raise PulledOff
-            found = self.solver.solve(problem.beside(pull), guess, accuracy if settled else rough)
-            iterations, revisions = iterations + found.iterations, revisions + found.set_changes
-            before, pull = pull, interface.pull(found.u - heights)
+            solution = self.solver.solve(problem.beside(pull), guess, accuracy if settled else rough)
+            iterations, revisions = iterations + solution.iterations, revisions + solution.set_changes
+            before, pull = pull, interface.pull(solution.u - heights)
             stays = float(np.abs(pull - before).max()) <= slack
             if stays and (settled or rough == accuracy):
-                return replace(found, iterations=iterations, set_changes=revisions)
+                return replace(solution, iterations=iterations, set_changes=revisions)
             settled = stays
-            guess = Guess(found.u, found.in_contact, disposable=True)
+            guess = Guess(solution.u, solution.in_contact, disposable=True)
         raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
 
 
@@ -104,5 +104,5 @@ def _largest_pixel(bodies: Bodies, time: float) -> float:
     solid = bodies.solid
     assert solid.adhesion is not None
     assert solid.modulus is not None
-    left = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
-    return solid.adhesion.zone(solid.modulus * left) / TUNING.fewest_pixels
+    relaxed = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
+    return solid.adhesion.zone(solid.modulus * relaxed) / TUNING.fewest_pixels

@@ -60,6 +60,6 @@ def _check_free(solid: Solid, dimension: int) -> None:
         "a solid that is defined on sites": not solid.in_lengths,
         "permanent stiffness beside a law of creep": solid.creep is not None and solid.permanent_share > 0,
     }
-    if wrong := [what for what, is_so in got.items() if is_so]:
+    if wrong := [case for case, is_so in got.items() if is_so]:
         expected = "a half-space under a surface of two dimensions, where they are free"
         raise InputError("edges", expected=expected, got=wrong[0], advice="edges='reflecting'")

@@ -47,17 +47,17 @@ def solved(
     solver: ContactSolver, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
 ) -> Solution:
     """What a solver finds, with adhesion; `InputError` for what is no surface above the heights."""
-    found, heights = Adhesive(solver).solve(problem, guess, accuracy), problem.heights
-    fields: list[Any] = [getattr(found, name, None) for name in ("u", "in_contact")]
+    solution, heights = Adhesive(solver).solve(problem, guess, accuracy), problem.heights
+    fields: list[Any] = [getattr(solution, name, None) for name in ("u", "in_contact")]
     facts = [(np.shape(field), str(getattr(field, "dtype", ""))) for field in fields]
     expected, got = "a Solution", ""
     if facts != [(heights.shape, "float64"), (heights.shape, "bool")]:
         expected = f"a Solution with u, float64, and in_contact, bool, of shape {heights.shape}"
-        got = f"{checks.kind_of(found)} with {' and '.join(f'{kind} {shape}' for shape, kind in facts)}"
-    elif not math.isfinite(float(found.u.sum())):
+        got = f"{checks.kind_of(solution)} with {' and '.join(f'{kind} {shape}' for shape, kind in facts)}"
+    elif not math.isfinite(float(solution.u.sum())):
         got = "u that is not finite"
-    elif not (problem.interface.yields or (found.u >= heights).all()):
+    elif not (problem.interface.yields or (solution.u >= heights).all()):
         got = "u below the heights, which do not yield"
     if got:
         raise InputError("solver", expected=expected, got=got, advice="solver=asperity.ActiveSet()")
-    return found
+    return solution

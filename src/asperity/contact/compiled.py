@@ -121,8 +121,8 @@ class _CacheFile(IndexDataCacheFile):
         try:
             kept.save(key, data)
         except (OSError, EOFError, UnpicklingError) as error:
-            said = f"compiled loops are not kept in {self._cache_path}: {reason_of(error)}"
-            remark(f"{said}; NUMBA_CACHE_DIR sets another folder")
+            message = f"compiled loops are not kept in {self._cache_path}: {reason_of(error)}"
+            remark(f"{message}; NUMBA_CACHE_DIR sets another folder")
 
 
 @lru_cache
@@ -163,12 +163,12 @@ def _private_folder() -> Path | None:
         user = os.getuid() if sys.platform != "win32" else os.getlogin()
         folder = Path(tempfile.gettempdir()) / f"asperity-numba-{user}"
         folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
+        status = folder.lstat()
         tempfile.TemporaryFile(dir=folder).close()
     except OSError:
         return None
-    mine = sys.platform == "win32" or (found.st_uid == user and not found.st_mode & 0o077)
-    return folder if stat.S_ISDIR(found.st_mode) and mine else None
+    mine = sys.platform == "win32" or (status.st_uid == user and not status.st_mode & 0o077)
+    return folder if stat.S_ISDIR(status.st_mode) and mine else None
 
 
 class _Watch(event.Listener):
@@ -177,14 +177,14 @@ class _Watch(event.Listener):
     NUMBA_DISABLE_JIT, which is for finding mistakes in other programs, is not for what compiles these loops.
     """
 
-    told = False
+    reported = False
     disabled: ClassVar[list[int]] = []
 
     def on_start(self, event: Any) -> None:
         self.disabled.append(_settings.DISABLE_JIT)
         _settings.DISABLE_JIT = 0
-        if not self.told and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
-            self.told = True
+        if not self.reported and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
+            self.reported = True
             tell_of_place(remark)
             remark(COMPILING)
 

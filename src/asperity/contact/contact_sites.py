@@ -86,12 +86,12 @@ def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float)
         u = lattice.backward(modes, overwrite=True)
         u += free
         off = heights - u
-        left = off[in_contact]
+        errors = off[in_contact]
         if load is not None:
-            level = float(left.mean())
+            level = float(errors.mean())
         penetrating = off > level
         penetrating &= ~in_contact
-        error, before = float(np.abs(left - level).max()), error
+        error, before = float(np.abs(errors - level).max()), error
         wrong, wrong_before = released + int(np.count_nonzero(penetrating)), wrong
         rounds += 1
         accurate = error * stiffest <= tolerance * total / contacts
@@ -184,8 +184,8 @@ class _CloseSites:
         """Of forces."""
         grid: Vector = (self.spread @ force).reshape(self.kernel.coarse.shape)
         smooth = self.kernel.coarse.apply(self.kernel.long, grid).ravel()
-        found: Vector = self.gather @ smooth + self.short(force)
-        return found
+        displacement: Vector = self.gather @ smooth + self.short(force)
+        return displacement
 
     def balance(self, force: Field, target: Field, in_contact: Mask, load: float | None) -> int:
         """Change forces so that contacts move by a target, up to a level; release those in tension.
@@ -215,26 +215,26 @@ class _CloseSites:
 
     def _solve(self, change: Vector, right: Vector, active: Mask, total: float | None) -> None:
         """Conjugate gradients, in place; where a ``total`` is given, up to a constant displacement."""
-        here = active.astype(np.float32)
-        even, weight = np.zeros_like(here), 1.0
+        on = active.astype(np.float32)
+        even, weight = np.zeros_like(on), 1.0
         if total is not None:
-            even = here * self.stiffness(here)
-            weight = inner(here, even, np) or 1.0  # 0 where all sites touch and nothing but neighbors resists
+            even = on * self.stiffness(on)
+            weight = inner(on, even, np) or 1.0  # 0 where all sites touch and nothing but neighbors resists
             change += np.float32((total - float(change.sum(dtype=float))) / weight) * even
-        residual = here * (right - self.displacement(change))
+        residual = on * (right - self.displacement(change))
         direction, slope, goal = None, 1.0, 0.0
         for _ in range(len(change)):
-            estimate = here * self.stiffness(residual)
+            estimate = on * self.stiffness(residual)
             if total is not None:
-                shift = np.float32(inner(here, estimate, np) / weight)
-                residual -= shift * here
+                shift = np.float32(inner(on, estimate, np) / weight)
+                residual -= shift * on
                 estimate -= shift * even
             previous, slope = slope, inner(residual, estimate, np)
             goal = goal or slope * TUNING.solved**2
             if not slope > goal:
                 return
             direction = estimate if direction is None else estimate + np.float32(slope / previous) * direction
-            response = here * self.displacement(direction)
+            response = on * self.displacement(direction)
             curvature = inner(direction, response, np)
             if not curvature > 0:
                 return
@@ -247,9 +247,9 @@ def _symmetric(pairs: Any, window: NDArray[np.float32]) -> Any:
     """The symmetric matrix that has the values of a window between pairs of sites, each named once."""
     values = window.ravel()[pairs.data]
     upper = scipy.sparse.csr_array((values, pairs.indices, pairs.indptr), shape=pairs.shape)
-    own = window[tuple(n // 2 for n in window.shape)]
+    diagonal = window[tuple(n // 2 for n in window.shape)]
     lower = upper.T
-    return lambda x: upper @ x + lower @ x + own * x
+    return lambda x: upper @ x + lower @ x + diagonal * x
 
 
 def _cubic(part: Field) -> Field:

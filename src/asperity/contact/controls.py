@@ -92,10 +92,10 @@ class Load(Control):
 
     @staticmethod
     def _checked(value: float) -> float:
-        found = checks.number("load", value, expected=EXPECTED)
-        if 0 < abs(found) < 1 / LARGEST:
-            raise InputError("load", expected=EXPECTED, got=f"{found:g}")
-        return found
+        load = checks.number("load", value, expected=EXPECTED)
+        if 0 < abs(load) < 1 / LARGEST:
+            raise InputError("load", expected=EXPECTED, got=f"{load:g}")
+        return load
 
 
 @dataclass(frozen=True)

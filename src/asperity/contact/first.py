@@ -28,10 +28,10 @@ class First:
         spent = 0
         for solver in others:
             try:
-                found = solver.solve(problem, guess, accuracy)
+                solution = solver.solve(problem, guess, accuracy)
             except UnsolvedError as left:
                 guess, spent = left.guess, spent + left.iterations
             else:
-                return replace(found, iterations=spent + found.iterations, solver=type(solver).__name__)
-        found = last.solve(problem, guess, accuracy)
-        return replace(found, iterations=spent + found.iterations, solver=type(last).__name__)
+                return replace(solution, iterations=spent + solution.iterations, solver=type(solver).__name__)
+        solution = last.solve(problem, guess, accuracy)
+        return replace(solution, iterations=spent + solution.iterations, solver=type(last).__name__)

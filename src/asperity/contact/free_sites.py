@@ -1,33 +1,30 @@
-r"""The linear problem on one set of contacts: displace the free sites until no force is left on them.
+r"""The linear problem on one set of contacts: displace the free sites until no force remains on them.
 
-Conjugate gradients on the free sites, with the preconditioner M = M_0 of nested levels,
+Conjugate gradients on the free sites, with the preconditioner M of two levels,
 
-    M_k = W_k [ 1 / (S + s_k) - 1 / (S + s_(k-1)) + R M_(k+1) R^T ] W_k,      1 / (S + s_(-1)) = 0.
+    M = W_0 [ 1 / (S + s) + R W_1 [ 1 / (S + sigma) - 1 / (S + s) ] W_1 R^T ] W_0.
 
 W_0 is 0 at contacts, and 1 / (1 + 0.05 n) at free sites with n neighbors in contact. Far from contacts the
 surface yields like 1 / (S + sigma), with sigma from `asperity.contact.pinning`; among them it is pinned more
-strongly, and yields over shorter distances. So long waves are split off onto lattices that are coarser by
-four and by four again (R, which keeps the long modes), and weighted there by
-W_k = 1 / (1 + c_k rho) with rho the density of contacts around a site, c = 8, 4, 2 and so on. What yields
-on one lattice is weighted on all finer ones too: so long waves do not move the sites beside a small contact
-that stands alone. s_k falls with k, from the stiffness of the shortest wave that level k + 1 holds down to
-sigma, so that each difference and with them M is positive. A level whose waves are all softer than sigma is
-left out.
+strongly, and yields over shorter distances. So long waves are taken to a lattice that is coarser by five (R
+keeps the long modes), and weighted there by W_1 = 1 / (1 + 12 rho), with rho the density of contacts around a
+site. W_0 weights them too: long waves do not move the sites beside a small contact that stands alone. s is
+the stiffness of the shortest waves of the coarse lattice, but at least sigma.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy.fft
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning
-from asperity.lattice import Edges, Field, Lattice, Mask, Spectrum
+from asperity.lattice import Field, Lattice, Mask, Spectrum
 
 
 @dataclass(frozen=True)
@@ -43,14 +40,14 @@ class Tuning:
     least: float = 0.01
     """Least part of the neighbors of contacts that counts as free."""
 
-    coarser: int = 4
-    """Ratio of the lengths of successive lattices."""
+    coarser: int = 5
+    """Ratio of the lengths of both lattices."""
 
-    crowding: float = 8.0
-    """How fast the weight W_1 falls with the density rho of contacts; half as fast on each further level."""
+    crowding: float = 12.0
+    """How fast the weight W_1 falls with the density rho of contacts."""
 
-    density_width: float = 0.6
-    """Width over which contacts make a density (standard deviation), in sites of the coarse lattice."""
+    density_width: float = 0.8
+    """Standard deviation over which contacts make a density, in sites of the coarse lattice."""
 
     usual_rate: float = 0.3
     """What an iteration is expected to leave of an error."""
@@ -73,31 +70,6 @@ class Correction:
     imbalance: float
     iterations: int
     left_over: float = math.inf
-
-
-@dataclass(frozen=True, eq=False)
-class _Waves:
-    """How the waves of one lattice yield, the long ones by a further level."""
-
-    lattice: Lattice
-    weight: Field
-    compliance: Spectrum
-    longer: _Waves | None
-
-    def respond(self, force: Field) -> Field:
-        """Displacement by a force, which this overwrites."""
-        force *= self.weight
-        modes = self.lattice.forward(force)
-        if self.longer is None:
-            modes *= self.compliance
-        else:
-            coarse = self.longer.lattice
-            long = coarse.backward(self.lattice.long_waves(modes, coarse), overwrite=True)
-            modes *= self.compliance
-            self.lattice.add_long_waves(modes, coarse.forward(self.longer.respond(long)), coarse)
-        displacement = self.lattice.backward(modes, overwrite=True)
-        displacement *= self.weight
-        return displacement
 
 
 class FreeSites:
@@ -124,28 +96,33 @@ class FreeSites:
             neighbors += xp.roll(contacts, 1, axis=axis)
             neighbors += xp.roll(contacts, -1, axis=axis)
         self.free = 1.0 - contacts
-        mask = self.free / (1.0 + TUNING.shore * neighbors)
+        self.weight = self.free / (1.0 + TUNING.shore * neighbors)
 
         pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
+        self.coarse = coarse = _coarser(lattice)
         longest = Lattice((2,) * lattice.dimension)
-        lattices, cuts = [lattice], [math.inf]
-        for coarse in _coarse_lattices(lattice.shape, lattice.edges):
-            cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
-            if cut > pinning:
-                lattices.append(coarse)
-                cuts.append(min(cut, cuts[-1]))
-        cuts = [cut / unit for cut in (*cuts, pinning)]
-        weights = [mask, *_weights(in_contact, lattices[1:], stiffness.dtype, xp)]
-        waves: _Waves | None = None
-        for level in range(len(lattices) - 1, -1, -1):
-            own = lattices[level]
-            long = lattice.long_waves(stiffness, own) if level > 0 else stiffness
-            compliance = 1.0 / (long + cuts[level + 1])
-            if level > 0:
-                compliance -= 1.0 / (long + cuts[level])
-            waves = _Waves(own, weights[level], compliance, waves)
-        assert waves is not None
-        self.waves = waves
+        cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
+        cut = max(cut, pinning)
+        self.compliance = 1.0 / (stiffness + cut / unit)
+        long = lattice.long_waves(stiffness, coarse)
+        self.long_compliance = 1.0 / (long + pinning / unit) - 1.0 / (long + cut / unit)
+        smoothing = xp.asarray(_smoothing(coarse), dtype=stiffness.dtype)
+        modes = lattice.long_waves(lattice.forward(contacts), coarse) * smoothing
+        density = xp.clip(coarse.backward(modes) * (coarse.sites / lattice.sites), 0.0, 1.0)
+        self.long_weight = 1.0 / (1.0 + TUNING.crowding * density)
+
+    def respond(self, force: Field) -> Field:
+        """Displacement M f by a force f, which this overwrites."""
+        force *= self.weight
+        lattice, coarse = self.lattice, self.coarse
+        modes = lattice.forward(force)
+        long = coarse.backward(lattice.long_waves(modes, coarse), overwrite=True)
+        long = coarse.apply(self.long_compliance, long * self.long_weight) * self.long_weight
+        modes *= self.compliance
+        lattice.add_long_waves(modes, coarse.forward(long), coarse)
+        displacement = lattice.backward(modes, overwrite=True)
+        displacement *= self.weight
+        return displacement
 
     def correct(
         self, force: Field, worst: float, goal: float, most: int, allowed: tuple[float, float]
@@ -163,9 +140,9 @@ class FreeSites:
         direction, slope, iterations = None, 1.0, 0
         unit, left_over = worst / self.unit, math.inf
         while iterations < most:
-            estimate = self.waves.respond(defect)
+            estimate = self.respond(defect)
             previous, slope = slope, inner(residual, estimate, xp)
-            found = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
+            square = inner(estimate, estimate, xp) if allowed_error > 0 else 0.0
             if direction is None:
                 direction = estimate
             else:
@@ -180,7 +157,7 @@ class FreeSites:
             part = direction * length
             total += part
             if allowed_error > 0:
-                found = max(found, inner(part, part, xp))
+                square = max(square, inner(part, part, xp))
             change *= length
             residual -= change
             del part, change  # memory for the transforms
@@ -188,7 +165,7 @@ class FreeSites:
             defect *= self.free
             iterations += 1
             if allowed_error > 0:
-                left_over = unit * TUNING.usual_rate * math.sqrt(found / lattice.sites)
+                left_over = unit * TUNING.usual_rate * math.sqrt(square / lattice.sites)
                 if left_over <= allowed_error and allowed_imbalance < math.inf:
                     share = worst * abs(float(xp.sum(defect, dtype=xp.float64))) / allowed_imbalance
                     left_over = max(left_over, allowed_error * share)
@@ -229,26 +206,11 @@ def _pinning(lattice: Lattice, spectrum: Spectrum, contacts: Field, neighbors: F
 
 
 @lru_cache(maxsize=8)
-def _coarse_lattices(shape: tuple[int, ...], edges: Edges) -> list[Lattice]:
-    """Lattices coarser by four and four again, of three sites along an axis at least."""
-    lattices = []
-    while min(shape) // TUNING.coarser > 2:
-        shape = tuple(_odd_length(n // TUNING.coarser) for n in shape)
-        lattices.append(Lattice(shape, edges=edges))
-    return lattices
-
-
-def _odd_length(most: int) -> int:
-    """The largest length up to ``most`` that is quick to transform and odd: no mode has an unclear sign."""
-    length = most - (most + 1) % 2
-    while True:
-        rest = length
-        for factor in (3, 5, 7, 11):
-            while rest % factor == 0:
-                rest //= factor
-        if rest == 1:
-            return length
-        length -= 2
+def _coarser(lattice: Lattice) -> Lattice:
+    """A coarser lattice whose lengths are quick to transform and odd: no mode has an unclear sign."""
+    lengths = (range((max(n // TUNING.coarser, 1) - 1) // 2 * 2 + 1, 0, -2) for n in lattice.shape)
+    fast = (next(n for n in odd if scipy.fft.next_fast_len(n) == n) for odd in lengths)
+    return Lattice(tuple(fast), edges=lattice.edges)
 
 
 def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
@@ -259,43 +221,5 @@ def _stiffness_of_waves(spectrum: Spectrum, coarse: Lattice) -> float:
 
 @lru_cache(maxsize=8)
 def _smoothing(coarse: Lattice) -> Spectrum:
-    """What is left of a density, by modes, over the width in which contacts make one."""
-    # The mean over a cell has a variance of 1/12.
-    exponent = sum(q**2 for q in coarse.angles) * ((TUNING.density_width**2 - 1 / 12) / 2)
-    return np.asarray(np.exp(-exponent))
-
-
-def _weights(in_contact: Mask, lattices: Sequence[Lattice], dtype: Any, xp: Any) -> list[Field]:
-    """How far forces move the waves of each coarse lattice: 1 off contact, less where contacts crowd."""
-    sums = _added_up(xp.astype(in_contact, xp.int32), xp)  # whole numbers add up several times faster
-    densities = (_density(sums, coarse, dtype, xp) for coarse in lattices)
-    return [1.0 / (1.0 + TUNING.crowding / 2**level * density) for level, density in enumerate(densities)]
-
-
-def _added_up(cells: Any, xp: Any) -> Any:
-    """Sums of all cells before each along the last axis; the last one is that of all."""
-    return xp.cumulative_sum(cells, axis=-1, dtype=cells.dtype, include_initial=True)
-
-
-def _density(sums: Any, coarse: Lattice, dtype: Any, xp: Any) -> Field:
-    """Density of contacts on a coarse lattice: their mean in each of its cells, smoothed; from 0 to 1.
-
-    ``sums`` are the contacts added up along the last axis.
-    """
-    for axis in reversed(range(coarse.dimension)):
-        count, length = coarse.shape[axis], sums.shape[-1] - 1
-        # A cell ends midway between two coarse sites. The last one ends at the edge; on a periodic lattice
-        # before it, and what lies behind belongs to the first.
-        middle = 0.0 if coarse.reflecting else (1 - length / count) / 2
-        ends = np.arange(1, count + 1) * (length / count) + middle
-        below = np.minimum(ends.astype(int), length - 1)
-        whole, more = (xp.astype(xp.take(sums, xp.asarray(below + n), axis=-1), dtype) for n in (0, 1))
-        whole += (more - whole) * xp.asarray(ends - below, dtype=dtype)
-        total = xp.astype(sums[..., -1:], dtype)
-        cells = xp.diff(xp.concat([whole[..., -1:] - total, whole], axis=-1), axis=-1) * (count / length)
-        cells = xp.moveaxis(cells, -1, axis)
-        if axis > 0:
-            sums = _added_up(xp.moveaxis(cells, axis - 1, -1), xp)
-    smoothed = coarse.apply(xp.asarray(_smoothing(coarse), dtype=dtype), cells)
-    density: Field = xp.clip(smoothed, 0.0, 1.0)
-    return density
+    """Factors of the modes of a density that is smoothed over a width."""
+    return np.asarray(np.exp(-sum(q**2 for q in coarse.angles) * (TUNING.density_width**2 / 2)))

@@ -22,15 +22,15 @@ from asperity.solids import Solid
 class Interface:
     """Bounds of the contact force of a site.
 
-    Nothing sticks where ``low``, at most 0, is 0; the rough surface yields where ``high`` is not infinite. A
-    ``known`` force of each site, such as adhesion from afar, acts beside that of contact: the forces that are
-    judged and admitted are the sum of both. Where sites attract each other, by a law of ``adhesion``, that
-    force follows from their gap; a site has the area ``cell``.
+    The force is at least ``low``, at most 0, and at most ``high``, above which the rough surface yields. An
+    ``external`` force of each site, such as adhesion from afar, may act beside it: forces that are judged and
+    admitted are the sum of both. A law of ``adhesion`` gives that force by the gap; ``cell`` is the area of a
+    site.
     """
 
     low: float = 0.0
     high: float = math.inf
-    known: Field | None = None
+    external: Field | None = None
     adhesion: Adhesion | None = None
     cell: float = 1.0
 
@@ -39,9 +39,9 @@ class Interface:
         """Whether the rough surface yields under forces that are large enough."""
         return self.high < math.inf
 
-    def beside(self, known: Field | None) -> Interface:
-        """The interface where a known force acts beside that of contact."""
-        return self if known is None else replace(self, known=known)
+    def beside(self, external: Field | None) -> Interface:
+        """The interface where an external force acts beside that of contact."""
+        return self if external is None else replace(self, external=external)
 
     def pull(self, gap: Field) -> Field:
         """The force by which sites attract each other, at most 0, where there is adhesion."""
@@ -54,35 +54,35 @@ class Interface:
 
     def borne(self, total: float) -> float:
         """Sum of the contact forces, of the sum of all."""
-        return total if self.known is None else total - float(self.known.sum())
+        return total if self.external is None else total - float(self.external.sum())
 
     def of_contact(self, force: Field) -> Field:
-        """The contact force, without the known one."""
-        return force if self.known is None else force - self.known
+        """The contact force, without the external one."""
+        return force if self.external is None else force - self.external
 
     def admit(self, force: Field, contacts: Mask, total: float | None = None) -> Field:
         """Forces that the interface allows, near some: within the bounds in contact, none elsewhere.
 
         Where a ``total`` is given, those below the upper bound are scaled so that all add up to it.
         """
-        found = np.where(contacts, np.clip(self.of_contact(force), self.low, self.high), 0.0)
+        admitted = np.where(contacts, np.clip(self.of_contact(force), self.low, self.high), 0.0)
         if total is not None:
-            self._scale(found, self.borne(total))
-        return found if self.known is None else found + self.known
+            self._scale(admitted, self.borne(total))
+        return admitted if self.external is None else admitted + self.external
 
-    def _scale(self, found: Field, total: float) -> None:
+    def _scale(self, forces: Field, total: float) -> None:
         if not self.yields:
-            found *= max(total, 0.0) / (float(found.sum()) or 1.0)
+            forces *= max(total, 0.0) / (float(forces.sum()) or 1.0)
             return
-        below = found < self.high
-        while (carried := float(found.sum(where=below))) > 0:
-            borne = found.size - np.count_nonzero(below)
+        below = forces < self.high
+        while (carried := float(forces.sum(where=below))) > 0:
+            borne = forces.size - np.count_nonzero(below)
             rest = total - self.high * borne if borne else total
-            np.multiply(found, max(rest, 0.0) / carried, out=found, where=below)
-            above = found > self.high
+            np.multiply(forces, max(rest, 0.0) / carried, out=forces, where=below)
+            above = forces > self.high
             if not above.any():
                 return
-            found[above] = self.high
+            forces[above] = self.high
             below &= ~above
 
     def lowered(self, heights: Field, u: Field) -> Field:

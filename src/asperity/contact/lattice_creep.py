@@ -80,8 +80,8 @@ class LatticeCreep(ByLaw):
         """See `ByLaw`."""
         u, w = (np.ascontiguousarray(np.atleast_2d(field)) for field in (state.u, self.stretch(state.force)))
         total = None if load is None else load / self.springs.k1
-        found = balanced(self.springs, u, w, self.heights, total, self.interface, mirrored=self.mirrored)
-        return found.reshape(state.u.shape)
+        stretch = balanced(self.springs, u, w, self.heights, total, self.interface, mirrored=self.mirrored)
+        return stretch.reshape(state.u.shape)
 
     def begin(self, stage: Stage, guess: LocalState) -> _Run:
         """See `ByLaw`."""
@@ -112,8 +112,8 @@ class _Run(LocalRun):
 
     def measure(self) -> float:
         wrong = self.revise() if self.solver.interface.yields else 0.0
-        left, self.curved = self.linearize()
-        return math.hypot(left, wrong, 0.0 if self.stage.load is None else self.even())
+        change, self.curved = self.linearize()
+        return math.hypot(change, wrong, 0.0 if self.stage.load is None else self.even())
 
     def even(self) -> float:
         """What all sites lack by the same under a load, which the changes of sites alone do not tell."""
@@ -130,7 +130,7 @@ class _Run(LocalRun):
         law = self.law = LinearLaw(self.solver.law, self.stage.tau, 1.0, springs.k1 * self.w)
         surface, into = Surface(self.u, self.w, self.heights), Measured(work.bound, *work.source)
         scales = Scales(self.stiffness * unit, unit, 0.0)
-        found = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
+        measured = work.backend.measure(surface, springs, 0.0, scales, into, work.sites, flowing=False)
         yielding = int(np.count_nonzero(self.yielding))
         if yielding:
             work.source.e[...] += work.backend.packed(
@@ -142,26 +142,26 @@ class _Run(LocalRun):
         numbers = springs.k1, springs.spread, self.lagging, self.position, self.stage.tau, _LARGEST_LAG
         tangent = velocity, slope, curve
         tangents(surface, self.before, tangent, numbers, self.solver.mirrored, lacking, lag, sums)
-        self.lacking, change, squares, bent, given = sums.sum(axis=0).tolist()
+        self.lacking, change, squares, bent, response = sums.sum(axis=0).tolist()
         work.source.f[...] = work.backend.packed(lacking / unit)
         self.lag, shift, wanted = work.backend.packed(lag), 0.0, None
         work.clear()
         if load is not None:  # the shift is at first what sites alone would need
-            wanted = (load / springs.k1 - found.stretch) / unit
-            shift = (wanted - change / unit) / (given or math.nan)
+            wanted = (load / springs.k1 - measured.stretch) / unit
+            shift = (wanted - change / unit) / (response or math.nan)
             squares -= change * change / lag.size
-        work.begin(wanted, found.stretch / unit, shift, yielding)
+        work.begin(wanted, measured.stretch / unit, shift, yielding)
         return math.sqrt(max(squares, 0.0) / lag.size), math.sqrt(bent / lag.size)
 
     def follow_law(self, noticed: float) -> None:
         """Where the tangent does not do, find the stretch of a site alone by the law."""
         springs, law, beside = self.springs, self.law, self.beside
-        own = (self.lagging + beside) / springs.k1
+        c = (self.lagging + beside) / springs.k1
         wanted = self.u - self.before - self.position
         wanted -= self.solver.combined(self.w, self.w, springs.spread, -beside)
-        change = (wanted - own * law.force - law.creep) / (own + law.drag)
-        bent = law.bent(own, change, noticed)
-        self.w[bent] = law.found(own, change, bent) / springs.k1
+        change = (wanted - c * law.force - law.creep) / (c + law.drag)
+        bent = law.bent(c, change, noticed)
+        self.w[bent] = law.forces(c, change, bent) / springs.k1
         self.linearize()
 
     def revise(self) -> float:
@@ -208,6 +208,6 @@ class _Run(LocalRun):
         shape = self.solver.shape
         return LocalState(self.u.reshape(shape), (self.springs.k1 * self.w).reshape(shape), self.position)
 
-    def left_of(self, error: Field) -> tuple[float, float]:
-        mean, size = self.work.left_of(self.work.backend.packed(np.atleast_2d(error) / self.unit))
+    def filtered_error(self, error: Field) -> tuple[float, float]:
+        mean, size = self.work.filtered_error(self.work.backend.packed(np.atleast_2d(error) / self.unit))
         return self.unit * mean, self.unit * size

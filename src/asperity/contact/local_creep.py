@@ -2,9 +2,9 @@
 
 A step of duration tau leads the forces s of the creeping springs to where, at every site that can move,
 
-    own s + tau v(s / a) = wanted,
+    c s + tau v(s / a) = wanted,
 
-with a the area of a site, ``own`` its compliance for itself, and ``wanted`` what the rest of the solid, the
+with a the area of a site, c its own compliance, and ``wanted`` what the rest of the solid, the
 rigid body and the rough surface leave for it. Newton's method linearizes v. Where the tangent errs too much
 the force of a site is found for itself, the rest staying as it is: there the equation has one root, which
 is bracketed, and no law overflows, however steep. Contacts are found on the way. (Newton's method for such
@@ -96,33 +96,33 @@ class LinearLaw:
         """Derivative of the creep by s."""
         return (self.tau / self.area) * self.slope
 
-    def bent(self, own: Field | float, change: Field, noticed: float) -> Mask:
+    def bent(self, c: Field | float, change: Field, noticed: float) -> Mask:
         """Sites at which the tangent errs by more than is noticed where their forces change so."""
         bend = self.area * self.law.bend(self.force / self.area)
-        error = own * self.drag * change * change  # over a bend the slope changes by its own size
-        return np.asarray((own > 0) & ~(error <= noticed * bend * (own + self.drag)))
+        error = c * self.drag * change * change  # over a bend the slope changes by its own size
+        return np.asarray((c > 0) & ~(error <= noticed * bend * (c + self.drag)))
 
-    def found(self, own: Field | float, change: Field, sites: Mask) -> Field:
+    def forces(self, c: Field | float, change: Field, sites: Mask) -> Field:
         """Forces by the law at some sites, for what the tangent says of forces that change so."""
-        own, force, change = np.broadcast_to(own, sites.shape)[sites], self.force[sites], change[sites]
-        wanted = own * (force + change) + self.creep[sites] + self.drag[sites] * change
-        return forces_of(self.law, own, self.tau, self.area, wanted, force + change)
+        c, force, change = np.broadcast_to(c, sites.shape)[sites], self.force[sites], change[sites]
+        wanted = c * (force + change) + self.creep[sites] + self.drag[sites] * change
+        return forces_of(self.law, c, self.tau, self.area, wanted, force + change)
 
 
-def forces_of(law: LocalCreep, own: Field, tau: float, area: float, wanted: Field, start: Field) -> Field:
-    """Roots s of own s + tau v(s / area) = wanted, by Newton's method in intervals that hold them.
+def forces_of(law: LocalCreep, c: Field, tau: float, area: float, wanted: Field, start: Field) -> Field:
+    """Roots s of c s + tau v(s / area) = wanted, by Newton's method in intervals that hold them.
 
-    No law overflows in it: s is between 0 and wanted / own. An interval that Newton's method would leave, or
+    No law overflows in it: s is between 0 and wanted / c. An interval that Newton's method would leave, or
     shortens by little as along an exponential, is halved. Ends where the last change, of which the next is
     the square, is far below what bends the law.
     """
-    low, high = np.minimum(wanted / own, 0.0), np.maximum(wanted / own, 0.0)
+    low, high = np.minimum(wanted / c, 0.0), np.maximum(wanted / c, 0.0)
     at = np.clip(np.nan_to_num(start), low, high)
     for step in range(100):  # 60 halvings give all digits
         value, slope = law.velocity(at / area)
-        left = wanted - own * at - tau * value
-        low, high = np.where(left > 0, at, low), np.where(left < 0, at, high)
-        closer = at + left / (own + tau / area * slope)
+        residual = wanted - c * at - tau * value
+        low, high = np.where(residual > 0, at, low), np.where(residual < 0, at, high)
+        closer = at + residual / (c + tau / area * slope)
         outside = ~((closer > low) & (closer < high))
         if step >= TUNING.free_steps:
             outside |= np.abs(closer - at) > TUNING.shrinking * (high - low)
@@ -159,7 +159,7 @@ class LocalRun(ABC):
         """The state that has been reached."""
 
     @abstractmethod
-    def left_of(self, error: Field) -> tuple[float, float]:
+    def filtered_error(self, error: Field) -> tuple[float, float]:
         """Mean and rms of what the step, solved, leaves of an error of the shape, the contacts staying.
 
         The rms is about the mean under a load.
@@ -184,14 +184,14 @@ class ByLaw(ABC):
         ConvergenceError
             The error did not fall that far.
         """
-        run, left = self.begin(stage, guess), math.inf
+        run, lacking = self.begin(stage, guess), math.inf
         allowed = max(allowed_error, run.rounding)
         for revision in range(TUNING.most_revisions):
-            before, left = left, run.measure()
-            enough = left <= allowed_error or before / 2 < left <= run.rounding
-            if enough and (revision or not left):
+            before, lacking = lacking, run.measure()
+            enough = lacking <= allowed_error or before / 2 < lacking <= run.rounding
+            if enough and (revision or not lacking):
                 return run
-            if not math.isfinite(left):
+            if not math.isfinite(lacking):
                 break
             noticed = TUNING.unnoticed * allowed
             spent, bent = run.improve(allowed, noticed)
@@ -199,7 +199,7 @@ class ByLaw(ABC):
             if bent <= noticed:
                 return run
         raise ConvergenceError(
-            f"creep: a step of {stage.tau:.1e} lacks {left:.1e} after {run.iterations} iterations, "
+            f"creep: a step of {stage.tau:.1e} lacks {lacking:.1e} after {run.iterations} iterations, "
             f"expected {allowed_error:.1e}; try a larger rtol"
         )
 

@@ -157,8 +157,8 @@ class Mechanics:
         if self.law is not None or self.solid.springs is not None:
             return False
         creeping = self.spectra.creeping.sum(axis=0)
-        own = creeping >= TUNING.least_share * (creeping + self.spectra.permanent)
-        return bool(own.flat[1:].all())
+        enough = creeping >= TUNING.least_share * (creeping + self.spectra.permanent)
+        return bool(enough.flat[1:].all())
 
     def balancing(self, u: Modes, stretch: Modes, in_contact: Mask, held: Prescribed) -> Modes:
         """What added to all stretches puts a surface that almost is into exact equilibrium, Fourier modes.
@@ -167,7 +167,7 @@ class Mechanics:
         bounds; all other forces are scaled, which keeps their sum.
         """
         force = self.force_of_modes(u, stretch, held)
-        balanced = self.interface.beside(held.known).admit(force, in_contact, float(force.sum()))
+        balanced = self.interface.beside(held.external).admit(force, in_contact, float(force.sum()))
         balanced -= force
         change = self.lattice.forward(balanced)
         creeping = self.spectra.creeping.sum(axis=0)
@@ -247,7 +247,7 @@ class ImplicitStep:
         else:
             stiffness = self.load_controlled_stiffness
             rhs.flat[0] = -held.load
-        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface).beside(held.known)
+        return SpectralProblem(lattice, heights, stiffness, rhs, mechanics.interface).beside(held.external)
 
     def stretch(self, u: Field, anchors: Field, held: Prescribed) -> tuple[Field, float]:
         """Stretches w_b = u - u_b after the step, from the solved u and the anchors before it, and X."""
@@ -346,7 +346,7 @@ class SpringImplicitStep(ImplicitStep):
         return SpringProblem(
             *(heights, springs, anchors, held.load, mirrored),
             lambda: self.spectral_problem(heights, modes(), held),
-            held.known,
+            held.external,
         )
 
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
@@ -367,10 +367,10 @@ def balanced(
     """Stretch of springs with which u is in equilibrium, near w, with a total where that is known."""
     k1, beside = springs.k1, lattice_force(u, w, springs.k0, 0.0, mirrored=mirrored)
     load = None if total is None else k1 * total
-    found = interface.admit(beside + k1 * w, u <= heights, load)
-    found -= beside
-    found /= k1
-    return found
+    stretch = interface.admit(beside + k1 * w, u <= heights, load)
+    stretch -= beside
+    stretch /= k1
+    return stretch
 
 
 def mechanics_of(solid: Solid, lattice: Lattice) -> Mechanics:

@@ -55,9 +55,9 @@ class SpectralProblem:
     def in_neighbors(self) -> None:
         """Return the problem in terms of neighbors: there is none."""
 
-    def beside(self, known: Field | None) -> SpectralProblem:
-        """Return the problem with a known force of each site beside that of contact; the load is of both."""
-        return self if known is None else replace(self, rhs=self.rhs + self.lattice.forward(known))
+    def beside(self, external: Field | None) -> SpectralProblem:
+        """Return the problem with an external force of each site as well; the load is of both."""
+        return self if external is None else replace(self, rhs=self.rhs + self.lattice.forward(external))
 
     def force(self, u: Field) -> Field:
         """Contact force r = S u - b at every site."""
@@ -71,8 +71,8 @@ class SpringProblem:
     k0 L u + k1 w is the force and w + spread L w + drag w = u - v the stretch of the springs to the
     bulk after a step of creep from the anchors v; L is minus the Laplacian. Under load control an
     unknown constant joins the right-hand side, and the sum of k1 w is the load, else None. The anchors are a
-    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic. A ``known`` force of
-    each site acts beside that of contact; the load is the sum of both.
+    field or the level of a flat one, ``mirrored`` edges of the lattice not periodic. An ``external``
+    force of each site acts beside that of contact; the load is the sum of both.
     """
 
     heights: Field
@@ -82,25 +82,25 @@ class SpringProblem:
     mirrored: bool
     spectral: Callable[[], SpectralProblem]
     interface: ClassVar[Interface] = RIGID
-    known: Field | None = None
+    external: Field | None = None
 
     def in_neighbors(self) -> SpringProblem:
         """Return the problem itself."""
         return self
 
-    def beside(self, known: Field | None) -> SpringProblem:
+    def beside(self, external: Field | None) -> SpringProblem:
         """See `SpectralProblem`."""
-        if known is None:
+        if external is None:
             return self
-        spectral, total = self.spectral, known if self.known is None else self.known + known
-        return replace(self, known=total, spectral=lambda: spectral().beside(known))
+        spectral, total = self.spectral, external if self.external is None else self.external + external
+        return replace(self, external=total, spectral=lambda: spectral().beside(external))
 
     def pulled(self) -> SpringProblem:
-        """The same, where nothing creeps: anchors pull as the known force does."""
-        if self.known is None:
+        """The same, where nothing creeps: anchors pull as the external force does."""
+        if self.external is None:
             return self
-        load = None if self.load is None else self.load - float(self.known.sum())
-        return replace(self, anchors=self.anchors + self.known / self.springs.k1, load=load, known=None)
+        load = None if self.load is None else self.load - float(self.external.sum())
+        return replace(self, anchors=self.anchors + self.external / self.springs.k1, load=load, external=None)
 
 
 ContactProblem = SpectralProblem | SpringProblem

@@ -33,7 +33,7 @@ def contact_from(
     Anchors and position are relative to the system's datum. `ConvergenceError` where double precision cannot
     resolve the load, unless it may vanish, as at a held separation. Residuals are relative to at least
     ``least_force``, the mean contact force of a contact with which this one is compared, and to the largest
-    known force, whose rounding contact forces bear.
+    external force, whose rounding contact forces bear.
     """
     lattice, yielding = system.mechanics.lattice, solution.u < system.heights
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
@@ -52,10 +52,10 @@ def contact_from(
     system = system.pulled(surface)
     if (load_may_vanish and not system.load) or not touching.any():
         least_force = _smallest_force(system, surface)
-    if system.known is not None:
-        least_force = max(least_force, float(np.abs(system.known).max()))
+    if system.external is not None:
+        least_force = max(least_force, float(np.abs(system.external).max()))
     state = anchors.balance(system, surface, position)
-    left = _judged(system, surface, state, touching, yielding, least_force)
+    residual = _judged(system, surface, state, touching, yielding, least_force)
     force = system.interface.admit(state.force, touching)
     borne = system.interface.borne(float(force.sum()))
     scale = max(borne / max(int(np.count_nonzero(touching)), 1), least_force)
@@ -68,7 +68,7 @@ def contact_from(
             "force": lattice.cut(force),
             "in_contact": lattice.cut(touching),
             "energy": state.energy() + system.interface.bond(surface - system.heights),
-            "residual": left,
+            "residual": residual,
             "residual_scale": scale,
             "iterations": solution.iterations,
             "_surface": surface,
@@ -86,22 +86,22 @@ def _judged(
     if system.load is None:
         size = float(np.abs(u).max()) * mechanics.body.stiffness
         state.force[...] -= mean_by_rounding(system.interface.of_contact(state.force), in_contact, size)
-    left = system.interface.violation(state.force, in_contact, yielding, floor)
+    residual = system.interface.violation(state.force, in_contact, yielding, floor)
     borne = system.interface.borne(system.load or float(state.force.sum()))
     if system.load is not None and borne > 0 and state.carried is not None:
         # The mean of the stretches is as accurate as waves are: a stiffer one follows from the load.
         most = system.sites * max(1.0, mechanics.body.stiffness / mechanics.greatest_stiffness)
         touching = np.count_nonzero(in_contact)
         scale = max(borne, floor * touching)
-        left = max(left, abs(state.carried - system.load) / scale * touching / most)
-        left = max(left, abs(float(state.force.sum()) - system.load) / scale)
-    if left <= ACCEPTED_RESIDUAL:
-        return left
+        residual = max(residual, abs(state.carried - system.load) / scale * touching / most)
+        residual = max(residual, abs(float(state.force.sum()) - system.load) / scale)
+    if residual <= ACCEPTED_RESIDUAL:
+        return residual
     why, advice = "the solver left forces off contact, or other forces than the load", "another solver"
     if borne < _smallest_force(system, u) * np.count_nonzero(in_contact):
         why, advice = "the load is too small beside the crept shape in double precision", "more load"
     raise ConvergenceError(
-        f"residual {left:.1e}, expected at most {ACCEPTED_RESIDUAL:.0e}: {why}; try {advice}"
+        f"residual {residual:.1e}, expected at most {ACCEPTED_RESIDUAL:.0e}: {why}; try {advice}"
     )
 
 

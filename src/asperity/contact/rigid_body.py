@@ -28,13 +28,13 @@ Branches = NDArray[np.float64]
 class Prescribed:
     """What is prescribed at a moment: the load, if that is held, and the position X of the rigid body.
 
-    Where the load is prescribed, X is where the body was before. A force of each site that is ``known`` and
-    not of contact, positive where it pushes the bodies apart, bears its part of the load.
+    Where the load is prescribed, X is where the body was before. An ``external`` force of each site,
+    positive where it pushes the bodies apart, bears its part of the load.
     """
 
     load: float | None
     position: float
-    known: Field | None = None
+    external: Field | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +82,10 @@ class RigidBody:
 
     def displacement(self, u: Field, anchors: Field, held: Prescribed) -> float:
         """How far the load moves the body and the anchors at once, to balance a surface u."""
-        whole, own = float(u.mean()) - held.position, [float((u - v).mean()) for v in anchors]
+        whole, stretches = float(u.mean()) - held.position, [float((u - v).mean()) for v in anchors]
         if self.stiffness == 0:
-            return own[0] if own else whole
-        parts = zip([self.permanent, *self.creeping.tolist()], [whole, *own], strict=True)
+            return stretches[0] if stretches else whole
+        parts = zip([self.permanent, *self.creeping.tolist()], [whole, *stretches], strict=True)
         moved = math.fsum(stiffness / self.stiffness * part for stiffness, part in parts if stiffness)
         return moved - (held.load or 0.0) / (self.sites * self.stiffness)
 
@@ -93,9 +93,9 @@ class RigidBody:
         """Load in terms of what hangs; None where nothing does."""
         if self.stiffness == 0:
             return None
-        own = self.permanent * (float(u.sum()) - self.sites * position) if self.permanent > 0 else 0.0
+        permanent = self.permanent * (float(u.sum()) - self.sites * position) if self.permanent > 0 else 0.0
         parts = zip(self.creeping.tolist(), stretch, strict=True)
-        return own + math.fsum(stiffness * float(np.sum(w)) for stiffness, w in parts)
+        return permanent + math.fsum(stiffness * float(np.sum(w)) for stiffness, w in parts)
 
     def after_step(
         self, surface: float, before: Branches, damping: Branches, load: float, position: float

@@ -88,10 +88,10 @@ class SeriesCreep(ByLaw):
         self.softest = float(self.compliance.max()) / share
         self.site_compliance = lattice.mean_over_modes(self.compliance)
         count = 2 if share < 1 else 1
-        own, other = math.sqrt(share), math.sqrt(1 - share)
-        self.weights = np.array([share, own * other])[:count]
-        self.turn = np.array([[own, other], [other, -own]])[:count, :count]
-        self.in_contact = np.array([1.0, other / own])[:count]
+        cosine, sine = math.sqrt(share), math.sqrt(1 - share)
+        self.weights = np.array([share, cosine * sine])[:count]
+        self.turn = np.array([[cosine, sine], [sine, -cosine]])[:count, :count]
+        self.in_contact = np.array([1.0, sine / cosine])[:count]
         self.off_contact = np.array([0.0, *(1 / self.weights[1:])])
 
     def stretch(self, force: Field) -> Field:
@@ -136,7 +136,7 @@ class SeriesCreep(ByLaw):
         """Change of x at each site that changes its s by 1; none where s cannot change."""
         return np.where(touching, self.by_row(self.in_contact), self.by_row(self.off_contact))
 
-    def own(self, ways: Fields) -> Field:
+    def compliance_at(self, ways: Fields) -> Field:
         """Compliance of each site for itself; 0 where its force cannot change."""
         return np.asarray(self.site_compliance * (ways * ways).sum(axis=0))
 
@@ -158,8 +158,8 @@ class SeriesCreep(ByLaw):
     def creeping(self, x: Fields) -> Field:
         """The forces s."""
         s: Field = self.weights[0] * x[0]
-        for weight, one in zip(self.weights[1:], x[1:], strict=True):
-            s += weight * one
+        for weight, row in zip(self.weights[1:], x[1:], strict=True):
+            s += weight * row
         return s
 
 
@@ -208,14 +208,14 @@ class _Run(LocalRun):
             bears = int(np.argmin(np.where(among, far, np.inf)))
             touching.flat[bears], yielding.flat[bears] = True, False
         self.linear = LinearStep(solver, law.drag, touching, held=self.stage.load is None)
-        known = np.array([self.stage.load or 0.0, 0.0])[self.linear.first : len(self.x)]
-        self.missing = known - self.x[self.linear.first :].sum(axis=tuple(range(1, self.x.ndim)))
+        sums = np.array([self.stage.load or 0.0, 0.0])[self.linear.first : len(self.x)]
+        self.missing = sums - self.x[self.linear.first :].sum(axis=tuple(range(1, self.x.ndim)))
         self.lacking = lacking
         ways = solver.ways(touching)
         lack = (ways * lacking).sum(axis=0) * (solver.softest / (solver.softest + law.drag))
         if self.missing.size:  # what the sums lack is up to the contacts
             lost = float(np.abs(self.missing).max())
-            lack += solver.own(ways) * (lost / max(int(np.count_nonzero(touching)), 1))
+            lack += solver.compliance_at(ways) * (lost / max(int(np.count_nonzero(touching)), 1))
         return math.sqrt((inner(lack, lack, np) + inner(waiting, waiting, np)) / lack.size)
 
     def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
@@ -229,8 +229,8 @@ class _Run(LocalRun):
         np.maximum(new[0], solver.interface.low, out=new[0])
         new[0][~(touching | yielding)] = 0.0
         ways = solver.ways(touching)
-        own, change = solver.own(ways), solver.creeping(new) - law.force
-        self.move(law, new, own, change, law.bent(own, change, noticed), ways)
+        c, change = solver.compliance_at(ways), solver.creeping(new) - law.force
+        self.move(law, new, c, change, law.bent(c, change, noticed), ways)
         above = self.worst(touching & (new[0] > solver.interface.high), new[0])
         yielding |= above
         touching &= ~above
@@ -253,20 +253,20 @@ class _Run(LocalRun):
         solver, tau = self.solver, self.stage.tau
         law = solver.linear(tau, solver.creeping(self.x))
         ways = solver.ways(self.touching)
-        own = solver.own(ways)
-        change = ((ways * lacking).sum(axis=0) - law.creep) / (own + law.drag)
-        wanted = (ways * lacking).sum(axis=0) + own * law.force
-        wild = (own > 0) & (np.abs(law.creep) > np.maximum(np.abs(wanted), own * np.abs(law.force)))
+        c = solver.compliance_at(ways)
+        change = ((ways * lacking).sum(axis=0) - law.creep) / (c + law.drag)
+        wanted = (ways * lacking).sum(axis=0) + c * law.force
+        wild = (c > 0) & (np.abs(law.creep) > np.maximum(np.abs(wanted), c * np.abs(law.force)))
         if wild.any():
             before = self.x.copy()
-            self.move(law, self.x, own, change, wild, ways)
+            self.move(law, self.x, c, change, wild, ways)
             lacking = lacking - solver.displaced(self.x - before)
         return lacking
 
-    def move(self, law: LinearLaw, x: Fields, own: Field, change: Field, sites: Mask, ways: Fields) -> None:
+    def move(self, law: LinearLaw, x: Fields, c: Field, change: Field, sites: Mask, ways: Fields) -> None:
         """Put forces s by the law at some sites, the others as they are; p is no tension."""
-        found = law.found(own, change, sites)
-        x[:, sites] += ways[:, sites] * (found - self.solver.creeping(x[:, sites]))
+        forces = law.forces(c, change, sites)
+        x[:, sites] += ways[:, sites] * (forces - self.solver.creeping(x[:, sites]))
         x[0][sites] = np.maximum(x[0][sites], 0.0)
 
     def state(self) -> LocalState:
@@ -276,14 +276,14 @@ class _Run(LocalRun):
         np.maximum(u, solver.heights, out=u, where=~self.yielding)
         return LocalState(u, self.law.force, float(self.levels[0]))
 
-    def left_of(self, error: Field) -> tuple[float, float]:
+    def filtered_error(self, error: Field) -> tuple[float, float]:
         solver, linear = self.solver, self.linear
         dx, _, _ = linear.solve(solver.sunk(error), np.zeros(len(linear.even)), TUNING.reduction)
-        left = error + solver.shape_of(self.law.drag * solver.creeping(dx))
-        mean = float(left.mean())
+        remainder = error + solver.shape_of(self.law.drag * solver.creeping(dx))
+        mean = float(remainder.mean())
         if self.stage.load is not None:
-            left -= mean
-        return mean, math.sqrt(inner(left, left, np) / left.size)
+            remainder -= mean
+        return mean, math.sqrt(inner(remainder, remainder, np) / remainder.size)
 
 
 class LinearStep:
@@ -315,11 +315,11 @@ class LinearStep:
         self.scale[0, 1:][:, ~touching] = 1.0  # off contact z alone, which follows s
         self.scale[0] *= weight
         for row in range(self.first, count):
-            one = np.zeros(self.shape)
-            one[row] = self.free[row]
-            self.even.append(one)
-        self.spread = [self.preconditioned(one) for one in self.even]
-        self.gram = [[inner(one, other, np) for other in self.spread] for one in self.even]
+            field = np.zeros(self.shape)
+            field[row] = self.free[row]
+            self.even.append(field)
+        self.spread = [self.preconditioned(field) for field in self.even]
+        self.gram = [[inner(field, other, np) for other in self.spread] for field in self.even]
 
     def preconditioned(self, y: Fields) -> Fields:
         """What the preconditioner makes of a residual."""
@@ -331,19 +331,19 @@ class LinearStep:
     def projected(self, y: Fields) -> Fields:
         """The preconditioned residual, which changes no sum."""
         z = self.preconditioned(y)
-        return z - self.combined([inner(one, z, np) for one in self.even]) if self.even else z
+        return z - self.combined([inner(field, z, np) for field in self.even]) if self.even else z
 
     def combined(self, amounts: Any) -> Fields:
         """Changes of the forces that change the sums by given amounts."""
         total = np.zeros(self.shape)
-        for part, one in zip(self.shares(amounts), self.spread, strict=True):
-            total += part * one
+        for part, field in zip(self.shares(amounts), self.spread, strict=True):
+            total += part * field
         return total
 
     def rises(self, y: Fields) -> Fields:
         """What of a residual is even, in the preconditioner's measure."""
-        known = [inner(one, y, np) for one in self.spread]
-        return self.shares(known) if self.even else np.empty(0)
+        amounts = [inner(field, y, np) for field in self.spread]
+        return self.shares(amounts) if self.even else np.empty(0)
 
     def shares(self, amounts: Any) -> Fields:
         """How much of each even change makes up given amounts."""
@@ -375,9 +375,9 @@ class LinearStep:
         if missing.any():
             dx = self.combined(missing)
             residual -= self.applied(dx)
-        left = self.rises(residual)
-        for rise, one in zip(left, self.even, strict=True):  # else rounding of what is even may hide the rest
-            residual -= rise * one
+        even = self.rises(residual)
+        for rise, row in zip(even, self.even, strict=True):  # its rounding may hide the rest
+            residual -= rise * row
         z = direction = self.projected(residual)
         slope = first = inner(residual, z, np)
         iterations = 0
@@ -394,5 +394,5 @@ class LinearStep:
             slope, previous = inner(residual, z, np), slope
             direction = z + (slope / previous) * direction
         rises = np.zeros(count)
-        rises[self.first :] = left + self.rises(residual)
+        rises[self.first :] = even + self.rises(residual)
         return dx, rises, iterations

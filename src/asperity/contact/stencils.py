@@ -63,10 +63,10 @@ def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
 def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
     """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
     rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
-    found = np.empty((len(rows), 4))
-    extremes_of_rows(rows, touching, found)
-    worst, tension = found[:, 0].max(), -found[:, 1].min()
-    load, contacts = found[:, 2:].sum(axis=0)
+    measured = np.empty((len(rows), 4))
+    extremes_of_rows(rows, touching, measured)
+    worst, tension = measured[:, 0].max(), -measured[:, 1].min()
+    load, contacts = measured[:, 2:].sum(axis=0)
     return float(worst), float(tension), float(load), float(contacts)
 
 
@@ -122,18 +122,18 @@ def tangents(
     for i in range(u.shape[0]):
         row = lacking[i]
         force_row(spread, w, lagging, w, i, mirrored, row)
-        total = changes = squares = errors = given = 0.0
+        total = changes = squares = errors = rises = 0.0
         for j in range(u.shape[1]):
             row[j] = u[i, j] - before[i, j] - tau * velocity[i, j] - position - row[j]
             rising = tau * k1 * slope[i, j]
             lag[i, j] = min(lagging + rising, most)
-            own = lagging + rising + 4.0 * spread
-            change = row[j] / own
-            curve[i, j] = rising / (own * curve[i, j] + 1e-300)
+            diagonal = lagging + rising + 4.0 * spread
+            change = row[j] / diagonal
+            curve[i, j] = rising / (diagonal * curve[i, j] + 1e-300)
             error = min(curve[i, j] * change * change, abs(change))
             total += row[j]
             changes += change
             squares += change * change
             errors += error * error
-            given += 1.0 / own
-        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3], sums[i, 4] = total, changes, squares, errors, given
+            rises += 1.0 / diagonal
+        sums[i, 0], sums[i, 1], sums[i, 2], sums[i, 3], sums[i, 4] = total, changes, squares, errors, rises

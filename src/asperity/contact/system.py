@@ -34,14 +34,14 @@ class System:
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
     rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
-    ``known`` force of each site acts beside that of contact; the load is the sum of both.
+    ``external`` force of each site acts beside that of contact; the load is the sum of both.
     """
 
     mechanics: Mechanics
     heights: Field
     datum: float
     control: Control
-    known: Field | None = None
+    external: Field | None = None
 
     @classmethod
     def of(cls, heights: Field, lattice: Lattice, solid: Solid, control: Control) -> System:
@@ -85,7 +85,7 @@ class System:
     @property
     def interface(self) -> Interface:
         """Which forces a state may have."""
-        return self.mechanics.interface.beside(self.known)
+        return self.mechanics.interface.beside(self.external)
 
     @property
     def yields(self) -> bool:
@@ -98,11 +98,11 @@ class System:
         return self.mechanics.interface.adhesion is not None
 
     def pulled(self, u: Field) -> System:
-        """Return the system with the pull of adhesion under a surface among the known forces."""
+        """Return the system with the pull of adhesion under a surface among the external forces."""
         if not self.sticks:
             return self
         pull = self.mechanics.interface.pull(u - self.heights)
-        return replace(self, known=pull if self.known is None else self.known + pull)
+        return replace(self, external=pull if self.external is None else self.external + pull)
 
     def lowered(self, u: Field) -> System:
         """Return the system above the rough surface as a surface that may be below it leaves it."""
@@ -112,7 +112,7 @@ class System:
     def held(self, position: float = 0.0) -> Prescribed:
         """What is prescribed; ``position`` is that of the rigid body before, where the load moves it."""
         if self.load is None:
-            return Prescribed(None, self.control.value - self.datum, self.known)
+            return Prescribed(None, self.control.value - self.datum, self.external)
         if self.load < 0 and not self.sticks:
             advice = "adhesion=asperity.solids.Dugdale(...), for a load that pulls"
             raise InputError("load", expected=EXPECTED, got=f"{self.load:g}", advice=advice)
@@ -122,7 +122,7 @@ class System:
             expected = f"at most {most:.8g}, {TUNING.most_of_all:g} of {hardness}"
             advice = "less load, or a greater hardness"
             raise InputError("load", expected=expected, got=f"{self.load:.8g}", advice=advice)
-        return Prescribed(self.load, position, self.known)
+        return Prescribed(self.load, position, self.external)
 
     @property
     def drift(self) -> float:

@@ -42,7 +42,7 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
         branches = array.tolist() if array.size else []
     if isinstance(branches, (str, bytes, dict)) or not hasattr(branches, "__iter__"):
         raise InputError("branches", expected=expected, got=checks.shown(branches), advice=advice)
-    found = []
+    checked = []
     for number, pair in enumerate(branches, 1):
         of = f"of branch {number}"
         try:
@@ -55,8 +55,8 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
         share = checks.number(f"share {of}", share, above=0, most=1 + ROUNDING, expected=expected)
         expected = "a finite time > 0"
         time = units.number(f"relaxation time {of}", time, "s", least=1 / LARGEST, expected=expected)
-        found.append((share, time))
-    total = math.fsum(share for share, _ in found)
+        checked.append((share, time))
+    total = math.fsum(share for share, _ in checked)
     if total > 1 + ROUNDING:
         raise InputError(
             "branches",
@@ -64,4 +64,4 @@ def check_branches(branches: Iterable[Sequence[float | str]]) -> Branches:
             got=f"{total:.6g} together",
             advice=f"each share divided by {total:.6g}, if nothing is permanent",
         )
-    return tuple(sorted(found, key=lambda branch: branch[1]))
+    return tuple(sorted(checked, key=lambda branch: branch[1]))

@@ -62,9 +62,9 @@ class Material:
 
     def shear(self, s: float) -> float:
         """Shear modulus at a Laplace variable s >= 0: relaxed at 0, at infinity that at once."""
-        left = 1.0 - math.fsum(share for share, _ in self.branches)
+        rest = 1.0 - math.fsum(share for share, _ in self.branches)
         parts = [share / (1 + 1 / (s * time)) for share, time in self.branches if s > 0]
-        return self.modulus * (1 - self.poisson) / 2 * (math.fsum(parts) + (left if left > 1e-12 else 0.0))
+        return self.modulus * (1 - self.poisson) / 2 * (math.fsum(parts) + (rest if rest > 1e-12 else 0.0))
 
 
 @dataclass(frozen=True)
@@ -97,13 +97,13 @@ def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
     """
     count = round(math.log10(_MOST / _LEAST) * _PER_DECADE)
     x = np.geomspace(_LEAST, _MOST, count)
-    own = [time for material in (coated.film, coated.base) for _, time in material.branches]
-    low, high = math.log10(min(own)), math.log10(max(own)) + 3
+    relaxation = [time for material in (coated.film, coated.base) for _, time in material.branches]
+    low, high = math.log10(min(relaxation)), math.log10(max(relaxation)) + 3
     times = np.logspace(low, high, round((high - low) * _TIMES_PER_DECADE) + 1)
     decades = math.log10(times[-1] / times[0]) + 4
     s = np.geomspace(1e-2 / times[-1], 1e2 / times[0], round(decades * _FREQUENCIES_PER_DECADE))
     first, last = coated.over_wave_number(x, math.inf), coated.over_wave_number(x, 0.0)
-    measured = (np.array([coated.over_wave_number(x, one) for one in s]) - last) / first
+    measured = (np.array([coated.over_wave_number(x, value) for value in s]) - last) / first
     kernel = 1 / (1 + 1 / np.outer(s, times))
     shares = np.array([positive_weights(kernel, column, np.ones(s.size)) for column in measured.T]).T
     error = float(np.abs(kernel @ shares - measured).max())
@@ -187,7 +187,7 @@ def coated_half_space(
         "base_poisson": base.poisson,
         "base_branches": base.branches,
     }
-    made: tuple[CreepBranch, ...] = ()
+    creeping: tuple[CreepBranch, ...] = ()
     if film.branches or base.branches:
         _, times, _, error = shares_of(coated)
         if error > _LARGEST_ERROR:
@@ -198,12 +198,12 @@ def coated_half_space(
                 advice="shares of less than 1 in sum",
             )
         parameters["largest_error"] = error
-        made = tuple(
+        creeping = tuple(
             CreepBranch(CoatedStiffness(coated, number), time=time) for number, time in enumerate(times)
         )
     return Solid(
         permanent=CoatedStiffness(coated),
-        branches=made,
+        branches=creeping,
         parameters=parameters,
         loaded_from_afar=True,
         in_lengths=True,

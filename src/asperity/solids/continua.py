@@ -72,9 +72,9 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
         raise InputError("poisson", expected=expected, got=ratios.size, advice=advice)
     for ratio in ratios.tolist():
         checked_poisson("poisson", ratio)
-    found = 1.0 / float(((1 - ratios**2) / moduli).sum())
+    modulus = 1.0 / float(((1 - ratios**2) / moduli).sum())
     written = next(written_with_units([young]), None)
-    return found if written is None else InUnits.of(found, written.written, "Pa")
+    return modulus if written is None else InUnits.of(modulus, written.written, "Pa")
 
 
 def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson: Any) -> float:
@@ -163,15 +163,15 @@ def half_space(
         expected, advice = "a law of creep beside it", "branches, whose rest is permanent"
         raise InputError("permanent", expected=expected, got="none", advice=advice)
     law = WaveNumberSpectrum(modulus / 2)
-    made: dict[str, Any] = {"modulus": modulus, "half_space": True, "kind": "half_space"}
-    made |= {"apparatus": checked_apparatus(apparatus), "adhesion": adhesion}
+    arguments: dict[str, Any] = {"modulus": modulus, "half_space": True, "kind": "half_space"}
+    arguments |= {"apparatus": checked_apparatus(apparatus), "adhesion": adhesion}
     if creep is not None:
         if branches or flow is not None:
             raise InputError("creep", expected="no branches and no flow beside it", got="both")
-        made |= {"stiffness": law, "shares": ((1 - permanent, math.inf),), "creep": checked_law(creep)}
-        made["parameters"] = {"permanent": permanent} if permanent else {}
+        arguments |= {"stiffness": law, "shares": ((1 - permanent, math.inf),), "creep": checked_law(creep)}
+        arguments["parameters"] = {"permanent": permanent} if permanent else {}
     elif flow is None:
-        made |= {"stiffness": law, "shares": check_branches(branches)}
+        arguments |= {"stiffness": law, "shares": check_branches(branches)}
     else:
         if others := check_branches(branches):
             raise InputError("flow", expected="no branches beside it", got=f"{len(others)} branches")
@@ -179,9 +179,9 @@ def half_space(
         if len(mobility) != 2 or not (mobility[0] > 0 and -2 <= mobility[1] <= 4):
             expected = "a mobility above 0 and an exponent from -2 to 4"
             raise InputError("flow", expected=expected, got=checks.shown(flow), advice="flow=(1e-20, 0)")
-        made["branches"] = (CreepBranch(law, PowerMobility(*mobility)),)
-        made["parameters"] = {"flow": tuple(mobility)}
-    return Solid(**made).with_hardness(hardness)
+        arguments["branches"] = (CreepBranch(law, PowerMobility(*mobility)),)
+        arguments["parameters"] = {"flow": tuple(mobility)}
+    return Solid(**arguments).with_hardness(hardness)
 
 
 def layer(

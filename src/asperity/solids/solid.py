@@ -170,15 +170,15 @@ class Solid(views.InNotebooks):
             rest = Scaled(law, self.permanent_share) if self.permanent_share else None
             parts = {"permanent": rest, "branches": branches}
         self._check(parts)
-        known = {
+        recorded = {
             **({"branches": self.shares} if self.creep is None else self.creep.parameters),
             "apparatus": self.apparatus,
             "hardness": self.hardness if self.yields else None,
             **({} if self.adhesion is None else self.adhesion.parameters),
         }
-        known = {name: value for name, value in known.items() if value is not None}
+        recorded = {name: value for name, value in recorded.items() if value is not None}
         first = {} if self.modulus is None else {"modulus": self.modulus}
-        self._set(**parts, parameters={**first, **self.parameters, **known})
+        self._set(**parts, parameters={**first, **self.parameters, **recorded})
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():
@@ -206,7 +206,7 @@ class Solid(views.InNotebooks):
                 "a local law of creep": self.creep is not None,
                 "a hardness": self.yields,
             }
-            if wrong := [what for what, is_so in beside.items() if is_so]:
+            if wrong := [case for case, is_so in beside.items() if is_so]:
                 expected = "an elastic or viscoelastic continuum beside it, which does not yield"
                 raise InputError("adhesion", expected=expected, got=wrong[0])
 

@@ -21,7 +21,7 @@ from asperity.surfaces import self_affine
 def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], None] = remark) -> None:
     """Compile all loops and keep their machine code on disk, unless that has been done.
 
-    What takes so long is told before it begins, if anything has to be compiled; where the machine code is
+    What takes so long is reported before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
     others = stencils.forces, asperities.overlap_by_rows, branches.add_power
@@ -30,7 +30,7 @@ def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], 
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return
-    watch.told = True
+    watch.reported = True
     tell(COMPILING)
     spectra = np.zeros((1, 2))
     kinds: tuple[Any, ...] = (spectra, spectra.astype(complex))  # of reflecting edges, and of periodic ones

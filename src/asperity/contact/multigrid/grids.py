@@ -124,9 +124,9 @@ class Grid:
         """A field as a vector; for the coarsest grid."""
         return self.backend.unpacked(field, self.sites).ravel()
 
-    def hand_over(self, found: Field) -> None:
+    def hand_over(self, corrections: Field) -> None:
         """Set the corrections, one after the other in a vector; for the coarsest grid."""
-        for joined, values in zip(self.joined, found.reshape(-1, *self.sites[:2]), strict=True):
+        for joined, values in zip(self.joined, corrections.reshape(-1, *self.sites[:2]), strict=True):
             joined[...] = values
 
     @cached_property
@@ -202,10 +202,10 @@ class Hierarchy:
 class Corrections(Hierarchy, ABC):
     """Corrections of fields on a lattice, and how the grids above it improve them; in units in which k0 = 1.
 
-    ``bound`` is the least correction of the first field that does not penetrate, and ``source`` what the
-    equations are to balance. ``found`` are the corrections that the coarse grids found last, on the first of
-    them. A shift of the last equation goes with them: at once what ``coupling`` times their sum demands. Pins
-    are set anew where more than a part ``moved`` of the contacts opens or closes.
+    ``bound`` is the least correction of the first field that does not penetrate, ``source`` the right-hand
+    side. ``proposed`` are the last corrections of the coarse grids, on the first of them. A shift of the last
+    equation goes with them, minus ``coupling`` times their sum. Pins are set anew where more than a part
+    ``moved`` of the contacts opens or closes.
     """
 
     springs: Springs
@@ -214,7 +214,7 @@ class Corrections(Hierarchy, ABC):
     def __init__(self, sites: Sites, fields: int, backend: Processor) -> None:
         super().__init__(sites, fields, backend)
         self.size, self.count = sites.rows * sites.columns, fields
-        self.bound, self.found = empty(sites, backend), self.grids[0].joined
+        self.bound, self.proposed = empty(sites, backend), self.grids[0].joined
         self.correction, self.source = self.fields(), self.fields()
         self.forget()
 

@@ -138,10 +138,10 @@ class OneField(Corrections):
         bed, diagonal, force = map(np.float32, (self.bed, 4.0 + self.bed, uniform))
         return One(self.correction[0], self.bound, self.source[0], bed, diagonal, force, self.sites)
 
-    def is_done(self, found: Extremes) -> bool:
+    def is_done(self, extremes: Extremes) -> bool:
         """Whether the correction is good enough, or as good as single precision allows."""
-        reachable = TUNING.single_precision * (8.0 + self.bed) * found.far
-        return found.worst <= max(self.allowed / (self.k0 * self.unit), reachable)
+        reachable = TUNING.single_precision * (8.0 + self.bed) * extremes.far
+        return extremes.worst <= max(self.allowed / (self.k0 * self.unit), reachable)
 
     def equations(self, level: int) -> CoarseOne:
         """See `Corrections`."""

@@ -115,7 +115,7 @@ class Cycles:
                 advice="solver=ActiveSet()",
             )
         springs, heights = stated.springs, stated.heights
-        if springs.creep and not (springs.relaxed and stated.known is None):
+        if springs.creep and not (springs.relaxed and stated.external is None):
             raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
         stated = stated.pulled()
         if springs.k0 == 0:

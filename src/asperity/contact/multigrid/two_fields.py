@@ -100,10 +100,9 @@ class TwoFields(Corrections):
 
     def damp(self) -> None:
         """Find what the sweeps take of the lag."""
-        one, four = np.float32(1.0), np.float32(4.0)
-        self.diagonal = self.lag + four * np.float32(self.spread)
-        self.damping = one / self.diagonal
-        self.inverse = one / (four + np.float32(self.bed) * self.damping)
+        self.diagonal = self.lag + np.float32(4.0 * self.spread)
+        self.damping = np.float32(1.0) / self.diagonal
+        self.inverse = np.float32(1.0) / (np.float32(4.0) + np.float32(self.bed) * self.damping)
 
     def improve(self, allowed_error: float, max_cycles: int) -> tuple[bool, int]:
         """Improve the correction until the error of e - f, rms over the sites, is small enough, or rounding.
@@ -127,7 +126,7 @@ class TwoFields(Corrections):
             if self.wanted is not None and sums.contacts + self.yielding == 0:
                 continue  # something must carry the load
             if self.wanted is None and sums.contacts > 0:
-                missing = self.taken * self.size * float(np.mean(self.found.f, dtype=float))
+                missing = self.taken * self.size * float(np.mean(self.proposed.f, dtype=float))
             good = rate * size <= max(self.part * allowed_error, TUNING.rounding * far)
             total = abs(self.known_stretch + sums.stretch)
             if good and rate * abs(missing) <= self.force_error * total:
@@ -142,7 +141,7 @@ class TwoFields(Corrections):
         self.correction.e[...] -= np.float32(gap)
         self.shift += gap
 
-    def left_of(self, error: Single) -> tuple[float, float]:
+    def filtered_error(self, error: Single) -> tuple[float, float]:
         """Mean and rms of what an implicit step leaves of an error of u0, while the contacts stay.
 
         The rms is about the mean where the load decides that. The equations are those of the step that was
@@ -158,11 +157,11 @@ class TwoFields(Corrections):
         unseen = self.square(error, self.sites) - self.square(source.e / grid.sharing, grid.sites)
         source.e.fill(0.0)
         shift = self.cycle_from(0, 0.0)
-        left = self.found.f - self.found.e
-        mean = float(np.mean(left, dtype=float))
+        remainder = self.proposed.f - self.proposed.e
+        mean = float(np.mean(remainder, dtype=float))
         if self.wanted is not None:
-            left -= np.float32(mean)
-        return mean - shift, math.sqrt(float(np.mean(left * left, dtype=float)) + max(unseen, 0.0))
+            remainder -= np.float32(mean)
+        return mean - shift, math.sqrt(float(np.mean(remainder * remainder, dtype=float)) + max(unseen, 0.0))
 
     def square(self, field: Single, sites: Sites) -> float:
         """Mean square over sites."""
@@ -189,7 +188,7 @@ class TwoFields(Corrections):
         """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
         return self.backend.cycle_2(
             self.equation(),
-            self.found,
+            self.proposed,
             self.taken,
             self.grids[0].source,
             correcting=correcting,
@@ -199,7 +198,7 @@ class TwoFields(Corrections):
     def find_correction(self, contacts: float, missing: float, before: float) -> tuple[float, float]:
         """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
         shift = self.improve_on_grids(contacts, missing)
-        e, f = self.found
+        e, f = self.proposed
         latest, self.latest = self.latest, e - f
         squares = np.vecdot(self.latest, self.latest)
         size = math.sqrt(float(np.mean(squares, dtype=float)) / self.latest.shape[1])

@@ -97,7 +97,7 @@ def sweeps_1(eq: One, halves: int) -> None:
 def defect_row_1(eq: One, i: int, defect: Single, sums: Field) -> None:
     """Minus the force off contact, in row i; ``sums``: the largest, the largest correction, contacts."""
     e, bound, b, _, diagonal, uniform, sites = eq
-    zero, one = np.float32(0.0), np.float32(1.0)
+    zero, unit = np.float32(0.0), np.float32(1.0)
     worst = far = free_sites = zero
     above, below = neighbors(i, sites)
     for side in range(2):
@@ -105,7 +105,7 @@ def defect_row_1(eq: One, i: int, defect: Single, sums: Field) -> None:
         up, down = e[above, side], e[below, side]
         for k in range(side, end_of(side, sites.columns)):
             beside = up[k] + down[k] + other[k - side] + other[k - side + 1]
-            free = one if row[k] > least[k] else zero
+            free = unit if row[k] > least[k] else zero
             free_sites += free
             value = (beside + source[k] - uniform - diagonal * row[k]) * free
             worst, far = larger(worst, abs(value)), larger(far, abs(row[k]))
@@ -125,8 +125,8 @@ def restrict_1(eq: One, out: Single, sums: Field) -> None:
                 row[:] = np.float32(0.0)
             elif offset > -1 or k == 0:  # else it is still in the buffer
                 defect_row_1(eq, i, row, sums[i])
-        above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
-        restrict_rows(defect[above], defect[here], defect[below], k, eq.sites, line, out[k])
+        above, center, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+        restrict_rows(defect[above], defect[center], defect[below], k, eq.sites, line, out[k])
 
 
 @compiled
@@ -137,14 +137,14 @@ def products_1(eq: One, coarse: Single, previous: Single, sums: Field) -> None:
     d, q = np.zeros((2, 2, width), np.float32), np.zeros((2, 2, width), np.float32)
     line = np.zeros((2, width), np.float32)
     for i in range(ny + 1):
-        here = i if i < ny else neighbors(ny - 1, sites)[1]
+        row = i if i < ny else neighbors(ny - 1, sites)[1]
         now = i % 2
-        interpolate_row(coarse, here, sites, line)
-        off_contact(line, e[here], bound[here], sites, d[now])
-        off_contact(previous[here], e[here], bound[here], sites, q[now])
+        interpolate_row(coarse, row, sites, line)
+        off_contact(line, e[row], bound[row], sites, d[now])
+        off_contact(previous[row], e[row], bound[row], sites, q[now])
         if i == 0:
             continue
-        x, y, d0, d1, q0, q1 = e[i - 1], e[here], d[1 - now], d[now], q[1 - now], q[now]
+        x, y, d0, d1, q0, q1 = e[i - 1], e[row], d[1 - now], d[now], q[1 - now], q[now]
         zero = np.float32(0.0)
         rd = rq = dd = dq = qq = sd = sq = zero
         for side in range(2):
@@ -237,8 +237,8 @@ def descend_1(grid: CoarseOne, out: Fields) -> float:
                 into[:] = np.float32(0.0)
             elif offset > -1 or k == 0:  # else it is still in the buffer
                 coarse_defect_1(grid, uniform, i, into)
-        upper, here, lower = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
-        restrict_rows(defect[upper], defect[here], defect[lower], k, sites, line, out[0][k])
+        upper, center, lower = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+        restrict_rows(defect[upper], defect[center], defect[lower], k, sites, line, out[0][k])
     return value
 
 

@@ -175,7 +175,7 @@ def weighted_total(field: Single, mx: Single, my: Single, columns: int) -> float
 
 @inlined
 def restrict_rows(
-    above: Single, here: Single, below: Single, k: int, sites: Sites, line: Single, out: Single
+    above: Single, center: Single, below: Single, k: int, sites: Sites, line: Single, out: Single
 ) -> None:
     """Three parted fine rows on parted coarse row k: coarse sites count whole, those between them half.
 
@@ -187,7 +187,7 @@ def restrict_rows(
         for side in range(2):
             for j in range(m + 1):
                 below[side, j] *= two
-    for row in (above, here, below):
+    for row in (above, center, below):
         if nx % 2 == 0 and not sites.mirrored:
             row[1, 0] = row[1, m]
         elif nx % 2 == 0:
@@ -195,11 +195,11 @@ def restrict_rows(
         else:  # the last column and the first are neighbors with nothing between, or at mirrors
             row[1, 0] = row[1, m] = np.float32(0.0)
     for j in range(m):
-        sides = above[0, j] + below[0, j] + here[1, j] + here[1, j + 1]
+        sides = above[0, j] + below[0, j] + center[1, j] + center[1, j + 1]
         corners = above[1, j] + above[1, j + 1] + below[1, j] + below[1, j + 1]
-        line[j] = here[0, j] + half * (sides + half * corners)
+        line[j] = center[0, j] + half * (sides + half * corners)
     if sites.mirrored and nx % 2 == 0:
-        line[m - 1] += half * (here[1, m] + half * (above[1, m] + below[1, m]))
+        line[m - 1] += half * (center[1, m] + half * (above[1, m] + below[1, m]))
     part(line, out)
 
 
@@ -239,7 +239,7 @@ def restrict(field: Single, sites: Sites, softening: Scalar, mean: Scalar, out: 
     """A field on the next coarser grid, where what stands out from a mean softens."""
     width = field.shape[2]
     rows, line = np.zeros((3, 2, width), np.float32), np.empty(width - 1, np.float32)
-    one, zero = np.float32(1.0), np.float32(0.0)
+    unit, zero = np.float32(1.0), np.float32(0.0)
     for k in range(out.shape[0]):
         for offset in range(-1, 2):
             i, row = fine_row(k, offset, sites), rows[offset + 1]
@@ -249,7 +249,7 @@ def restrict(field: Single, sites: Sites, softening: Scalar, mean: Scalar, out: 
             for side in range(2):
                 for j in range(side, end_of(side, sites.columns)):
                     value = field[i, side, j]
-                    row[side, j] = value / (one + softening * max(value - mean, zero))
+                    row[side, j] = value / (unit + softening * max(value - mean, zero))
         restrict_rows(rows[0], rows[1], rows[2], k, sites, line, out[k])
 
 
@@ -270,10 +270,10 @@ def move_row(
     zero = np.float32(0.0)
     for side in range(2):
         for k in range(side, end_of(side, sites.columns)):
-            here, least = e[side, k], bound[side, k]
-            move = alpha * line[side, k] + beta * last[side, k] if here > least else zero
+            value, least = e[side, k], bound[side, k]
+            move = alpha * line[side, k] + beta * last[side, k] if value > least else zero
             last[side, k] = move
-            e[side, k] = max(least, here + move)
+            e[side, k] = max(least, value + move)
     wrap(e, sites)
 
 

@@ -111,9 +111,9 @@ def measure(
             squares_u += rise * rise
             force[j] = total * scale
             line[j] = (rough[j] - row[j]) * inverse
-        found = sums[i]
-        found[0], found[1], found[2], found[3], found[4] = worst, tension, highest, load, imbalance
-        found[5], found[6], found[7], found[8], found[9] = nx - free_sites, sum_w, sum_u, squares_w, squares_u
+        out = sums[i]
+        out[0], out[1], out[2], out[3], out[4] = worst, tension, highest, load, imbalance
+        out[5], out[6], out[7], out[8], out[9] = nx - free_sites, sum_w, sum_u, squares_w, squares_u
         part(line, bound[i])
         part(force, b[i])
         if flowing:

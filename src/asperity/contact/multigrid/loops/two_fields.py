@@ -112,7 +112,7 @@ def defect_row_2(eq: Two, i: int, balance: Single, creep: Single, sums: Field) -
     """Defects of both equations in row i; ``sums``: sum of f, contacts, squares of e."""
     e, f, bound, b, c, bed, spread, shift = eq.e, eq.f, eq.bound, eq.b, eq.c, eq.bed, eq.spread, eq.shift
     sites = eq.sites
-    zero, one, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
+    zero, unit, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
     before, after = neighbors(i, sites)
     stretch = free_sites = moves = zero
     for side in range(2):
@@ -122,7 +122,7 @@ def defect_row_2(eq: Two, i: int, balance: Single, creep: Single, sums: Field) -
         out_1, out_2, diagonal = balance[side], creep[side], eq.diagonal[row_in(eq.diagonal, i), side]
         for k in range(side, end_of(side, sites.columns)):
             beside = e_up[k] + e_down[k] + e_other[k - side] + e_other[k - side + 1] - four * e_row[k]
-            free = one if e_row[k] > least[k] else zero
+            free = unit if e_row[k] > least[k] else zero
             value = (beside + first[k] - bed * f_row[k]) * free
             flow = spread * (f_up[k] + f_down[k] + f_other[k - side] + f_other[k - side + 1])
             flow += second[k] + shift + e_row[k] - diagonal[k] * f_row[k]
@@ -136,9 +136,9 @@ def defect_row_2(eq: Two, i: int, balance: Single, creep: Single, sums: Field) -
 @inlined
 def restrict_pair(balance: Single, creep: Single, k: int, sites: Sites, line: Single, out: Pair) -> None:
     """Row k of two coarse fields, from buffers in which fine row i has the index i modulo 3."""
-    above, here, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
-    restrict_rows(balance[above], balance[here], balance[below], k, sites, line, out.e[k])
-    restrict_rows(creep[above], creep[here], creep[below], k, sites, line, out.f[k])
+    above, center, below = (2 * k - 1) % 3, 2 * k % 3, (2 * k + 1) % 3
+    restrict_rows(balance[above], balance[center], balance[below], k, sites, line, out.e[k])
+    restrict_rows(creep[above], creep[center], creep[below], k, sites, line, out.f[k])
 
 
 @inlined
@@ -148,8 +148,8 @@ def correct_row_2(eq: Two, coarse: Pair, part: Scalar, i: int, line: Single) -> 
     interpolate_row(coarse.e, i, sites, line)
     for side in range(2):
         for k in range(side, end_of(side, sites.columns)):
-            here, least = e[i, side, k], bound[i, side, k]
-            e[i, side, k] = max(least, here + part * line[side, k]) if here > least else least
+            value, least = e[i, side, k], bound[i, side, k]
+            e[i, side, k] = max(least, value + part * line[side, k]) if value > least else least
     wrap(e[i], sites)
     interpolate_row(coarse.f, i, sites, line)
     for side in range(2):
@@ -211,7 +211,7 @@ def coarse_relax_2(grid: CoarseTwo, i: int, color: int) -> None:
     """Gauss-Seidel, both fields of a site at once, on the sites of one color in row i."""
     e, f, b, c, bed, spread, lag, pins, gx, gy, mx, my, sites = grid
     ny = sites.rows
-    one = np.float32(1.0)
+    unit = np.float32(1.0)
     side = (i + color) & 1
     before, after = i - 1 if i > 0 else ny - 1, i + 1 if i < ny - 1 else 0
     above, below, size = gy[before], gy[i], my[i]
@@ -229,7 +229,7 @@ def coarse_relax_2(grid: CoarseTwo, i: int, color: int) -> None:
         flow = cell[k] * (above * f_up[k] + below * f_down[k])
         flow += size * (g * f_other[k - side] + right[k] * f_other[k - side + 1])
         fixed = second[k] + spread * flow
-        inverse = one / (mass * lagging[k] + spread * lap)
+        inverse = unit / (mass * lagging[k] + spread * lap)
         coupling = bed * mass * inverse
         value = (beside - coupling * fixed) / (lap + pin[k] + coupling * mass)
         e_row[k] = value

@@ -1,4 +1,4 @@
-"""A known force, not of contact: bodies touch as under the load and above the heights that it makes."""
+"""An external force, not of contact: bodies touch as under the load and above the heights that it makes."""
 
 from dataclasses import replace
 from typing import Any, cast
@@ -44,10 +44,10 @@ def pressed(name):
 
 
 def pressed_beside(known, contact, *, control=None, solver=None):
-    """The contact of anchors that are flat, beside a known force, published."""
+    """The contact of anchors that are flat, beside an external force, published."""
     system = contact.system(control)
     mechanics = system.mechanics
-    system = replace(system, known=mechanics.lattice.extended(known, 0.0))
+    system = replace(system, external=mechanics.lattice.extended(known, 0.0))
     level = 0.0 if system.load is not None else system.control.value - system.datum
     problem = mechanics.implicit_step(0.0).flat_problem(system.heights, level, system.held())
     solution = chosen_solver(solver, system).solve(problem, None, PUBLISHED)
@@ -64,11 +64,11 @@ def test_time_steps_that_leave_it_out_do_not_begin_with_it():
         system = contact.system()
         solver = chosen_solver(None, system)
         assert kind.begin(system, solver, contact) is not None
-        assert kind.begin(replace(system, known=uneven(contact)), solver, contact) is None
+        assert kind.begin(replace(system, external=uneven(contact)), solver, contact) is None
     law = asp.solids.Norton(rate=1.0, stress=1.0, exponent=3.0)
     contact = asp.press(HEIGHTS, half_space(modulus=1.0, creep=law), load=5.0)
     with refuses("creep", "one"):
-        LocalSteps.begin(replace(contact.system(), known=uneven(contact)), ActiveSet(), contact)
+        LocalSteps.begin(replace(contact.system(), external=uneven(contact)), ActiveSet(), contact)
 
 
 def indentation(known, contact):
@@ -85,7 +85,7 @@ def uneven(contact, scale=0.5):
 
 @pytest.mark.parametrize("even", [True, False])
 @pytest.mark.parametrize("name", CASES)
-def test_a_known_force_is_a_load_and_an_indentation(name, even):
+def test_an_external_force_is_a_load_and_an_indentation(name, even):
     solid, edges, load = CASES[name]
     contact = pressed(name)
     known = uneven(contact)
@@ -116,13 +116,13 @@ def test_a_held_body_is_pulled_as_under_the_load_that_comes_out(name):
 
 def test_springs_relax_beside_it():
     contact = pressed("springs")
-    system = replace(contact.system(), known=uneven(contact))
+    system = replace(contact.system(), external=uneven(contact))
     problem = system.mechanics.implicit_step(np.inf).flat_problem(system.heights, 0.0, system.held())
     found = Multigrid().solve(problem, None, PUBLISHED)
     force = problem.spectral().force(found.u)
     assert found.solver == "ActiveSet"
     assert np.abs(force[~found.in_contact]).max() < 1e-8 * force[found.in_contact].mean()
-    assert force.sum() + system.known.sum() == pytest.approx(contact.load, rel=1e-9)
+    assert force.sum() + system.external.sum() == pytest.approx(contact.load, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_dense_matrices_find_the_same(name, law):
 
 
 class Pulling:
-    """A solver of somebody's own that adds a known force to whatever problem it is given, twice a half."""
+    """A solver of somebody's own that adds an external force to any problem, twice a half."""
 
     def __init__(self, solver, known):
         self.solver, self.half = solver, known / 2
@@ -159,13 +159,13 @@ def test_a_wrapper_of_solvers_adds_it_to_problems(solver):
     np.testing.assert_array_equal(found.in_contact, pressed_beside(known, contact).in_contact)
 
 
-def test_forces_off_contact_that_are_not_the_known_ones_are_refused():
+def test_forces_off_contact_that_are_not_the_external_ones_are_refused():
     contact = pressed("half-space")
     known = uneven(contact)
-    system = replace(contact.system(), known=known)
+    system = replace(contact.system(), external=known)
     problem = system.mechanics.implicit_step(0.0).flat_problem(system.heights, 0.0, system.held())
     solution = ActiveSet().solve(problem, None, PUBLISHED)
     level = float(solution.u.mean())
     with refuses(kind=ConvergenceError):
         anchors = AnchorFields.flat(level, system)
-        contact_from(replace(system, known=None), solution, anchors, level, bodies=contact)
+        contact_from(replace(system, external=None), solution, anchors, level, bodies=contact)
