@@ -273,8 +273,8 @@ class Lattice:
     def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
         """Add the modes of a coarser lattice, of odd lengths, to those of this one, in place."""
         kept = modes[..., : coarse.spectral_shape[-1]]
-        for rows, own in self._rows(coarse):
-            kept[rows, ...] += long[own, ...]
+        for rows, coarse_rows in self._rows(coarse):
+            kept[rows, ...] += long[coarse_rows, ...]
 
     def _rows(self, coarse: Lattice) -> list[tuple[slice, slice]]:
         """Where the first axis has the waves of a coarser lattice, and where that has them."""

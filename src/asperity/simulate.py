@@ -125,12 +125,12 @@ def press(
     -----
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
     """
-    given = {"load": load, "pressure": pressure, "separation": separation}
-    name = checks.one_of("load=800.0", **given)
+    prescribed = {"load": load, "pressure": pressure, "separation": separation}
+    name = checks.one_of("load=800.0", **prescribed)
 
-    def at(value: object) -> Contact:
+    def at(number: object) -> Contact:
         if isinstance(heights, Contact):
-            control = _control(heights, name, value)
+            control = _control(heights, name, number)
             if start is not None or solid not in (None, heights.solid):
                 raise InputError(
                     "heights",
@@ -139,7 +139,7 @@ def press(
                     advice="asperity.press(contact, load=...)",
                 )
             return pressed_anew(heights, control, solver)
-        contact = pressed(heights, solid, start=start, solver=solver, **{name: value})
+        contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
         for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
             remark(doubt)
         modulus = contact.solid.modulus
@@ -148,9 +148,9 @@ def press(
             remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
         return contact
 
-    value: Any = given[name]
+    value: Any = prescribed[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
-        return [at(one) for one in value]
+        return [at(item) for item in value]
     return at(value)
 
 
@@ -257,15 +257,15 @@ def age(
     """
     tolerance = check_rtol(rtol)
     protocol = [protocol] if isinstance(protocol, Leg) else protocol
-    given, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
-    recorded = checks.times("times", given)
+    asked_times, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
+    recorded = checks.times("times", asked_times)
     wanted = checks.times("fields_at", moments, at_least=0)
     recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
     if doubt := zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))):
         remark(doubt)
-    units.check_units(given, moments, si=contact.si)
+    units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:
         checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)").of(contact)
@@ -281,9 +281,9 @@ def age(
         if (place := keeper.read()) is not None:
             resume, rows, snapshots = place.midway, place.rows, place.snapshots
 
-    def keep_place(here: Callable[[], LegMidway]) -> None:
+    def keep_place(midway: Callable[[], LegMidway]) -> None:
         if keeper is not None and keeper.is_due():
-            keeper.write(Place(here(), rows, snapshots))
+            keeper.write(Place(midway(), rows, snapshots))
 
     final, parted = contact, False
     with listener(progress) as shown:
@@ -303,8 +303,10 @@ def age(
             of_its_time = not frame.passing
             if of_its_time and frame.time in wanted and not parted:
                 snapshots.append(snapshot_of(frame, carried))
-            known = frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always))
-            if (frame.time > rows[-1]["time"]) if parted else known:
+            recorded_now = frame.at_a_shift or (
+                of_its_time and (frame.time in recorded or frame.time in always)
+            )
+            if (frame.time > rows[-1]["time"]) if parted else recorded_now:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
@@ -395,11 +397,11 @@ def slide(
         sites = [n * length / lattice.length_of(along) for n in along]
     else:
         expected = "one finite number of sites, or one for each axis"
-        given = np.atleast_1d(checks.floats("shift", shift, expected=expected, advice="shift=(0, 1)"))
-        if given.ndim != 1 or given.size not in (1, lattice.dimension) or not np.isfinite(given).all():
+        shifts = np.atleast_1d(checks.floats("shift", shift, expected=expected, advice="shift=(0, 1)"))
+        if shifts.ndim != 1 or shifts.size not in (1, lattice.dimension) or not np.isfinite(shifts).all():
             raise InputError("shift", expected=expected, got=checks.shown(shift), advice="shift=(0, 1)")
-        sites = given.tolist()
-        sites = [0.0] * (lattice.dimension - given.size) + sites
+        sites = shifts.tolist()
+        sites = [0.0] * (lattice.dimension - shifts.size) + sites
     by = [Fraction(n) % size for n, size in zip(sites, lattice.shape, strict=True)]
     if not any(by):
         return contact

@@ -112,43 +112,46 @@ class OfScan:
         sites = in_tiles(np.ones_like(touching))
         parts = {"in_contact": (area, load)}
         if set(banded(dataset)) - set(_BY_AREA):
-            parts["punch"] = in_tiles(np.array([punch(contact, one) for one in touching])), load
+            parts["punch"] = in_tiles(np.array([punch(contact, mask) for mask in touching])), load
         if "stick" in dataset:
             parts["stick"] = in_tiles(np.asarray(dataset["stick"])), area
         entries = np.arange(dataset.sizes["time"])
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
-            ratios["load"] = np.log(_left(load) / _left(sites))
+            ratios = {
+                name: np.log(without_each(mask) / without_each(other))
+                for name, (mask, other) in parts.items()
+            }
+            ratios["load"] = np.log(without_each(load) / without_each(sites))
             # Where much touches, the area is less than in proportion to the load.
             ratios["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * ratios["load"]
-            bearing = np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1))
+            borne = bearing(load)
         without = {
             name: np.array(
                 [np.interp(entries, rows, np.where(np.isfinite(tile), tile, np.nan)) for tile in ratio.T]
             )
             for name, ratio in ratios.items()
         }
-        return cls(without, np.interp(entries, rows, bearing), contact.solid.separable)
+        return cls(without, np.interp(entries, rows, borne), contact.solid.separable)
 
     def at(self, rows: NDArray[np.intp]) -> OfScan:
         """The same at some entries."""
-        without = {name: one[:, rows] for name, one in self.without.items()}
+        without = {name: logs[:, rows] for name, logs in self.without.items()}
         return replace(self, without=without, bearing=self.bearing[rows])
 
     def draws(self, name: str) -> Floats:
         """Factors of other scans, shape (draws, entries); NaN where too few tiles bear."""
-        return np.exp(_student(self.without[name], self.bearing))
+        return np.exp(student(self.without[name], self.bearing))
 
     def draws_of(self, measure: Callable[[Field], float]) -> Floats:
         """What another scan would add to a measure of factors on the area, shape (draws,)."""
-        deviations = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
+        deviations = np.array([measure(np.exp(logs)) for logs in np.nan_to_num(self.without["in_contact"])])
         deviations -= measure(np.ones_like(self.bearing))
         if self.separable:
             # What a tile takes over from others changes nothing for all: the regression on it is left out.
             moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
             deviations -= moved * (deviations @ moved) / max(float(moved @ moved), _ROUNDING)
         enough = self.bearing.min() >= _FEWEST
-        return _student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
+        return student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
 
 
 def banded(dataset: xr.Dataset) -> list[str]:
@@ -217,7 +220,7 @@ def draws_of_solid(
     if (loads := effective_load(dataset, series[0])) is None:
         return _by_some(dataset, curves, series, solid, computed)
     on = np.flatnonzero(loads > 0)
-    crept = [np.log(np.asarray(effective_load(dataset, one))[on] / one.modulus) for one in series]
+    crept = [np.log(np.asarray(effective_load(dataset, draw))[on] / draw.modulus) for draw in series]
     grown = np.flatnonzero(np.diff(np.maximum.accumulate(crept[0]), prepend=-np.inf) > _ROUNDING)
     factors_of = {}
     for name, curve in curves.items():
@@ -225,9 +228,9 @@ def draws_of_solid(
         if grown.size > 1 and (curve[on] > 0).all() and np.isfinite(curve[on]).all():
             y = np.log(curve[on])
             at_once = select()[name].dimension == "stiffness"  # which is in proportion to the modulus at once
-            for factor, one, other in zip(factors, crept[1:], series[1:], strict=True):
-                factor[on] = np.exp(_continued(one, crept[0][grown], y[grown]) - y)
-                factor[on] *= other.modulus / series[0].modulus if at_once else 1.0
+            for factor, load, draw in zip(factors, crept[1:], series[1:], strict=True):
+                factor[on] = np.exp(_continued(load, crept[0][grown], y[grown]) - y)
+                factor[on] *= draw.modulus / series[0].modulus if at_once else 1.0
         factors_of[name] = factors
     return factors_of
 
@@ -242,14 +245,14 @@ def _by_some(
     """Compute the history for those draws that span the compliances; the others follow from these."""
     time = np.asarray(dataset["time"])
     lags = np.append(0.0, np.geomspace(time[time > 0][0] / 10, time[-1], _LAGS))
-    compliance = np.log([one.compliance_at(lags) for one in series])
+    compliance = np.log([draw.compliance_at(lags) for draw in series])
     modes, size, _ = np.linalg.svd(compliance[1:] - compliance[0], full_matrices=False)
     missed = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0.0))
     count = min(int(np.argmax(missed <= _MISSED * missed[0])), _MOST)
     scores = (modes * size)[:, :count]
     chosen = scipy.linalg.qr(scores.T, mode="r", pivoting=True)[1][:count]
     weights = np.linalg.lstsq(scores[chosen].T, scores.T, rcond=None)[0].T
-    found = {name: np.zeros((count, curve.size)) for name, curve in curves.items()}
+    logarithms = {name: np.zeros((count, curve.size)) for name, curve in curves.items()}
     for number, draw in enumerate(chosen):
         other = series[1 + draw]
         factor = other.modulus / series[0].modulus
@@ -262,8 +265,8 @@ def _by_some(
         for name, curve in curves.items():
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = np.log(np.asarray(history[name]) / curve)
-            found[name][number] = np.where(np.isfinite(ratio), ratio, 0.0)
-    return {name: np.exp(weights @ logarithms) for name, logarithms in found.items()}
+            logarithms[name][number] = np.where(np.isfinite(ratio), ratio, 0.0)
+    return {name: np.exp(weights @ computed_logs) for name, computed_logs in logarithms.items()}
 
 
 def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
@@ -280,14 +283,20 @@ def _slope(fraction: Field) -> Field:
     return np.asarray(argument * np.exp(-(argument**2)) * 2 / np.sqrt(np.pi) / fraction)
 
 
-def _left(tiles: Floats) -> Floats:
-    """What the others have over what all have, for each tile."""
+def bearing(load: Floats) -> Field:
+    """How many tiles bear the load, shape (maps,), from what each bears, shape (maps, tiles)."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1)))
+
+
+def without_each(tiles: Floats) -> Floats:
+    """The sum over the other tiles, divided by that over all; shape (maps, tiles)."""
     whole = tiles.sum(axis=1, keepdims=True)
     return np.asarray((whole - tiles) / whole)
 
 
-def _student(without: Floats, bearing: Field) -> Floats:
-    """Draws of the error of what differs so without each tile, shape (draws, entries)."""
+def student(without: Floats, bearing: Field) -> Floats:
+    """Draws of the error of a number from its changes without each tile; shape (draws, entries)."""
     count = len(without)
     error = np.sqrt((count - 1) / count * (without**2).sum(axis=0))
     error = np.where((bearing >= _FEWEST) | (error == 0), error, np.nan)

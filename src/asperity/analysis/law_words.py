@@ -88,10 +88,10 @@ def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr
 def place_of(age: float | str | None, times: ArrayLike) -> int:
     """Which of the ages of a law, s, one is; None where there is one alone. `InputError` if it is none."""
     ages = np.asarray(times)
-    found = ages if age is None else units.number("age", age, "s", least=0)
-    near = np.flatnonzero(np.isclose(ages, found, rtol=1e-6, atol=0))
+    wanted = ages if age is None else units.number("age", age, "s", least=0)
+    near = np.flatnonzero(np.isclose(ages, wanted, rtol=1e-6, atol=0))
     if near.size != 1:
-        expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in ages.tolist())}"
+        expected = f"one of the ages of the law, {', '.join(written(value, 's') for value in ages.tolist())}"
         advice = f'age="{written(float(ages[-1]), "s")}"'
         raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
     return int(near[0])
@@ -170,11 +170,11 @@ def closure_fits(
         return np.asarray(np.log(p / (k + p / v) / a))
 
     k, v = np.exp(least_squares(lack, np.log([p[0] / a[0], 1.2 * a[-1]])).x)
-    found = []
+    rows = []
     for name, first, second, formula in (
         ("Barton-Bandis", k, v, p / (k + p / v)),
         ("power", np.exp(power[1]), power[0], np.exp(np.polyval(power, np.log(p / 1e6)))),
     ):
         error = formula / a - 1
-        found.append((name, first, second, np.sqrt((error**2).mean()), np.abs(error).max()))
-    return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
+        rows.append((name, first, second, np.sqrt((error**2).mean()), np.abs(error).max()))
+    return pd.DataFrame(rows, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")

@@ -232,9 +232,10 @@ def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
         shifted_axes = [axis for axis in axes if axis in field.dims]
         if shifted_axes and "field_time" in field.dims:
             shifts = (
-                {axis: -round(float(one[f"field_shift_{axis}"])) for axis in shifted_axes} for one in field
+                {axis: -round(float(of_time[f"field_shift_{axis}"])) for axis in shifted_axes}
+                for of_time in field
             )
-            back = [one.roll(shift) for one, shift in zip(field, shifts, strict=True)]
+            back = [of_time.roll(shift) for of_time, shift in zip(field, shifts, strict=True)]
             moved[name] = field.copy(data=np.stack(back))
     return dataset.assign(moved)
 
@@ -245,15 +246,15 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     `InputError` if the earlier one is of another surface.
     """
     both = (contact if since is None else since, contact)
-    earlier, heights = (one.heights + one.permanent_indentation for one in both)
+    earlier, heights = (state.heights + state.permanent_indentation for state in both)
     if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(heights))):
         raise InputError("since", expected="a contact of the same surface", got="one of other heights")
     return _maps_of(
         heights,
         contact.permanent_indentation,
         [math.nan] * 2,
-        [one.in_contact for one in both],
-        [one.u for one in both],
+        [state.in_contact for state in both],
+        [state.u for state in both],
         origin=contact.surface,
         spacing=contact.lattice.spacing if contact.si else None,
     )

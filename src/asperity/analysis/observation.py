@@ -136,10 +136,10 @@ def observe(
         most = shortest * (1 + _ROUNDING)
         side = checks.number("pixel", _length("pixel", pixel, si), above=0, most=most)
     limit = None if threshold is None else checks.number("threshold", threshold)
-    pixels = tuple(own if side is None else side for own in sides)
+    pixels = tuple(site if side is None else side for site in sides)
     seen = brightness
-    for axis, (own, length) in enumerate(zip(sides, pixels, strict=True)):
-        weights = _weights(brightness.shape[axis], own, length, width / _FWHM, beyond)
+    for axis, (site, length) in enumerate(zip(sides, pixels, strict=True)):
+        weights = _weights(brightness.shape[axis], site, length, width / _FWHM, beyond)
         seen = np.moveaxis(np.tensordot(weights, seen, axes=(1, axis)), 0, axis)
     return Observation(
         image=seen,
@@ -200,9 +200,9 @@ def _scene(
     return brightness, tuple(np.broadcast_to(spacings, brightness.ndim).tolist()), edges or "periodic", False
 
 
-def _length(name: str, given: float | str, si: bool) -> float:
-    if not isinstance(given, str):
-        return given
+def _length(name: str, value: float | str, si: bool) -> float:
+    if not isinstance(value, str):
+        return value
     if not si:
-        raise InputError(name, expected="a number: lengths have no unit here", got=checks.shown(given))
-    return units.quantity(given, "m", name)
+        raise InputError(name, expected="a number: lengths have no unit here", got=checks.shown(value))
+    return units.quantity(value, "m", name)

@@ -124,12 +124,12 @@ def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
     )
 
 
-def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
+def remark_on_loading(times: Sequence[float] | Field, end: float, when: str) -> tuple[str, ...]:
     """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
     if not (early := sum(0 < time < end for time in times)):
         return ()
     return (
-        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
+        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {when}: "
         "there the load still rises, and the area with it",
     )
 

@@ -245,7 +245,7 @@ def predicted(
         None if legs else growth_of(dataset, of_scan, of_solid),
         resolved(dataset),
         shear_strength=strength,
-        observed=tuple(observe(one, **instrument) for one in looked_at),
+        observed=tuple(observe(fields, **instrument) for fields in looked_at),
         bands=bands,
     )
     on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
@@ -262,9 +262,9 @@ def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> 
     return InputError("pressure", expected=expected, got=got, advice=advice)
 
 
-def positive_quantity(name: str, given: object, unit: str) -> float:
+def positive_quantity(name: str, value: object, unit: str) -> float:
     """Read a number above 0, in SI or with a unit."""
-    return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
+    return checks.number(name, units.quantity(value, unit, name), above=0, expected=f"more than 0 {unit}")
 
 
 def hold_times(*, first: float, last: float, per_decade: int) -> Field:

@@ -164,7 +164,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     def __repr__(self) -> str:
         ends = self.band("contact_area_corrected")
         low, area, high = (
-            float(one[-1]) for one in (ends[0], self.series("contact_area_corrected"), ends[1])
+            float(values[-1]) for values in (ends[0], self.series("contact_area_corrected"), ends[1])
         )
         if self.growth is None:
             area_at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
@@ -258,8 +258,8 @@ class Prediction(views.InNotebooks, views.Pictured):
         parts = [f"half-space, instantaneous E* = {written(self.modulus, 'Pa')}"]
         if law is not None:
             numbers = [
-                f"{what.symbol} = {written(law.parameters[name], what.unit or '1').removesuffix(' 1')}"
-                for name, what in PARAMETERS_OF_LAWS.items()
+                f"{fact.symbol} = {written(law.parameters[name], fact.unit or '1').removesuffix(' 1')}"
+                for name, fact in PARAMETERS_OF_LAWS.items()
                 if name in law.parameters
             ]
             parts.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
@@ -337,7 +337,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     def band(self, name: str) -> tuple[Field, Field]:
         """95 % band of areas, friction, and all that the contact carries, at `time`: its two ends.
 
-        NaN where fewer than two of sixteen tiles of the scan bear the load. `InputError` for other names.
+        NaN where fewer than three of sixteen tiles of the scan bear the load. `InputError` for other names.
         """
         if (quantities := banded(self.dataset)) and name not in quantities:
             raise InputError("name", expected=f"one of {', '.join(quantities)}", got=repr(name))

@@ -90,12 +90,12 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
 def carried_rows(dataset: xr.Dataset) -> list[Row]:
     """Stiffness, resistance and slip, at first and at last."""
     rows = []
-    for name, one in select("series", of=["carried"]).items():
+    for name, quantity in select("series", of=["carried"]).items():
         if name in dataset:
             unit = str(dataset[name].attrs["units"])
             bands = [_band(dataset, name, unit, n) for n in (0, -1)]
             note = f"{bands[0]} at first, {written(float(dataset[name][-1]), unit)}{bands[1]} at last"
-            rows.append(Row(one.label, float(dataset[name][0]), unit, note=note, digits=4))
+            rows.append(Row(quantity.label, float(dataset[name][0]), unit, note=note, digits=4))
     return rows
 
 

@@ -102,11 +102,11 @@ def line_or_plane(value: object) -> int:
     return integer("dimension", value, least=1, most=2, expected="1 (line contact) or 2")
 
 
-def one_of(advice: str, **given: object) -> str:
+def one_of(advice: str, **values: object) -> str:
     """Name of the one of several arguments that is given; `InputError` for none and for more."""
-    names = [name for name, value in given.items() if value is not None]
+    names = [name for name, value in values.items() if value is not None]
     if len(names) != 1:
-        *some, last = given
+        *some, last = values
         got = " and ".join(names) or "none"
         expected = "exactly one of them"
         raise InputError(f"{', '.join(some)} and {last}", expected=expected, got=got, advice=advice)
@@ -342,7 +342,7 @@ def _hint(name: str, value: object) -> str:
 
 
 @contextmanager
-def extra(name: str, what: str) -> Iterator[None]:
+def extra(name: str, purpose: str) -> Iterator[None]:
     """Import within it what an extra of the package installs, such as ``"campaign"``.
 
     `MissingExtraError` says what cannot be done where a package is missing, and how to install it.
@@ -351,6 +351,6 @@ def extra(name: str, what: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(
-            f"{what}: expected the packages of the extra {name}, got: {error}; "
+            f"{purpose}: expected the packages of the extra {name}, got: {error}; "
             f"try pip install 'asperity[{name}]'"
         ) from error

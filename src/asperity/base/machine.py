@@ -86,10 +86,10 @@ def _machine() -> int:
 
 
 def _control_groups(
-    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
+    root: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> Iterator[int]:
     """What each control group around the process leaves, in version 2 and in version 1."""
-    for line in _lines(own):
+    for line in _lines(membership):
         _, controllers, path = line.split(":", 2)
         if controllers == "":
             top, limit, used, cache = root, "memory.max", "memory.current", "inactive_file"

@@ -144,7 +144,7 @@ def spelled(text: str) -> str | None:
     words = {word: _in_case(word) for word in _WORD.findall(text)}
     if None in words.values():
         return None
-    return "1" if text == "-" else _WORD.sub(lambda found: str(words[found[0]]), text)
+    return "1" if text == "-" else _WORD.sub(lambda match: str(words[match[0]]), text)
 
 
 def _in_case(word: str) -> str | None:

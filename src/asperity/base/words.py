@@ -146,9 +146,9 @@ def data_size(count: float) -> str:
     return f"{value:.3g} TB"
 
 
-def closest(word: str, known: Iterable[str]) -> str | None:
+def closest(word: str, choices: Iterable[str]) -> str | None:
     """The name that was probably meant: about two letters in three are right; capital ones count as small."""
-    names = {name.casefold(): name for name in known}
+    names = {name.casefold(): name for name in choices}
     near = get_close_matches(word.casefold(), names, n=1, cutoff=0.66)
     return names[near[0]] if near else None
 

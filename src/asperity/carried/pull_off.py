@@ -152,14 +152,14 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
     opened = np.full(contact.relative[2].shape, np.nan)
     way = np.array(list(_Bond(contact, w).way(opened)))
     apart, force, area = way.T
-    found = PullOff(
+    result = PullOff(
         w, -float(force.min()), -apart, force, area.astype(int), lattice.embedding.cut(opened), contact
     )
-    _remark_on(contact, found)
-    return found
+    _remark_on(contact, result)
+    return result
 
 
-def _remark_on(contact: Contact, found: PullOff) -> None:
+def _remark_on(contact: Contact, pull: PullOff) -> None:
     sizes = patches(contact.in_contact, edges=contact.lattice.edges).sizes
     radius = math.sqrt(float((sizes**2).sum()) / contact.area / math.pi)
     error = float(np.interp(radius, list(EXPECTED_ERROR), list(EXPECTED_ERROR.values())))
@@ -168,7 +168,7 @@ def _remark_on(contact: Contact, found: PullOff) -> None:
             f"pull_off: patches of {max(round(radius), 1)} pixels in radius, the mean over the contact, let "
             f"the force err by about {100 * error:.0f} %; smaller pixels are surer, 4 % at 11 of them"
         )
-    if found.ratio < TUNING.fair_ratio:
+    if pull.ratio < TUNING.fair_ratio:
         remark(
             f"pull_off: the load is less than {TUNING.fair_ratio:g} times the pull-off force; adhesion, "
             "left out while the contact ages, would matter there too; see docs/adhesion.md"
@@ -191,7 +191,7 @@ class _Bond:
         self.closed = contact.relative[2].copy()
         self.body = lattice.extended(np.ones(contact.heights.shape, dtype=bool), beyond=False)
         force = lattice.extended(contact.force, beyond=0.0)
-        gap, rough = (lattice.extended(one, beyond=0.0) for one in (contact.gap, contact.heights))
+        gap, rough = (lattice.extended(field, beyond=0.0) for field in (contact.gap, contact.heights))
         drop = ndimage.maximum_filter(rough, footprint=_CROSS, mode=self.mode) - rough
         self.target = self._moved(force) - np.where(gap < TUNING.smooth * drop, gap / 2, 0.0)
         self.energy = TUNING.toughness * work * lattice.cell
@@ -202,25 +202,25 @@ class _Bond:
     def way(self, opened: Field) -> list[tuple[float, float, int]]:
         """L, force and number of closed sites from step to step; writes at which approach each site opens."""
         apart, most = 0.0, 0.0
-        found: list[tuple[float, float, int]] = []
+        states: list[tuple[float, float, int]] = []
         while area := int(np.count_nonzero(self.closed)):
             layer, released = self._release()
             count = np.count_nonzero(layer)
             for share in (TUNING.coarse, TUNING.share):
-                here = self._reach(released, apart, max(1, int(share * count / 2)))
-                until = self._reach(released, here, max(1, int(share * count)))
+                last = self._reach(released, apart, max(1, int(share * count / 2)))
+                until = self._reach(released, last, max(1, int(share * count)))
                 # The largest tension is not to be passed in a coarse step.
                 if self._load(until) > (-0.5 * most if most else 0.5 * self._load(apart)):
                     break
-            if not found:
+            if not states:
                 onset = self._reach(released, 0.0, 1)
-                found = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
-            self.step, apart = max(self.step / 4, until - apart), here
-            found.append((apart, self._load(apart), area))
-            most = max(most, -found[-1][1])
+                states = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
+            self.step, apart = max(self.step / 4, until - apart), last
+            states.append((apart, self._load(apart), area))
+            most = max(most, -states[-1][1])
             sites = np.flatnonzero(layer)[released(until) >= 1]
             opened.flat[sites], self.closed.flat[sites] = -apart, False
-        return [*found, (apart, 0.0, 0)]
+        return [*states, (apart, 0.0, 0)]
 
     def _load(self, apart: float) -> float:
         at_rest, slope = self.forces[0]
@@ -262,9 +262,9 @@ class _Bond:
         by_more, near = self._beside(layer, beyond, more, whole)
 
         def released(apart: float) -> Field:
-            found: Field = by_less(apart)  # alone where the body ends at the front, and no site is beyond it
-            found = np.where(near, np.sqrt(found * by_more(apart)), found)
-            return np.where(apart * whole[1][layer] > whole[0][layer], found, 0.0)  # pressed ones stay
+            ratio: Field = by_less(apart)  # alone where the body ends at the front, and no site is beyond it
+            ratio = np.where(near, np.sqrt(ratio * by_more(apart)), ratio)
+            return np.where(apart * whole[1][layer] > whole[0][layer], ratio, 0.0)  # pressed ones stay
 
         return layer, released
 
@@ -301,21 +301,21 @@ class _Bond:
         An error of twice an energy is ``allowed``. The preconditioner is S between the sites.
         """
         force = np.where(shape, force, 0.0)
-        left = np.where(shape, target - self._moved(force), 0.0)
-        if not (scale := float(np.abs(left).max())):
+        error = np.where(shape, target - self._moved(force), 0.0)
+        if not (scale := float(np.abs(error).max())):
             return force
-        here, residual = shape.astype(np.float32), cast(Any, (left / scale).astype(np.float32))
-        found, slope = np.zeros_like(residual), 1.0
+        inside, residual = shape.astype(np.float32), cast(Any, (error / scale).astype(np.float32))
+        correction, slope = np.zeros_like(residual), 1.0
         direction: Any = None
         goal = allowed * self.unit / scale**2
         for _ in range(np.count_nonzero(shape)):
-            estimate = here * self.lattice.apply(self.stiff, residual)
+            estimate = inside * self.lattice.apply(self.stiff, residual)
             before, slope = slope, inner(residual, estimate, np)
             if slope <= goal:
                 break
             direction = estimate if direction is None else estimate + np.float32(slope / before) * direction
-            response = here * self.lattice.apply(self.soft, direction)
+            response = inside * self.lattice.apply(self.soft, direction)
             length = np.float32(slope / inner(direction, response, np))
-            found += length * direction
+            correction += length * direction
             residual -= length * response
-        return np.asarray(force + found * (scale / self.unit))
+        return np.asarray(force + correction * (scale / self.unit))

@@ -61,18 +61,18 @@ class Carried:
             The solid is no half-space, or a number is out of its range.
         """
         check_half_space("carried", contact.solid, contact.lattice)
-        found = {"normal_stiffness": contact.normal_stiffness}
+        numbers = {"normal_stiffness": contact.normal_stiffness}
         if self.poisson is not None:
-            found["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
+            numbers["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
         if self.resistivity is not None:
-            found["resistance"] = contact.resistance(self.resistivity)
+            numbers["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
-            found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
+            numbers["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.work_of_adhesion is not None:
-            found["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
+            numbers["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
         for stick in self.maps(contact).values():
-            found["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
-        return found
+            numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
+        return numbers
 
     def maps(self, contact: Contact) -> dict[str, Mask]:
         """Where a contact carries it, by the names of the fields: which sites ``stick``."""

@@ -71,8 +71,8 @@ def resistance(contact: Contact, resistivity: Each) -> float:
 @views.maker
 def thermal_resistance(contact: Contact, conductivity: Each) -> float:
     """See `Contact.thermal_resistance`."""
-    one, other = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
-    return _of_constrictions(contact, 1 / one + 1 / other)
+    first, second = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
+    return _of_constrictions(contact, 1 / first + 1 / second)
 
 
 def _of_constrictions(contact: Contact, resistivity: float) -> float:
@@ -87,13 +87,15 @@ def _of_constrictions(contact: Contact, resistivity: float) -> float:
     return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
 
 
-def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, float]:
+def _of_both(name: str, values: Each, unit: str, *, si: bool) -> tuple[float, float]:
     """A number of two bodies, from one for both or a pair."""
-    pair = given if isinstance(given, list | tuple) else (given, given)
+    pair = values if isinstance(values, list | tuple) else (values, values)
     if len(pair) != 2:
-        raise InputError(name, expected="one number, or one of each body", got=checks.shown(given))
-    one, other = (checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair)
-    return one, other
+        raise InputError(name, expected="one number, or one of each body", got=checks.shown(values))
+    first, second = (
+        checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair
+    )
+    return first, second
 
 
 def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:

@@ -139,13 +139,13 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     return Pieces(labels, rank[whole], sizes[order][1:], joined, turns)
 
 
-def mask(name: str, given: ArrayLike) -> Mask:
+def mask(name: str, value: ArrayLike) -> Mask:
     """A boolean array of one or two axes; `InputError` for anything else."""
     expected, advice = "a boolean array of shape (n,) or (n, m)", "u == heights"
     try:
-        array = np.asarray(given)
+        array = np.asarray(value)
     except TypeError as error:  # such as a Dataset
-        got = checks.kind_of(given)
+        got = checks.kind_of(value)
         raise InputError(name, expected=expected, got=got, advice=advice) from error
     if array.dtype != np.bool_ or array.ndim not in (1, 2) or array.size == 0:
         got = f"{array.dtype} of shape {array.shape}"

@@ -54,13 +54,13 @@ def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str
         shapes = shapes_of(touching, lattice.spacing, lattice.edges)
         row = _sizes(shapes, lattice.dimension)
         row["clustering"] = math.nan if box is None else clustering(touching, box)
-        links = linked(before or shapes.found, shapes.found)
+        links = linked(before or shapes.patches, shapes.patches)
         row |= {name: getattr(links, name) for name in _EVENTS}
         ages = moments[number] - moments[since.ravel()[shapes.sites]]
         row["mean_contact_age"] = float(ages.mean()) if ages.size else math.nan
         row["contact_age"] = quantiles(ages)
         rows.append(row)
-        before = shapes.found
+        before = shapes.patches
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
@@ -92,12 +92,12 @@ def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
 
 
 def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
-    found, sized = shapes.found, shapes.found.sizes.astype(np.float64)
+    of_map, sized = shapes.patches, shapes.patches.sizes.astype(np.float64)
     row = {
-        "patches": found.count,
-        "mean_patch_size": found.mean_size,
-        "median_patch_size": float(np.median(sized)) if found.count else math.nan,
-        "largest_patch_size": found.largest,
+        "patches": of_map.count,
+        "mean_patch_size": of_map.mean_size,
+        "median_patch_size": float(np.median(sized)) if of_map.count else math.nan,
+        "largest_patch_size": of_map.largest,
         "perimeter": float(shapes.perimeter.sum()),
     }
     if dimension == 2:

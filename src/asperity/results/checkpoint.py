@@ -159,11 +159,11 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         Snapshot(**snapshot | {"fields": {name: fields[index] for name, fields in kept.items()}})
         for index, snapshot in enumerate(facts["snapshots"])
     ]
-    here = facts["here"]
-    area = here["midway"]["area"]
-    midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
+    march = facts["here"]
+    area = march["midway"]["area"]
+    midway = march["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
     parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
     midway |= {name: part(**midway[name]) for name, part in parts.items()}
     kind = Load if facts["control"] == Load.name else Separation
-    restored = {"control": kind(**here["control"]), "midway": Midway(**midway)}
-    return Place(LegMidway(**here | restored), facts["rows"], snapshots)
+    restored = {"control": kind(**march["control"]), "midway": Midway(**midway)}
+    return Place(LegMidway(**march | restored), facts["rows"], snapshots)

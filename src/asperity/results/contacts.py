@@ -42,31 +42,31 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
 
 
 @views.maker
-def pull_off_path(found: PullOff, contact: Contact) -> xr.Dataset:
+def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
     """See `PullOff.path`."""
     numbers = patches(contact.in_contact, edges=contact.lattice.edges)
     last = np.full(numbers.sizes.size + 1, np.inf)
     touching = contact.in_contact
-    np.minimum.at(last, numbers.labels[touching], found.opened[touching])
+    np.minimum.at(last, numbers.labels[touching], pull.opened[touching])
     units = units_of(contact)
     length, force = units["length"], units["force"]
     sites = ("y", "x")
-    contact_area = found.area * contact.lattice.cell
+    contact_area = pull.area * contact.lattice.cell
     when = "approach at which the last site of the patch opened"
     dataset = xr.Dataset(
         {
-            "approach": ("step", found.approach, _said("approach since the aged contact", length)),
-            "force": ("step", found.normal_force, _said("normal force, negative where it pulls", force)),
-            "area": ("step", found.area, _said("sites in contact", "sites")),
+            "approach": ("step", pull.approach, _said("approach since the aged contact", length)),
+            "force": ("step", pull.normal_force, _said("normal force, negative where it pulls", force)),
+            "area": ("step", pull.area, _said("sites in contact", "sites")),
             "contact_area": ("step", contact_area, _said("real contact area", units["area"])),
-            "opened": (sites, found.opened, _said("approach at which the site opened", length)),
+            "opened": (sites, pull.opened, _said("approach at which the site opened", length)),
             "patch": (sites, numbers.labels, _said("number of the patch of the aged contact", "1")),
             "let_go": ("number", last[1:], _said(when, length)),
         },
         {"number": np.arange(1, last.size), **dict(zip(sites, coordinates_of(contact), strict=True))},
     )
-    told = {"title": "A contact pulled apart", "work_of_adhesion": found.work, "pull_off": found.force}
-    return dataset.assign_attrs({**told, **attributes_of(contact, contact.control)})
+    facts = {"title": "A contact pulled apart", "work_of_adhesion": pull.work, "pull_off": pull.force}
+    return dataset.assign_attrs({**facts, **attributes_of(contact, contact.control)})
 
 
 def _said(long_name: str, units: str) -> dict[str, str]:

@@ -124,7 +124,7 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     series = map_series(maps, times, start.lattice)
     in_lengths = start.solid.in_lengths
     pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell
-    pressures = [quantiles(one[touching]) for one, touching in zip(pressure, maps, strict=True)]
+    pressures = [quantiles(field[touching]) for field, touching in zip(pressure, maps, strict=True)]
     series["contact_pressure"] = np.array(pressures)
     box = clustering_box(maps)
     named = xr.Dataset(

@@ -13,8 +13,8 @@ from asperity.results.quantities import Units, select
 from asperity.solids import PARAMETERS_OF_LAWS
 
 _RECORDED = {
-    name: (one.long_name, one.dimension)
-    for name, one in select("series", of=("all", "sites", "sliding")).items()
+    name: (quantity.long_name, quantity.dimension)
+    for name, quantity in select("series", of=("all", "sites", "sliding")).items()
 }
 _PRESSURE = ("load over nominal area", "pressure")
 _BRANCHES = {
@@ -32,12 +32,12 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "edges": ("what lies beyond the edges", ""),
     **_LAWS,
     **{
-        name: (f"{what.meaning} of the {_LAWS[name.partition('_')[0]][0]}", _OF_A_LAW.get(what.unit, "1"))
-        for name, what in PARAMETERS_OF_LAWS.items()
+        name: (f"{of_law.meaning} of the {_LAWS[name.partition('_')[0]][0]}", _OF_A_LAW.get(of_law.unit, "1"))
+        for name, of_law in PARAMETERS_OF_LAWS.items()
     },
     **{
-        name if name == "temperature" else f"creep_{name}": one.recorded
-        for name, one in parameters_of(Eyring.activated).items()
+        name if name == "temperature" else f"creep_{name}": parameter.recorded
+        for name, parameter in parameters_of(Eyring.activated).items()
     },
     **_BRANCHES,
     **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
@@ -106,7 +106,7 @@ def plain(name: str, value: object) -> dict[str, Plain]:
     """
     if isinstance(value, Mapping):
         return {
-            key: one for part, inner in value.items() for key, one in plain(f"{name}_{part}", inner).items()
+            key: item for part, inner in value.items() for key, item in plain(f"{name}_{part}", inner).items()
         }
     if value is None or value in ("", [], ()):
         return {}
@@ -116,8 +116,10 @@ def plain(name: str, value: object) -> dict[str, Plain]:
         if not isinstance(value[0], list | tuple):
             return {name: list(value)}
         if all(len(pair) == 2 for pair in value):
-            one = name.removesuffix("es")
-            names = ("places_y", "places_x") if name == "places" else (f"{one}_shares", f"{one}_times")
+            singular = name.removesuffix("es")
+            names = (
+                ("places_y", "places_x") if name == "places" else (f"{singular}_shares", f"{singular}_times")
+            )
             return {
                 which: list(column) for which, column in zip(names, zip(*value, strict=True), strict=True)
             }

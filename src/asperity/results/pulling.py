@@ -37,8 +37,8 @@ class Pull(views.InNotebooks):
         """Gather the states."""
         start, states = retreat[0], [*approach, *retreat]
         names = [name for name in had_by(start, "series") if hasattr(start, name)]
-        series = {name: ("state", np.array([getattr(one, name) for one in states])) for name in names}
-        series["approach"] = ("state", np.array([start.separation - one.separation for one in states]))
+        series = {name: ("state", np.array([getattr(state, name) for state in states])) for name in names}
+        series["approach"] = ("state", np.array([start.separation - state.separation for state in states]))
         back = (
             "state",
             np.arange(len(states)) >= len(approach),
@@ -48,7 +48,8 @@ class Pull(views.InNotebooks):
         describe(curve, start)
         facts = {"title": "Bodies pulled apart", **attributes_of(start, retreat[-1].control)}
         return cls(
-            curve.assign_attrs(facts), next(one for one in reversed(retreat) if one.area or one is start)
+            curve.assign_attrs(facts),
+            next(state for state in reversed(retreat) if state.area or state is start),
         )
 
     @property
