@@ -1,18 +1,18 @@
-r"""The law of a rough contact as a table for other programs: what a pressure does, at each age.
+r"""The law of a rough contact, for other programs: a table over pressure, at each age.
 
-It is that of the rough layer alone. Other programs compute how the bodies behind it deform, so what flat ones
-would do is taken off: rough bodies differ from flat ones by the distance between the means of their surfaces.
+The law is that of the rough layer alone, because other programs compute how the bodies behind it deform.
+Rough bodies are further apart than flat ones, by the distance between the means of their surfaces.
 With the heights h before anything yielded, and the surface u of the solid,
 
     approach  a = max h - <u>,        stiffness  dp/da = 1 / (A c),
 
-where c is how far a unit of load at once lowers <u>, with the contacts as they are. On a half-space whose
-edges are not free <u> is its position. A layer hangs on wave vector 0: its position is <u> less its even
-compression p / K(0). With free edges, what all pressure displaces far away is not in <u> either. Where
+where c is how far a unit of load lowers <u> instantly, with unchanged contacts. On a half-space without free
+edges <u> is its position. The position of a layer is <u> less its even compression p / K(0), for wave vector
+0. With free edges, <u> leaves out the displacement of the body far away. Where
 nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
 
-The gap g bounds the flow between the surfaces (cubic law): fluid that cannot cross from channel to channel
-conducts less, and fluid that crosses without loss more,
+The gap g bounds the flow between the surfaces (cubic law). The lower bound closes the channels against each
+other, and the upper one joins them without loss,
 
     < 1 / < g^-3 >_along >_across  <=  b^3  <=  1 / < 1 / < g^3 >_across >_along.
 
@@ -66,7 +66,7 @@ TITLE = "Law of a rough contact"
 
 OF_LAWS = {
     "approach": ("m", "approach of the rough layer alone, from first touch"),
-    "stiffness": ("Pa/m", "normal stiffness per area, at once"),
+    "stiffness": ("Pa/m", "normal stiffness per area, instantaneous"),
     "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips"),
     "conductance": ("S/m^2", "electrical conductance per area"),
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),
@@ -109,42 +109,43 @@ def law(
     progress: Progress | Callable[[Frame], None] | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> xr.Dataset:
-    """Tabulate what a rough contact does under each pressure, at each age: a law for other programs.
+    """Tabulate approach, stiffness, conductance and gap of a rough contact over pressure, at each age.
 
-    Each pressure is put on at once, and held for all ages. The approach is that of the rough layer alone.
+    Each pressure is applied instantly and held. The approach is that of the rough layer alone. `law_for`
+    writes the table for other programs.
 
     Parameters
     ----------
     solid
-        A half-space or a layer; of a relaxation table the ``solid`` of `asperity.relaxation.material`.
+        A half-space or a layer. For a relaxation table: ``asperity.relaxation.material(table).solid``.
     surface
         The scan: a file for `asperity.surfaces.read`, or a `Surface` with units.
     pressures
         Load over nominal area, Pa or with units, rising. Two are the ends of a range, ``["0.1 MPa",
         "100 MPa"]``, with `per_decade` pressures in each decade; three or more are taken as they are.
     times
-        Ages, s or with units, strictly increasing, >= 0; by default 0, where nothing creeps.
+        Ages, s or with units, strictly increasing, >= 0. By default 0, for a solid that does not creep.
     carried
-        What else to tabulate: ``poisson`` for the tangential stiffness, ``resistivity`` and ``conductivity``
-        for the conductances; of half-spaces alone.
+        For half-spaces: ``poisson`` adds the tangential stiffness, ``resistivity`` and ``conductivity`` add
+        conductances.
     rtol
         Tolerance of time steps; see `asperity.age`.
     progress
-        True for a bar; or who is told how far it has come.
+        True for a bar, or a `Progress`.
     checkpoint
-        File in which to keep the pressures that are done. Remove it when the results are safe.
+        File that keeps finished pressures, so that a killed run goes on. Remove it when the results are safe.
 
     Returns
     -------
     xarray.Dataset
         Over ``direction``, ``time`` (s) and ``pressure`` (Pa): approach, stiffness and others, with bands.
-        Where something creeps or yields, ``direction`` has "unloading" beside "loading": from the largest
-        pressure, at its age, at once.
+        If the solid creeps or yields, ``direction`` has "unloading", too: instantly, at each age, from the
+        largest pressure.
 
     Raises
     ------
     InputError
-        A number is wrong; all of the surface touches; or the solid is defined on sites.
+        A number is out of range, all of the surface touches, or the solid is defined on sites.
     ConvergenceError
         A contact problem was not solved.
     """
@@ -153,11 +154,11 @@ def law(
         expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
         raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
     if body.adhesion is not None:
-        expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
+        expected, advice = "a solid without adhesion", "asperity.pull"
         raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
     for name in ("shear", "work_of_adhesion"):
         if (put := getattr(carried, name, None)) is not None:
-            raise InputError(name, expected="none: a law is that of contacts pressed alone", got=put)
+            raise InputError(name, expected="none: a law has neither shear nor pull", got=put)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
     if steps[-1] >= body.hardness:
         expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
@@ -177,7 +178,7 @@ def law(
     rows = _kept(path, mark)
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
     with listener(progress) as listening:
-        # The largest is first: it says whether all will touch, or yield.
+        # The largest comes first, so that full contact or yield is refused early.
         for lower_steps, step in reversed(list(enumerate(steps.tolist()))):
             if step in done:
                 continue
@@ -201,7 +202,7 @@ def law(
 
 
 def check_law(dataset: xr.Dataset) -> None:
-    """Refuse what `law` did not make; `InputError`."""
+    """`InputError` unless `law` made the dataset."""
     advice = "asperity.law(solid, scan, pressures=...)"
     if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
         raise InputError("dataset", expected="a law", got="another one", advice=advice)
@@ -225,7 +226,7 @@ def _held(
     rtol: float,
     row_of: Callable[[Contact], Row],
 ) -> list[Row]:
-    """Rows at each age of a held pressure, and of lower ones that follow it at once."""
+    """Rows at each age of a held pressure, each followed by instant unloading to lower pressures."""
     rows: list[Row] = []
 
     def reached(time: float, contact: Contact) -> None:
@@ -249,7 +250,7 @@ def _held(
 
 
 def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
-    """The numbers of one contact, and the sums over its tiles from which their bands follow."""
+    """The numbers of one contact, and sums over its tiles for the bands."""
     of_body, of_mean, force = unit_response(contact)
     gap, area = contact.gap, contact.nominal_area
     row: Row = {
@@ -257,7 +258,7 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
         "stiffness": 1 / (of_mean * area),
     }
     if carried is not None:
-        # They follow the stiffness: in the law that of the mean of the surface, in `carried` of the body.
+        # The law has the stiffness of the mean of the surface, `carried` that of the body.
         per_area = of_body / (of_mean * area)
         for name, value in carried.of(contact).items():
             if name == "tangential_stiffness":
@@ -294,7 +295,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
 
 
 def _hydraulic(gap: Field) -> Row:
-    """Gaps of smooth plates between which as much flows, on average and at least and at most."""
+    """Gaps of smooth plates with the same flow: of an effective medium, and its bounds."""
     widest = float(gap.max())
     cubes = (np.maximum(gap, 0.0) / widest) ** 3
     with np.errstate(divide="ignore"):
@@ -309,7 +310,7 @@ def _hydraulic(gap: Field) -> Row:
 
 
 def _kept(path: Path | None, mark: str) -> list[Row]:
-    """Rows of the pressures that are done, from a checkpoint if there is one."""
+    """Rows of finished pressures, from a checkpoint if it exists."""
     if path is None or not path.exists():
         return []
     try:

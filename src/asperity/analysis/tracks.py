@@ -1,4 +1,4 @@
-"""Patches one by one: their sizes, shapes and loads in one map, and their fates from map to map."""
+"""Each patch: size, shape and load in one map, and its fate from map to map."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _LASTING: dict[str, object] = {"death": math.nan, "end": "last map", "heir": -1}
 class PatchTracks(views.Brief):
     """The patches of a history, followed from map to map.
 
-    A patch after continues the patch before with which it shares most sites, if that shares most with it too.
+    A patch continues the patch of the map before with which it shares most sites, if this holds both ways.
 
     Attributes
     ----------
@@ -65,8 +65,8 @@ class PatchTracks(views.Brief):
         Over ``entry``, every patch of every map: ``map``, ``time``, ``patch``, ``track``, and the columns of
         `patch_table`.
     links
-        Over ``link``, every pair of patches of successive maps that share sites: ``map`` (of the later one),
-        the tracks ``before`` and ``after``, and ``shared`` sites.
+        Over ``link``, each pair of patches of successive maps that share sites: ``map`` (the later), the
+        tracks ``before`` and ``after``, and ``shared`` sites.
     tracks
         Over ``track``: ``birth``, ``death`` (NaN for those of the last map), ``origin`` (``"first map"``,
         ``"new"``, ``"split"``), ``parent``, ``end`` (``"last map"``, ``"gone"``, ``"merged"``), ``heir``,
@@ -179,7 +179,7 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
 
 
 def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
-    """How long each site in contact has touched without interruption, as far as the maps of a history know.
+    """Time for which each site has touched without interruption, from the maps of a history.
 
     Parameters
     ----------
@@ -227,11 +227,7 @@ def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
 
 def _units(dataset: xr.Dataset) -> Mapping[str, str]:
     return units_named(
-        {
-            str(name): variable.attrs["units"]
-            for name, variable in dataset.variables.items()
-            if "units" in variable.attrs
-        }
+        {str(name): var.attrs["units"] for name, var in dataset.variables.items() if "units" in var.attrs}
     )
 
 
