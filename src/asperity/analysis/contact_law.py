@@ -84,10 +84,7 @@ _CONDUCTANCES = {"resistance": "conductance", "thermal_resistance": "thermal_con
 _BY_TILE = {
     "contact_fraction": "in_contact",
     "mean_gap": "gap",
-    "stiffness": "punch",
-    "tangential_stiffness": "punch",
-    "conductance": "punch",
-    "thermal_conductance": "punch",
+    **dict.fromkeys(("stiffness", "tangential_stiffness", *_CONDUCTANCES.values()), "punch"),
 }
 """Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
 

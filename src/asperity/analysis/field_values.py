@@ -1,4 +1,4 @@
-"""How gaps, pressures and sizes of patches are distributed at the times at which fields were kept."""
+"""Distributions of gaps, pressures and sizes of patches at the times of the maps."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from asperity.patches import patches
 from asperity.results.history import check_fields
 
 ONE_TIME = "dataset.isel(field_time=-1), of a history with fields_at=[...]"
-"""What to give for a dataset with fields of several times, or of none."""
+"""Advice for a dataset with maps of several times, or of none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Distribution:
-    """The values of one moment, in rising order: the k-th of n is exceeded by n - k.
+    """Sorted values at one time, rising: the k-th of n is exceeded by n - k.
 
     Attributes
     ----------
     time
-        When.
+        Hold time.
     gap
         Height of the elastic surface above the rough one, at each site off contact, length.
     pressure

@@ -1,4 +1,4 @@
-"""Calls of public names: mistaken arguments are answered as mistaken keys of a configuration are."""
+"""Calls of public names: mistaken arguments get messages like mistaken keys of a configuration."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOVED = {
     },
     **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
 }
-"""What takes arguments that `asperity.predict` does not."""
+"""Calls that take what `asperity.predict` does not, by argument."""
 
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
@@ -62,7 +62,7 @@ def remark(text: str) -> None:
 
 
 def _answering(member: Any) -> Any:
-    """A function or method that answers; anything else as it is."""
+    """Wrap a function or method so that it answers; return anything else."""
     if isinstance(member, classmethod | staticmethod):
         return type(member)(_answering(member.__func__))
     if not isinstance(member, FunctionType) or hasattr(member, "answers"):

@@ -1,4 +1,4 @@
-"""Numbers from maps of contact: scatter, patches through time, and how long each site has touched."""
+"""Series from maps of contact: patches, their links, clustering, and contact ages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 _CONTACTS_PER_BOX = 4
 _BOXES_PER_AXIS = 8
 _SMALLEST_BOX = 2
-"""The index of single sites is 1 whatever they do."""
+"""Boxes of single sites always have the index 1."""
 
 _EVENTS = (
     *("births", "deaths", "merges", "splits"),
@@ -35,7 +35,7 @@ _EVENTS = (
 
 
 def quantiles(values: Field) -> Field:
-    """Values at `QUANTILES`: the least value that such a share does not exceed; NaN where there is none."""
+    """Values at `QUANTILES`, by the inverted distribution; NaN without values."""
     if not values.size:
         return np.full(len(QUANTILES), math.nan)
     return np.asarray(np.quantile(values, QUANTILES, method="inverted_cdf"), dtype=np.float64)
@@ -44,8 +44,8 @@ def quantiles(values: Field) -> Field:
 def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str, NDArray[Any]]:
     """Measure the patches of each map, at times that do not decrease, and follow them from map to map.
 
-    The arrays, over the maps, are what the table of quantities has of maps, but for the pressure. Changes
-    since the map before are 0 at the first. NaN where there is no patch, and of the clustering no box.
+    The arrays over the maps are the ``"map"`` quantities of `asperity.results.quantities`, without pressure.
+    Changes since the map before are 0 at first. NaN without patches, and without a box for the clustering.
     """
     rows: list[dict[str, Any]] = []
     box, before = clustering_box(maps), None
@@ -65,7 +65,7 @@ def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str
 
 
 def clustering_box(maps: Maps) -> int | None:
-    """Side of the boxes for the clustering of all maps: that which suits the first with a contact."""
+    """Side of the boxes for the clustering of all maps, from the first map with contact; None if too wide."""
     first = next((touching for touching in maps if touching.any()), None)
     box = 0 if first is None else usual_box(first)
     return box if first is not None and box <= min(first.shape) // 2 else None

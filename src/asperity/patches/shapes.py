@@ -26,11 +26,11 @@ class Shapes:
     numbers: Labels
     """The patch of each of them."""
     perimeter: Field
-    """Length of the rim: of the sides between sites in contact and sites off it. On a line the number of
-    ends. Reflecting edges of the lattice are no rim."""
+    """Length of the sides between sites in contact and off contact, without reflecting edges; on a line the
+    number of ends."""
     aspect: Field
-    """Ratio of the axes of the ellipse (at least 1) that has the second moments of the patch, each site a
-    rectangle: of a x b sites, a/b. NaN on a line, and of a patch that reaches around the lattice."""
+    """Ratio >= 1 of the axes of the ellipse with the second moments of the patch; a/b for a rectangle of
+    a x b sites. NaN on a line, and for a patch that reaches around the lattice."""
     center: Field
     """Center of area, within the lattice, from the center of the first site on; shape ``(count,
     dimension)``; NaN of a patch that reaches around the lattice."""

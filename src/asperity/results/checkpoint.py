@@ -1,4 +1,4 @@
-"""A long run's place in a file, so that a killed run goes on and ends at the identical result."""
+"""Checkpoint of a long run: a killed run resumes and ends at the identical result."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from asperity.results.store import whole_file
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a run keeps its place, and how often.
+    """File in which a run keeps its place, and how often.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Checkpoint:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """What a checkpoint holds: the march, and what was recorded on the way."""
+    """Content of a checkpoint: the march, and the records so far."""
 
     midway: LegMidway
     rows: list[Row]
@@ -62,7 +62,7 @@ class Place:
 
 
 class Keeper:
-    """Writes and reads the checkpoint of one run, and of no other."""
+    """Writes and reads the checkpoint of one run."""
 
     def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
         self.path = expanded(checkpoint.path)
@@ -117,7 +117,7 @@ def fingerprint_of(
     exact: bool,
     carried: Carried | None = None,
 ) -> str:
-    """Hash all that a history depends on."""
+    """Hash of all inputs of a history."""
     solid = start.solid
     laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
     facts: list[object] = [__version__, start.control, start.lattice, schedule]

@@ -1,4 +1,4 @@
-"""One contact as a Dataset of maps, saved, and made a contact again that is judged anew."""
+"""One contact as a Dataset of maps, saved, loaded, and judged anew."""
 
 from __future__ import annotations
 
@@ -74,26 +74,26 @@ def _said(long_name: str, units: str) -> dict[str, str]:
 
 
 def load_contact(path: str | Path, solid: Solid) -> Contact:
-    """Read a contact that `Contact.save` wrote: press it anew, age it on, relax it.
+    """Read a contact that `Contact.save` wrote, to press it anew, age it, or relax it.
 
     Parameters
     ----------
     path
         The zarr folder.
     solid
-        The solid of that contact, made as it was then; a file holds its numbers, not its laws.
+        The solid of that contact, made in the same way; a file holds its numbers, not its laws.
 
     Returns
     -------
     Contact
-        Judged anew, with the residual of what was read. Its numbers may differ in their last digits.
+        With the residual of the loaded fields. Its numbers may differ in their last digits.
 
     Raises
     ------
     InputError
         There is no such folder, it holds no contact, or the contact is of another solid.
     ConvergenceError
-        What was read is not in equilibrium on this solid.
+        The loaded fields are not in equilibrium on this solid.
     """
     data = load(path)
     if "anchors" not in data:
@@ -113,10 +113,10 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     kind = Load if facts["held"] == Load.name else Separation
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
-    # The gap has digits that u has lost beside a large datum; so have anchors, which a load puts in place.
+    # u loses digits beside a large datum, which the gap keeps; a load moves anchors into place.
     surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
     whole = lattice.embedding
-    if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
+    if whole.body:  # fields beyond free edges follow from those within
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     if system.load:

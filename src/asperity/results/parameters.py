@@ -64,16 +64,15 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "point": ("number of the point, from 0", "1"),
     "entry": ("number of the entry of the series, from 0", "1"),
 }
-"""Long name and dimension, or unit, of what a run or a campaign is told."""
+"""Long name and dimension, or unit, of the parameters of a run or a campaign."""
 
-_IN_UNITS = {"s": "time", "N": "force", "m": "length", "Pa": "pressure", "": "1"}
 IN_A_LEG = {
-    name: (parameter.quantity.meaning, _IN_UNITS.get(parameter.quantity.unit, parameter.quantity.unit))
+    name: parameter.recorded
     for kind in KINDS.values()
     for name, parameter in parameters_of(kind).items()
     if {int, float} & set(parameter.kinds)
 } | {"distance": ("distance", "place"), "velocity": _RECORDED["velocity"]}
-"""The same of what a leg of a history is told."""
+"""Long name and dimension of the numbers of a leg."""
 
 Plain = str | float | int | list[str] | list[float] | list[int]
 

@@ -1,4 +1,4 @@
-"""Save a Dataset and open it again: complete under its name, or not there at all."""
+"""Save and load Datasets: a folder has its name only when it is complete."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     Parameters
     ----------
     dataset
-        What to write.
+        The Dataset.
     path
         The folder, such as ``"history.zarr"``.
     overwrite
-        Replace the zarr folder that is there; otherwise refuse. Anything else is never replaced.
+        Replace an existing zarr folder; otherwise refuse. Anything else is never replaced.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
 
 
 def write_into(dataset: xr.Dataset, folder: Path) -> None:
-    """Write a Dataset into a folder, which takes its name later, as `save` does."""
+    """Write a Dataset into a folder that is renamed later, as `save` does."""
     with warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
@@ -129,7 +129,7 @@ def load(path: str | Path) -> xr.Dataset:
 
 
 class PlaceTakenError(OutputError):
-    """Results are complete, but stand under another name than they should: something took theirs."""
+    """Results are complete, but under another name, because theirs was taken meanwhile."""
 
 
 @contextmanager
@@ -198,9 +198,9 @@ def _staged(path: Path, aftermath: str = "") -> Iterator[Path]:
 
 
 def _move_into_place(source: Path, path: Path, replaceable: Standing) -> None:
-    """Rename; what stands there goes only if it may, once the new has its name; else the new goes beside it.
+    """Rename to a path, whose replaceable content goes afterwards.
 
-    `PlaceTakenError` says where.
+    `PlaceTakenError`, with the name taken beside it, if other content is there.
     """
     target = path.resolve()
     old = beside(target.with_name(f".{target.name}"), f".{uuid.uuid4().hex[:12]}.old")
@@ -225,7 +225,7 @@ def _move_into_place(source: Path, path: Path, replaceable: Standing) -> None:
 
 
 def _rename(source: Path, target: Path, *, over: bool) -> None:
-    """Rename; of what has the name only an empty folder is replaced, or a file with ``over``."""
+    """Rename; an empty folder of that name is replaced, or a file if `over`."""
     if source.is_dir():
         with suppress(OSError):  # only Windows needs it
             target.rmdir()
