@@ -1,18 +1,21 @@
 """Measure how often what is called 95 % holds the truth, in synthetic cases.
 
-    python benchmarks/coverage_of_bands.py [--cases 500] [--side 64] [held] [dropped] [ball]
+    python benchmarks/coverage_of_bands.py [--cases 500] [--side 64] [held] [dropped] [law] [ball]
 
 held, dropped
     Bands of `asperity.predict` on levelled parts of Gaussian surfaces, against a half-space whose relaxation
     table has 1 % of noise: under 6 MPa that stay, and that fall to a quarter after 1000 s. The truth is the
     mean of all parts on the solid itself: what other parts would give on average. With the bands the 95 %
     intervals of the branches that were fitted to the tables.
+law
+    Bands of `asperity.law` on parts of such surfaces, against the mean of all parts.
 ball
     95 % intervals of ``infer --model ball``, from depths of parameters drawn from the prior.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
@@ -38,6 +41,8 @@ AT = {"held": (1.0, 100.0, 1e4), "dropped": (1002.4, 1100.0, 5002.4)}
 NAMES = ("contact_area_corrected", "resistance")
 RHO = 1e-6
 CARRIED = asp.Carried(resistivity=RHO)
+PRESSURES = (1e6, 2e6, 4e6, 8e6, 16e6)
+OF_TILES = ("contact_fraction", "mean_gap", "stiffness")
 PRIORS = {"scale": (0.5, 2.0), "time_1": (1.0, 1e4)}
 
 
@@ -108,6 +113,21 @@ def predicted(history: str, side: int, cases: int, tables: int) -> dict[str, flo
     return held
 
 
+def tabulated(side: int, cases: int) -> dict[str, float]:
+    """Print how often the bands of laws hold the mean of all parts, and how wide they are."""
+    solid, names = asp.solids.half_space(modulus="3 GPa"), ("approach", *OF_TILES)
+    laws = [
+        asp.law(solid, part, pressures=PRESSURES).isel(direction=0, time=0) for part in parts(side, cases)
+    ]
+    held = {}
+    for (place, pressure), name in itertools.product(enumerate(PRESSURES), names):
+        columns = (name, f"{name}_low", f"{name}_high")
+        rows = np.array([[float(law[column][place]) for column in columns] for law in laws])
+        label = f"law: {name} at {pressure:g} Pa"
+        held[label] = judge(label, rows, rows[:, 0].mean())
+    return held
+
+
 def show(
     history: str,
     found: Mapping[str, list[list[Floats]]],
@@ -166,15 +186,18 @@ def ball(cases: int) -> Floats:
 def main() -> None:
     """Print lines of a table."""
     parser = running.parser(__doc__)
-    parser.add_argument("asked", nargs="*", default=[], choices=[[], "held", "dropped", "ball"])
+    parser.add_argument("asked", nargs="*", default=[], choices=[[], "held", "dropped", "law", "ball"])
     parser.add_argument("--side", type=int, default=64)
     parser.add_argument("--tables", type=int, default=500, help="tables among the cases; each takes a second")
     parser.add_argument("--cases", type=int, default=500)
     asked = parser.parse_args()
-    for name in asked.asked or ("held", "dropped", "ball"):
-        ball(asked.cases) if name == "ball" else predicted(
-            name, asked.side, asked.cases, min(asked.tables, asked.cases)
-        )
+    for name in asked.asked or ("held", "dropped", "law", "ball"):
+        if name == "ball":
+            ball(asked.cases)
+        elif name == "law":
+            tabulated(asked.side, asked.cases)
+        else:
+            predicted(name, asked.side, asked.cases, min(asked.tables, asked.cases))
 
 
 if __name__ == "__main__":

@@ -105,8 +105,8 @@ if not TYPE_CHECKING:  # for a type checker, a name that is not above does not e
         if name in _RESEARCH:
             from importlib.metadata import entry_points
 
-            for found in entry_points(group="asperity.rooms", name=name):
-                return found.load()
+            for entry in entry_points(group="asperity.rooms", name=name):
+                return entry.load()
             missing += "; it comes with asperity-research; try pip install asperity-research"
         raise AttributeError(missing)
 

@@ -38,10 +38,10 @@ ModesOrSpectrum = TypeVar("ModesOrSpectrum", Modes, Spectrum)
 Edges = Literal["periodic", "reflecting", "free"]
 
 _COARSEST = 32
-"""Length of a body, sites, from which its embedding can be halved."""
+"""Shortest body, sites, whose embedding can be halved."""
 
 _WORTH_SHARING = 2**19
-"""Number of sites from which transforms gain from a second thread."""
+"""Sites from which a second thread speeds up transforms."""
 
 
 @dataclass(frozen=True)
@@ -109,15 +109,15 @@ class Lattice:
 
     @property
     def body_sites(self) -> int:
-        """Number of sites that are no empty space."""
+        """Number of sites of the body."""
         return math.prod(self.body or self.shape)
 
     def cut(self, field: Any) -> Any:
-        """The part of a field, or of several, that is no empty space."""
+        """The part of one or several fields on the body."""
         return field[(..., *map(slice, self.body))] if self.body else field
 
     def extended(self, field: Any, beyond: float) -> Any:
-        """A field over the body, or several, with a number in the empty space."""
+        """One or several fields over the body, extended by a number in the empty space."""
         if not self.body:
             return field
         whole = np.full((*field.shape[: -self.dimension], *self.shape), beyond, dtype=field.dtype)
@@ -169,7 +169,7 @@ class Lattice:
 
     @cached_property
     def multiplicity(self) -> Spectrum:
-        """How many of the N modes each entry of a spectrum stands for (1 or 2), shape of a last axis."""
+        """Number of modes, 1 or 2, for which each entry of a spectrum stands; shape of the last axis."""
         n = self.shape[-1]
         if self.reflecting:
             return np.ones(n)
@@ -200,7 +200,7 @@ class Lattice:
         return modes
 
     def forward_near(self, field: Field, near: Field, modes: Modes) -> Modes:
-        """Fourier modes of a field from those of one near it: their difference is in single precision."""
+        """Fourier modes of a field from those of a near one, with their difference in single precision."""
         xp = array_namespace(field)
         change = field - near
         scale = float(xp.max(xp.abs(change)))
@@ -209,7 +209,7 @@ class Lattice:
         return modes + scale * self.forward(xp.astype(change / scale, xp.float32))
 
     def backward(self, modes: Modes, *, overwrite: bool = False) -> Field:
-        """Field of given Fourier modes, which may be overwritten; the inverse of `forward`."""
+        """Inverse of `forward`; may overwrite the modes."""
         axes, threads = tuple(range(-self.dimension, 0)), self._threads
         field: Field
         if self.reflecting:
@@ -237,17 +237,17 @@ class Lattice:
         return modes
 
     def apply(self, spectrum: Spectrum, field: Field) -> Field:
-        """Apply the operator that has this spectrum; in single precision if both are."""
+        """Apply the operator with this spectrum; in single precision if both arrays are."""
         modes = self.forward(field)
         modes *= spectrum
         return self.backward(modes, overwrite=True)
 
     def length_of(self, sites: Sequence[float]) -> float:
-        """Length of a way of some sites along each axis."""
+        """Length of a vector of sites along each axis."""
         return math.hypot(*(n * length for n, length in zip(sites, self.spacing, strict=True)))
 
     def shifted(self, field: Field, shift: Sequence[Fraction | float]) -> Field:
-        """A field that has moved by a number of sites along each axis, around the periodic edges.
+        """A field moved by a number of sites along each axis, around periodic edges.
 
         Whole sites are a permutation. A shift by a part of a site turns the phase of each Fourier mode. The
         shortest wave of an axis of even length is multiplied by the cosine of its phase.
@@ -273,11 +273,11 @@ class Lattice:
     def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
         """Add the modes of a coarser lattice, of odd lengths, to those of this one, in place."""
         kept = modes[..., : coarse.spectral_shape[-1]]
-        for rows, own in self._rows(coarse):
-            kept[rows, ...] += long[own, ...]
+        for rows, coarse_rows in self._rows(coarse):
+            kept[rows, ...] += long[coarse_rows, ...]
 
     def _rows(self, coarse: Lattice) -> list[tuple[slice, slice]]:
-        """Where the first axis has the waves of a coarser lattice, and where that has them."""
+        """Places on the first axis of the waves of a coarser lattice, here and on that lattice."""
         n = coarse.spectral_shape[0]
         if self.dimension == 1 or self.reflecting:
             return [(slice(n), slice(n))]

@@ -24,7 +24,7 @@ _EVERY = 0.1
 def listener(
     progress: Progress | Callable[[Frame], None] | bool | None,
 ) -> AbstractContextManager[Progress]:
-    """Whom to tell how far a run has come: where the user is for True, the user's own, or nobody."""
+    """A context with the `Progress` of a run: a bar for True, the user's own, or none."""
     if progress is True:
         return progress_shown()
     return nullcontext(_Call(progress) if callable(progress) else progress or Progress())
@@ -32,7 +32,7 @@ def listener(
 
 @contextmanager
 def progress_shown() -> Iterator[Progress]:
-    """Show progress where the user is: in the notebook, or on the error stream, until the run ends."""
+    """Show progress in the notebook, or else on the error stream, until the run ends."""
     notebook = _notebook()
     if notebook is not None:
         shown = _InNotebook(notebook)
@@ -59,25 +59,25 @@ def progress_shown() -> Iterator[Progress]:
 
 
 class Progress:
-    """Someone who is told how far a run has come; this one tells nobody."""
+    """Listener to the progress of a run; this one shows nothing."""
 
     times: Sequence[float] = ()
-    """What aging will record."""
+    """Times that aging will record."""
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         """Begin a stage; aging passes the times that it will record."""
 
     def completed(self, config: Any) -> None:
-        """Nothing is left open any more: the configuration with its load and times."""
+        """The configuration is complete, with load and times."""
 
     def remark(self, text: str) -> None:
-        """The user should know this before the run ends."""
+        """A remark to show before the run ends."""
 
     def reached(self, frame: Frame) -> None:
-        """Aging has come to this moment."""
+        """Aging has reached this frame."""
 
     def _done(self, frame: Frame) -> int:
-        """Times recorded until now: even in the decades."""
+        """Number of times recorded so far."""
         return sum(time <= frame.time for time in self.times)
 
     def _state(self, frame: Frame) -> str:
@@ -85,7 +85,7 @@ class Progress:
 
 
 class _Call(Progress):
-    """A function of the user's own, which gets each frame."""
+    """Calls a function of the user with each frame."""
 
     def __init__(self, call: Callable[[Frame], None]) -> None:
         self._call = call
@@ -136,7 +136,7 @@ class _OnTerminal(Progress):
 
 
 class _InNotebook(Progress):
-    """The same as HTML below the cell, which changes in place; no widgets are needed."""
+    """A bar as HTML below the cell, which changes in place without widgets."""
 
     def __init__(self, display: ModuleType) -> None:
         self._display = display
@@ -156,7 +156,7 @@ class _InNotebook(Progress):
         self._change(self._bar(self._done(frame), self._state(frame)))
 
     def end(self) -> None:
-        """Show the last state, which may have come too soon after the one before."""
+        """Show the last state, also if it came within `_EVERY`."""
         self._change(self._inside, now=True)
 
     def _bar(self, done: int, state: str) -> str:
@@ -171,7 +171,7 @@ class _InNotebook(Progress):
 
 
 def _notebook() -> ModuleType | None:
-    """What displays in the notebook in which this runs; None elsewhere, also in IPython on a terminal."""
+    """IPython's module for display in a notebook; None elsewhere, also in IPython on a terminal."""
     ipython, display = sys.modules.get("IPython"), sys.modules.get("IPython.display")
     shell = ipython.get_ipython() if ipython is not None else None
     return display if hasattr(shell, "kernel") else None

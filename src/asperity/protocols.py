@@ -34,12 +34,12 @@ __all__ = ["Hold", "Leg", "Ramp", "Repeat", "Slide", "Step"]
 
 
 _SAME_TIME = 1e-9
-"""Relative difference of a sum of durations and a time that is meant to be it."""
+"""Relative difference of a sum of durations and an equal time."""
 
 _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 
 _MOST_LEGS = 100_000
-"""Legs of a history, repetitions written out: each is a march of its own."""
+"""Most legs of a history, repetitions written out."""
 
 _MOST_SHIFTS = _MOST_STEPS = 10**7
 
@@ -54,7 +54,7 @@ _Approach = Annotated[
 ]
 
 _TARGETS = ("load", "pressure", "separation", "approach")
-"""What a `Ramp` or a `Step` may prescribe."""
+"""Quantities that a `Ramp` or a `Step` may prescribe."""
 
 Say = Callable[[str, float], str]
 """Writes a value of a quantity of the results, with its unit."""
@@ -62,7 +62,7 @@ Say = Callable[[str, float], str]
 
 @dataclass(frozen=True)
 class Shifts:
-    """The shifts of a leg that slides: how many, and by how many sites along each axis, and length, each."""
+    """Shifts of a leg that slides: their number, and sites along each axis and length of each."""
 
     count: int
     sites: tuple[Fraction, ...]
@@ -72,24 +72,24 @@ class Shifts:
 class Leg(Checked):
     """A part of a history: `Hold`, `Ramp`, `Step`, `Slide`, `Repeat`, or a class of your own.
 
-    Derive a frozen dataclass whose fields are annotated with bounds and an
-    `asperity.base.parameters.Quantity`; `target`, `value` and `words` say what it does.
+    Derive a frozen dataclass with `target`, `value` and `words`. Annotate its fields with bounds and an
+    `asperity.base.parameters.Quantity`.
 
     Attributes
     ----------
     duration
-        How long it lasts.
+        Its duration.
     hold
-        What is held in it; None for what was prescribed last.
+        Quantity to hold; None for the last prescribed one.
     mobility
         Factor on the mobility of creep.
     speed
-        How fast the rough surface slides.
+        Velocity of the rough surface.
     target
-        What it prescribes: ``"load"``, ``"separation"``, ``"pressure"`` or ``"approach"``; empty where
-        nothing that is prescribed changes.
+        Prescribed quantity: ``"load"``, ``"separation"``, ``"pressure"`` or ``"approach"``; empty if it stays
+        constant.
     every
-        Of how many shifts one is recorded.
+        One in so many shifts is recorded.
     """
 
     duration: float
@@ -116,11 +116,11 @@ class Leg(Checked):
                 raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")
 
     def value(self, time: float, start: float) -> float:
-        """What is prescribed at a time since the beginning of the leg, where it was ``start``."""
+        """Prescribed value at a time since the beginning of the leg, where it was ``start``."""
         raise NotImplementedError
 
     def rises(self, start: float) -> bool:
-        """Whether what is prescribed never falls; False, if in doubt, costs time and no accuracy."""
+        """Whether the prescribed value never falls; False, if in doubt, costs time and no accuracy."""
         del start
         return False
 
@@ -131,12 +131,12 @@ class Leg(Checked):
 
     @property
     def rests(self) -> bool:
-        """Whether nothing changes in it but by creep."""
+        """Whether only creep changes the contact."""
         return not (self.target or self.speed)
 
     @property
     def jumps(self) -> bool:
-        """Whether what is prescribed changes at once."""
+        """Whether the prescribed value changes instantly."""
         return bool(self.target) and self.duration == 0
 
     @property
@@ -145,12 +145,12 @@ class Leg(Checked):
         return bool({self.hold, self.target} & {"separation", "approach"})
 
     def load_on(self, area: float) -> float | None:
-        """Load to which it leads on a nominal area, if that is known beforehand."""
+        """Load at its end on a nominal area, if known beforehand."""
         del area
         return None
 
     def shifts(self, lattice: Lattice) -> Shifts | None:
-        """Shifts of the rough surface, where it slides; `InputError` if it cannot."""
+        """Shifts of the rough surface; None for a leg that does not slide, `InputError` if it cannot."""
         del lattice
         return None
 
@@ -159,12 +159,12 @@ class Leg(Checked):
         yield self
 
     def words(self, say: Say) -> str:
-        """What it does."""
+        """The leg in words."""
         raise NotImplementedError
 
     @property
     def arguments(self) -> dict[str, object]:
-        """What made it, but for what is usual."""
+        """Arguments that are not defaults."""
         parameters = parameters_of(type(self))
         return {name: value for name, value in vars(self).items() if value != parameters[name].default}
 
@@ -176,10 +176,10 @@ class Hold(Leg):
     Parameters
     ----------
     duration
-        How long, time > 0.
+        Time > 0.
     hold
-        What is held: ``"load"``, ``"separation"`` (the rigid body) or ``"area"`` (the load follows, so that
-        the number of sites in contact stays); by default what was prescribed last.
+        Constant quantity: ``"load"``, ``"separation"`` (the rigid body) or ``"area"`` (the load follows, so
+        that the number of sites in contact stays); by default the last prescribed one.
     mobility
         Factor > 0 on the mobility of creep during this leg, as a change of temperature makes it.
     """
@@ -201,7 +201,7 @@ class Change(Leg):
     """A leg that ends at another load or separation."""
 
     example: ClassVar[str]
-    """One such leg, as one writes it."""
+    """Example of such a leg."""
 
     load: float | None
     separation: float | None
@@ -214,12 +214,12 @@ class Change(Leg):
 
     @property
     def target(self) -> str:  # type: ignore[override]
-        """Which of these it prescribes."""
+        """The prescribed quantity."""
         return next(name for name in _TARGETS if getattr(self, name) is not None)
 
     @property
     def end(self) -> float:
-        """What it is at the end."""
+        """Its value at the end."""
         return float(getattr(self, self.target))
 
     def value(self, time: float, start: float) -> float:
@@ -235,7 +235,7 @@ class Change(Leg):
         return self.load if self.pressure is None else self.pressure * area
 
     def _end(self, say: Say) -> str:
-        """What it leads to, in words."""
+        """Its end in words."""
         quantity = "mean_contact_pressure" if self.target == "pressure" else self.target
         return f"{self.target} {say(quantity, self.end)}".replace("-", "\u2212")
 
@@ -247,11 +247,11 @@ class Ramp(Change):
     Parameters
     ----------
     duration
-        How long, time > 0.
+        Time > 0.
     load, pressure, separation, approach
-        One of these at the end: the load, > 0 unless the bodies stick; the same over the nominal area; the
-        separation, where the rigid body moves by what it differs from the mean of u0 at the beginning; or how
-        far the rigid body has moved since time 0, as the dataset has it.
+        One of these at the end: the load, > 0 without adhesion; the load over nominal area; the separation,
+        for which the rigid body moves by the difference from the mean of u0 at the beginning; or the approach
+        of the dataset, by which the rigid body has moved since time 0.
     mobility
         As in `Hold`.
     """
@@ -272,7 +272,7 @@ class Ramp(Change):
 
 @dataclass(frozen=True)
 class Step(Change):
-    """The load or the separation changes at once; the crept shape stays.
+    """The load or the separation changes instantly; the crept shape stays.
 
     Parameters
     ----------
@@ -298,18 +298,18 @@ class Step(Change):
 class Slide(Leg):
     """The rough surface slides under the elastic body, whose crept shape stays with the body.
 
-    It moves by whole sites, at once; between two shifts the contact creeps for the time that the velocity
-    takes from site to site. What was prescribed last, the load or the separation, is held. The first shift is
-    at the beginning of the leg. The distance is rounded to shifts; the leg lasts for distance / velocity.
+    It moves by whole sites, instantly; between two shifts the contact creeps for the time of a site at this
+    velocity. The load or the separation, whichever was prescribed last, is held. The first shift is at the
+    beginning of the leg. The distance is rounded to shifts; the leg lasts for distance / velocity.
 
     Parameters
     ----------
     distance
-        How far > 0, in the unit of the distance between sites, which is 1 on a solid defined on sites.
+        Distance > 0, in the unit of the distance between sites, which is 1 on a solid defined on sites.
     velocity
-        How fast > 0, distance / time; ``"inf"`` slides at once, so that nothing creeps.
+        Velocity > 0, distance / time; ``"inf"`` slides instantly, without creep.
     direction
-        Where the rough surface goes: ``"x"`` along the last axis, ``"-x"``, ``"y"``, ``"-y"``; or the sites
+        Direction of the rough surface: ``"x"`` along the last axis, ``"-x"``, ``"y"``, ``"-y"``; or the sites
         of one shift along each axis, such as ``(1, 1)``.
     substeps
         Shifts from site to site, >= 1; heights between sites are interpolated, see `asperity.slide`.
@@ -337,7 +337,7 @@ class Slide(Leg):
 
     @property
     def speed(self) -> float:  # type: ignore[override]
-        """How fast it slides."""
+        """Its velocity."""
         return float(self.velocity)
 
     @property
@@ -364,9 +364,9 @@ class Slide(Leg):
 
 
 def check_edges(lattice: Lattice) -> None:
-    """Refuse to slide a surface that does not go around."""
+    """`InputError` unless the edges are periodic."""
     if lattice.edges != "periodic":
-        got = f"one whose edges are {lattice.edges}, which has no other side to come from"
+        got = f"one with {lattice.edges} edges"
         expected, advice = "a surface with periodic edges", "periodic = 'mirror' (--periodic mirror)"
         raise InputError("slide", expected=expected, got=got, advice=advice)
 
@@ -403,7 +403,7 @@ class Repeat(Leg):
     legs
         The legs.
     count
-        How many times they are done, >= 1; at most 100,000 legs in all.
+        Number of repetitions, >= 1; at most 100,000 legs in all.
     """
 
     legs: Annotated[Sequence[Leg], Quantity("the legs that are repeated")]
@@ -445,7 +445,7 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
 
 
 def _check_length(count: int, shown: str) -> None:
-    """Refuse what would take days to follow, before it is written out."""
+    """Refuse very many legs before they are written out."""
     if count > _MOST_LEGS:
         expected = f"at most {_MOST_LEGS:,} legs, repetitions written out"
         raise InputError("protocol", expected=expected, got=shown, advice="fewer repetitions")
@@ -479,7 +479,7 @@ def in_words(legs: Iterable[Mapping[str, Any]]) -> str:
 
 
 KINDS: dict[str, type[Leg]] = {kind.__name__.lower(): kind for kind in (Hold, Ramp, Step, Slide, Repeat)}
-"""Legs by their kind in a configuration. What is added before `asperity.app` is imported has keys too."""
+"""Legs by their kind in a configuration. Those added before `asperity.app` is imported have keys, too."""
 
 
 def leg_of(values: Mapping[str, Any]) -> Leg:

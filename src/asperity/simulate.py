@@ -1,4 +1,4 @@
-"""The verbs: press two bodies together, let the contact age, slide it, relax it to the end of time."""
+"""The verbs: press two bodies together, let the contact age, slide it, pull it apart, relax it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from asperity.solids import Solid
 from asperity.surfaces.doubts import load_on_filled
 
 Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
-"""Loads, pressures or separations to press at one after another."""
+"""Several loads, pressures or separations."""
 
 
 @overload
@@ -85,8 +85,7 @@ def press(
     ----------
     heights
         Heights of the rough surface, shape ``(n,)`` or ``(n, m)``, any unit of length; periodic. Or a
-        contact, such as the ``final`` of a history: its load or separation changes at once, and u0 keeps its
-        shape.
+        contact, such as the ``final`` of a history: its load or separation changes instantly, without creep.
     solid
         The elastic solid, for example `asperity.solids.spring_lattice`. A contact brings its own.
     load
@@ -125,21 +124,21 @@ def press(
     -----
     u minimizes Jagla's energy, Eq. (e), under u >= heights, with u0 flat, or of the shape it has.
     """
-    given = {"load": load, "pressure": pressure, "separation": separation}
-    name = checks.one_of("load=800.0", **given)
+    prescribed = {"load": load, "pressure": pressure, "separation": separation}
+    name = checks.one_of("load=800.0", **prescribed)
 
-    def at(value: object) -> Contact:
+    def at(number: object) -> Contact:
         if isinstance(heights, Contact):
-            control = _control(heights, name, value)
+            control = _control(heights, name, number)
             if start is not None or solid not in (None, heights.solid):
                 raise InputError(
                     "heights",
                     expected="heights, where a solid or a start is given",
-                    got="a contact, which brings its solid and its shape",
+                    got="a contact, which has its own solid and shape",
                     advice="asperity.press(contact, load=...)",
                 )
             return pressed_anew(heights, control, solver)
-        contact = pressed(heights, solid, start=start, solver=solver, **{name: value})
+        contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
         for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
             remark(doubt)
         modulus = contact.solid.modulus
@@ -148,9 +147,9 @@ def press(
             remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
         return contact
 
-    value: Any = given[name]
+    value: Any = prescribed[name]
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
-        return [at(one) for one in value]
+        return [at(item) for item in value]
     return at(value)
 
 
@@ -162,7 +161,7 @@ def pressed(
     solver: ContactSolver | None = None,
     **held: Any,
 ) -> Contact:
-    """Press as `press` does, without remarks: for a history, whose remarks are on all of it."""
+    """`press` without remarks, for histories, which have their own."""
     body = checks.instance("solid", solid, Solid, "asperity.solids.spring_lattice(k0=1.0, k1=3.0)")
     bodies = bodies_of(heights, body)
     units.check_units(dict(body.parameters), si=bodies.si)
@@ -171,7 +170,7 @@ def pressed(
 
 
 def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
-    """Load or separation, from what is prescribed, in the units of the bodies."""
+    """Load or separation in the units of the bodies."""
     lattice = bodies.lattice
     force = "N/m" if lattice.dimension == 1 else "N"
     unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
@@ -199,56 +198,55 @@ def age(
     solver: ContactSolver | None = None,
     exact: bool = True,
 ) -> History:
-    r"""Let a contact creep under what it was pressed by, and record it at exactly the given times.
+    r"""Let a contact creep under its load or at its separation, and record it at given times.
 
     Parameters
     ----------
     contact
         Where to start: from `press`, or the ``final`` of an earlier history.
     times
-        Strictly increasing hold times >= 0, shape ``(n,)``; the unit is 1 / (stiffness * R), of a contact
-        with units the second, or that of texts such as ``["1 s", "10 min"]``. They count from this call.
+        Strictly increasing hold times >= 0, shape ``(n,)``, since this call. Their unit is
+        1 / (stiffness * R); for a contact with units s, or texts such as ``["1 s", "10 min"]``.
     protocol
-        The history of the load or the separation: a list of legs of `asperity.protocols`. It is followed to
-        its end, and the states at all switches between legs are recorded too: two at a step, just before
-        and just after. By default nothing changes up to the last time.
+        The history of the load or the separation: a list of legs of `asperity.protocols`, followed to its
+        end. All switches between legs are recorded, too; a step just before and just after. By default
+        nothing changes up to the last time.
     hold
-        Without a protocol: what is held constant, ``"load"``, ``"separation"`` (of the rigid body) or
-        ``"area"``; by default what the contact was pressed by.
+        Constant quantity without a protocol: ``"load"``, ``"separation"`` (of the rigid body) or ``"area"``;
+        by default the load or the separation at which the contact was pressed.
     rtol
         Relative tolerance: the error of u0, rms over the sites, stays at every recorded time below
         ``rtol`` times the largest deformation so far (the rms of u about its mean; or that of u - u0,
         if larger, at a held separation with viscous creep); measured, not proved.
     fields_at
-        Strictly increasing times >= 0 at which to keep u, u0, in_contact and the forces (of
-        continua the pressures), and to count and link patches of contact; they need not be among ``times``.
+        Strictly increasing times >= 0, not necessarily among ``times``, at which to keep u, u0, in_contact
+        and forces (continua: pressures), and to count and link patches.
     progress
-        True for a bar, in notebooks as on terminals; or what is called with each `Frame` as it is reached.
+        True for a bar, in notebooks and on terminals; or a function that is called with each `Frame`.
     checkpoint
-        File in which to keep the run's place, every ten seconds or as `Checkpoint` says. If it exists, the
-        run goes on from there, to the result that it would have had undisturbed. Remove it when the results
-        are safe. A solver of your own needs a repr that says all that it depends on.
+        File in which the run keeps its place, every ten seconds or as `Checkpoint` says. If it exists, the
+        run resumes there, with an identical result. Remove it when the results are safe. The repr of a solver
+        of your own must contain all its parameters.
     carried
-        What else to record at each time: stiffness, resistances, what sticks under shear. Each costs about
-        as much as one press a time.
+        Carried quantities to record at each time: stiffness, resistances, sticking share. Each costs about
+        one press a time.
     solver
-        How to solve the contact problems; by default as `asperity.press` does. Steps of a local law of creep
-        have their own solver.
+        Contact solver, by default that of `asperity.press`. Local laws of creep have their own.
     exact
-        Whether to use the exact contact of a separable solid (`Solid.separable`) while the load has never
-        fallen. The dataset says where it was used.
+        Whether to use the exact contact of a separable solid (`Solid.separable`) as long as the load has
+        never fallen. The dataset records its use.
 
     Returns
     -------
     History
-        It ends where bodies that stick part; its dataset then has the time as attribute ``pulled_off``.
+        If adhering bodies part, it ends there, and its dataset has the attribute ``pulled_off``, the time.
 
     Raises
     ------
     InputError
-        Times, tolerance or ``hold`` cannot be used; or the checkpoint is another run's.
+        Times, tolerance or ``hold`` are wrong, or the checkpoint is of another run.
     ConvergenceError
-        A contact problem was not solved, or steps shrank to nothing.
+        A contact problem was not solved, or a time step became too small.
 
     Notes
     -----
@@ -257,15 +255,15 @@ def age(
     """
     tolerance = check_rtol(rtol)
     protocol = [protocol] if isinstance(protocol, Leg) else protocol
-    given, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
-    recorded = checks.times("times", given)
+    asked_times, moments = units.numbers("times", times, "s"), units.numbers("fields_at", fields_at, "s")
+    recorded = checks.times("times", asked_times)
     wanted = checks.times("fields_at", moments, at_least=0)
     recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
     if doubt := zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))):
         remark(doubt)
-    units.check_units(given, moments, si=contact.si)
+    units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:
         checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)").of(contact)
@@ -281,9 +279,9 @@ def age(
         if (place := keeper.read()) is not None:
             resume, rows, snapshots = place.midway, place.rows, place.snapshots
 
-    def keep_place(here: Callable[[], LegMidway]) -> None:
+    def keep_place(midway: Callable[[], LegMidway]) -> None:
         if keeper is not None and keeper.is_due():
-            keeper.write(Place(here(), rows, snapshots))
+            keeper.write(Place(midway(), rows, snapshots))
 
     final, parted = contact, False
     with listener(progress) as shown:
@@ -303,8 +301,10 @@ def age(
             of_its_time = not frame.passing
             if of_its_time and frame.time in wanted and not parted:
                 snapshots.append(snapshot_of(frame, carried))
-            known = frame.at_a_shift or (of_its_time and (frame.time in recorded or frame.time in always))
-            if (frame.time > rows[-1]["time"]) if parted else known:
+            recorded_now = frame.at_a_shift or (
+                of_its_time and (frame.time in recorded or frame.time in always)
+            )
+            if (frame.time > rows[-1]["time"]) if parted else recorded_now:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
@@ -320,7 +320,7 @@ def age(
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:
-    """Lay out a history, or one hold up to the last time, and check that the contact can follow it."""
+    """Schedule of a protocol, or of one hold up to the last time, that this contact can follow."""
     if protocol is None:
         control_of(contact, hold)
         schedule = Schedule.of([HoldLeg(float(times[-1]), hold)] if times.size else [], times)
@@ -350,20 +350,20 @@ def slide(
     direction: str | tuple[int, ...] = "x",
     solver: ContactSolver | None = None,
 ) -> Contact:
-    """Slide the rough surface under the elastic body, at once; what has crept stays with the body.
+    """Slide the rough surface under the elastic body, instantly; the crept shape stays with the body.
 
     Parameters
     ----------
     contact
-        The contact, of any age, on a surface with periodic edges.
+        A contact on a surface with periodic edges.
     shift
-        By how many sites along each axis the heights move, as ``numpy.roll`` moves them; one number is along
-        the last axis. Whole numbers are exact. Fractions interpolate the heights, see Notes.
+        Sites along each axis by which the heights move, as by ``numpy.roll``; one number is along the last
+        axis. Whole numbers are exact. Fractions interpolate the heights, see Notes.
     distance
         Instead of the shift: a length > 0, in the unit of the distance between sites, or a text with a unit:
         ``"2 um"``.
     direction
-        That of the distance: ``"x"``, ``"-x"``, ``"y"``, ``"-y"``, or sites along the axes, ``(1, 1)``.
+        Direction of the distance: ``"x"``, ``"-x"``, ``"y"``, ``"-y"``, or sites along the axes, ``(1, 1)``.
     solver
         As in `press`.
 
@@ -375,15 +375,15 @@ def slide(
     Raises
     ------
     InputError
-        The edges of the surface reflect; or the shift, the distance or the direction cannot be used.
+        The edges of the surface are not periodic, or shift, distance or direction are wrong.
     ConvergenceError
         The solver did not reach its tolerance.
 
     Notes
     -----
-    Between sites heights are read off the trigonometric polynomial through them, which is exact for a surface
-    without waves near the lattice spacing. On a surface that is rough at the scale of a site, interpolated
-    summits differ by a part of that roughness, and so does the contact: slide it by whole sites.
+    Between sites heights are interpolated by a trigonometric polynomial, exact for a surface without waves
+    near the lattice spacing. A surface that is rough at the scale of a site gets other summits, and so
+    another contact: slide it by whole sites.
     """
     checks.instance("contact", contact, Contact, WHERE_FROM)
     check_edges(contact.lattice)
@@ -395,11 +395,11 @@ def slide(
         sites = [n * length / lattice.length_of(along) for n in along]
     else:
         expected = "one finite number of sites, or one for each axis"
-        given = np.atleast_1d(checks.floats("shift", shift, expected=expected, advice="shift=(0, 1)"))
-        if given.ndim != 1 or given.size not in (1, lattice.dimension) or not np.isfinite(given).all():
+        shifts = np.atleast_1d(checks.floats("shift", shift, expected=expected, advice="shift=(0, 1)"))
+        if shifts.ndim != 1 or shifts.size not in (1, lattice.dimension) or not np.isfinite(shifts).all():
             raise InputError("shift", expected=expected, got=checks.shown(shift), advice="shift=(0, 1)")
-        sites = given.tolist()
-        sites = [0.0] * (lattice.dimension - given.size) + sites
+        sites = shifts.tolist()
+        sites = [0.0] * (lattice.dimension - shifts.size) + sites
     by = [Fraction(n) % size for n, size in zip(sites, lattice.shape, strict=True)]
     if not any(by):
         return contact
@@ -413,20 +413,20 @@ def pull(
     steps: int = 20,
     solver: ContactSolver | None = None,
 ) -> Pull:
-    """Pull two bodies apart that stick, at once, to the last contact; and let them approach again.
+    """Pull adhering bodies apart, instantly, to the last contact, and let them approach again.
 
-    What has crept stays. Jumps of contacts lose energy, so that the way back is another.
+    The crept shape stays. Contacts jump and lose energy, so the approach differs from the retreat.
 
     Parameters
     ----------
     contact
         Where to start: from `press`, or the ``final`` of a history, of a solid with adhesion.
     through
-        What is prescribed on the way: the load, down to the largest tension that the bodies bear, or the
-        separation, until they are apart; by default that, where the solid lets it be prescribed.
+        Prescribed quantity: the load, down to the largest tension, or the separation, until the bodies are
+        apart. By default the separation, if the solid allows it.
     steps
-        States, about, for a change of the load by all that attracts at first, or by the load at first where
-        that is more; at least 2.
+        Approximate number of states while the load changes by the first attraction, or by the first load if
+        larger; at least 2.
     solver
         As in `press`.
 
@@ -438,7 +438,7 @@ def pull(
     Raises
     ------
     InputError
-        Nothing sticks, nothing is in contact, or the separation cannot be prescribed.
+        No adhesion, no contact, or a separation that cannot be prescribed.
     ConvergenceError
         The solver did not reach its tolerance.
     """
@@ -461,27 +461,27 @@ def pull(
 
 
 def relax(contact: Contact, *, hold: Hold | None = None, solver: ContactSolver | None = None) -> Contact:
-    """Find the state that a contact creeps toward, without following it through time.
+    """Find the final state of creep, without time steps.
 
     Parameters
     ----------
     contact
         Where creep starts.
     hold
-        What is held constant, ``"load"`` or ``"separation"`` (of the rigid body); by default what
-        the contact was pressed by.
+        Constant quantity, ``"load"`` or ``"separation"`` (of the rigid body); by default that at which the
+        contact was pressed.
     solver
-        How to solve; by default as `asperity.press` does.
+        Contact solver, by default that of `asperity.press`.
 
     Returns
     -------
     Contact
-        The limit. With R_viscous > 0 under load control it is that of the shape: the rigid body has none.
+        The limit; with R_viscous > 0 under a load only of the shape, as the rigid body has none.
 
     Raises
     ------
     InputError
-        The limit depends on the path: k0 = 0 and a load that dies out before full contact.
+        The limit depends on the history: k0 = 0 and a load that vanishes before full contact.
     ConvergenceError
         The solver did not reach its tolerance.
     """

@@ -136,7 +136,7 @@ def test_perimeters_are_counted_side_by_side(shape: tuple[int, ...]) -> None:
         touching = scattered(shape, 0.4, seed)
         found = shapes_of(touching, spacing, connectivity=connectivity)
         for number, perimeter in enumerate(found.perimeter, 1):
-            own, total = found.found.labels == number, 0.0
+            own, total = found.patches.labels == number, 0.0
             for axis, step in product(range(len(shape)), (1, -1)):
                 rims = np.count_nonzero(own & ~np.roll(touching, step, axis))
                 total += rims * math.prod(spacing) / spacing[axis]
@@ -173,8 +173,8 @@ def test_a_patch_around_the_lattice_has_no_ends() -> None:
 def test_reflecting_edges_join_nothing_and_are_no_rim() -> None:
     touching = filled((6, 8), (slice(0, 2), slice(0, 2)), (slice(0, 2), slice(6, 8)))
     found = shapes_of(touching, (1.0, 1.0), "reflecting")
-    assert (found.found.count, found.perimeter.tolist()) == (2, [4, 4])
-    assert shapes_of(touching, (1.0, 1.0)).found.count == 1
+    assert (found.patches.count, found.perimeter.tolist()) == (2, [4, 4])
+    assert shapes_of(touching, (1.0, 1.0)).patches.count == 1
 
 
 @pytest.mark.parametrize("connectivity", BOTH)
@@ -258,7 +258,7 @@ def test_the_series_is_that_of_its_maps(shape: tuple[int, ...]) -> None:
         np.testing.assert_equal(row["clustering"], expected)
         if len(shape) == 2:
             shapes = shapes_of(touching, (1.0, 1.0))
-            each = [float(shapes.aspect[n - 1]) for n in shapes.found.labels[touching]]
+            each = [float(shapes.aspect[n - 1]) for n in shapes.patches.labels[touching]]
             ended = [one for one in each if not math.isnan(one)]
             mean = float(np.mean(ended)) if ended else math.nan
             assert row["mean_patch_aspect"] == pytest.approx(mean, nan_ok=True)

@@ -1,12 +1,11 @@
-r"""The growth of the contact area: what was computed, the law that fits it, the theory that predicts it.
+r"""The growth of the contact area: as computed, as fitted by a law, and as predicted by theory.
 
-The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. Where the relaxed state is known, a is
-not fitted: it is A(infinity)/A(0), which `asperity.relax` gives exactly. A free a would differ from it by
-more than its standard error, as what the law misses along one curve is no random scatter. For that reason the
-standard errors only tell here whether the times determine the law; the misfit says how good it is.
+The law is the paper's Eq. (a), fitted by `asperity.fits.saturation`. If the relaxed state is known, a is its
+A(infinity)/A(0), which `asperity.relax` gives exactly. A fitted a differs from it by more than its standard
+error, because the misfit along a curve is not random. So standard errors only show here whether the times
+determine the law; the misfit shows how good it is.
 
-The theory is that of dilute contacts, `asperity.theory.dilute_area`; it is evaluated only where it is claimed
-to hold:
+The theory is that of dilute contacts, `asperity.theory.dilute_area`, evaluated only in its range:
 
 * the heights of the sites are independent (a law of heights is given) and the load is held,
 * at most a tenth of the sites touch, and at least ten sites,
@@ -39,43 +38,42 @@ FAR_APART = 3.0
 """Spacing of contacts, in widths of the dips around them, at which the dilute theory is shown."""
 
 FEWEST_CONTACTS = 10
-"""Fewest contacts on a lattice of which the dilute theory, a statement on averages, says anything."""
+"""Fewest contacts on a lattice for the dilute theory, which is about averages."""
 
 _POOR_FIT = 0.05
 """Relative misfit, rms, above which a fit is called poor."""
 
 _FEWEST_TIMES = {False: 4, True: 3}
-"""One more than the law has parameters: where the limit is open, and where it is known."""
+"""One more than the parameters of the law: with an unknown limit, and with a known one."""
 
 _SMOOTH_CURVE = 200
-"""Points of a curve that is drawn as a line."""
+"""Points of a drawn curve."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AgingSummary(views.Brief):
-    """What a history says about the growth of the contact area.
+    """Growth of the contact area in a history.
 
     Attributes
     ----------
     time, area_ratio
-        Hold times above 0 and A(t)/A(0) at them, shape ``(n,)``; n = 0 for a history of time 0 alone.
+        Hold times above 0 and A(t)/A(0), shape ``(n,)``; n may be 0.
     initial_area, sites
-        A(0), and the nominal area; in sites.
+        A(0) and the nominal area, sites.
     relaxed_ratio
-        A(infinity)/A(0), or None if the history does not hold the relaxed state.
+        A(infinity)/A(0); None without the relaxed state.
     steepest_per_decade, steepest_time
         Largest change of A/A(0) in a decade of time between two recorded times, with its sign, and the
         (geometric) middle of the two; NaN for fewer than two times.
     load
-        Load at `time` where the separation is held, shape ``(n,)``; None where the load is held.
+        Load at `time`, shape ``(n,)``; None if it is held.
     initial_load, relaxed_load
-        Load at time 0, and of the relaxed state, or None if the history does not hold it; in the unit of the
-        history.
+        Load at time 0 and in the relaxed state (None if unknown), in the unit of the history.
     load_per_decade, load_time
-        The same of the load; NaN where it is held.
+        The same for the load; NaN if it is held.
     fit, fit_note
-        The saturation law, with a = `relaxed_ratio` where that is known, or None; and what must be said about
-        it, or "". Of continua both are left out.
+        The saturation law, with a = `relaxed_ratio` if known, or None; and a caveat or "". Without both for
+        continua.
     fit_worst
         Largest relative residual of the law at `time`; NaN without a law.
     fit_curve
@@ -83,8 +81,7 @@ class AgingSummary(views.Brief):
     curve_time
         Times at which `fit_curve` is given, shape ``(m,)``.
     dilute_time, dilute_ratio, dilute_note
-        Prediction of the dilute theory, A(t)/A(0) of its own, up to its horizon, shape ``(k,)``; or
-        empty, and why.
+        Prediction of the dilute theory, A(t)/A(0), up to its horizon, shape ``(k,)``; or empty, and why.
     """
 
     time: Field
@@ -117,8 +114,8 @@ def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> Aging
     dataset
         The dataset of a `History`, with the relaxed state if `with_limit` added it.
     law
-        Law of the heights, such as ``theory.GaussianHeights(rms=1.0)``, if the sites are independent;
-        None for any other surface, about which the dilute theory says nothing.
+        Law of the heights, such as ``theory.GaussianHeights(rms=1.0)``, of independent sites; None for other
+        surfaces, to which the dilute theory does not apply.
 
     Raises
     ------
@@ -200,7 +197,7 @@ def with_limit(dataset: xr.Dataset, limit: Contact) -> xr.Dataset:
 
 
 def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit | None, str]:
-    """Fit Eq. (a), and say honestly if it means little."""
+    """Fit Eq. (a); with a caveat if the fit means little."""
     if time.size == 1:
         return None, "no fit: only time 0 was asked for"
     if area[-1] <= area[0]:
@@ -225,7 +222,7 @@ def _fit(time: Field, area: Field, limit: float | None) -> tuple[SaturationFit |
 
 
 def _steepest(time: Field, value: Field) -> tuple[float, float]:
-    """Largest slope per decade between two times, of either sign, and the middle of the two."""
+    """Largest slope per decade between successive times, of either sign, and their geometric middle."""
     if time.size < 2:
         return math.nan, math.nan
     slopes = np.diff(value) / np.diff(np.log10(time))
@@ -255,7 +252,7 @@ def _dilute(dataset: xr.Dataset, law: HeightLaw | None, time: Field) -> tuple[Fi
         & (k0 * R * time < room**4)
         & (np.sqrt(k0 * viscous * time) < room)
     )
-    # The fraction only grows and so do the dips: once they are near each other they stay so.
+    # Fraction and dips only grow, so dips that are near each other stay so.
     holds = np.logical_and.accumulate(apart)
     if not holds.any():
         return *none, "the contacts are too dense or too few for the dilute theory"

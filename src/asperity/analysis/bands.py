@@ -1,17 +1,17 @@
-r"""95 % bands at each time of what a history records: from the spread of the scan, and of the solid.
+r"""95 % bands of the areas, stiffness and friction of a history, at each time.
 
-Two spreads make it:
+Two spreads make them:
 
-    scan    What another scan of this size would give. Each of 16 tiles is left out in turn (jackknife: B.
-            Efron, Ann. Stat. 7, 1 (1979), DOI 10.1214/aos/1176344552). Load passes from tile to tile, so
-            what the other tiles have is divided by the load that they bear: the area; of what the contact
-            carries the force of a rigid punch, whose sum is the stiffness. Quantiles are those of Student's t
-            of n - 1 degrees of freedom, where n = (sum F)^2 / sum F^2 tiles bear the loads F.
-    solid   `Material.spread`. A separable half-space under a load that never falls has the contact of an
-            elastic one at the load E* integral J(t - s) dF(s): what the history recorded is a function of
-            that load over E*, which gives the curve of every draw. With a hardness this holds nearly, see
-            docs/predict.md. Where a load falls, the history is computed for a few draws. The curves of the
-            others are products of powers of these, as logarithms of their compliances are sums.
+scan    Another scan of this size. Each of 16 tiles is left out in turn (jackknife: B. Efron, Ann. Stat.
+        7, 1 (1979), DOI 10.1214/aos/1176344552). Load passes from tile to tile, so the area of the other
+        tiles is divided by their load. For stiffness and resistance the area is replaced by the force of
+        a rigid punch. Quantiles are those of Student's t with n - 1 degrees of freedom, where
+        n = (sum F)^2 / sum F^2 tiles bear the loads F.
+solid   `Material.spread`: random draws of the branches. A separable half-space under a load that never
+        falls has the contact of an elastic one at the load E* integral J(t - s) dF(s). So the recorded
+        numbers are functions of that load over E*, which gives the curve of every draw. With a hardness
+        this holds nearly, see docs/predict.md. Where a load falls, the history is computed for a few
+        draws. Logarithms of the other compliances are sums of theirs, and so are those of the curves.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ _TILES = 4
 """Tiles along each axis of the scan."""
 
 _FEWEST = 3.0
-"""Tiles that bear the load, at least: fewer have no spread."""
+"""Fewest tiles that bear the load for a band."""
 
 _END = 0.25
-"""Part of a curve along which it is continued."""
+"""Part of a curve whose slope continues it."""
 
 _MISSED, _MOST, _LAGS = 0.05, 6, 60
-"""Part of the spread of compliances that computed draws may miss, most of these, and times looked at."""
+"""Spread of compliances that computed draws may miss, their largest number, and times compared."""
 
 _ROUNDING, _SAME_LOAD = 1e-12, 1e-6
 
@@ -59,21 +59,21 @@ _BY_AREA = {
     "friction_force": ("contact_area_corrected", 1),
     "friction": ("contact_area_corrected", 1),
 }
-"""Numbers in proportion to a power of an area, where the load is what it is."""
+"""Quantities proportional to a power of an area under the same load."""
 
 _SHARES = {"stick_fraction": "stick"}
-"""What the contact carries that is no stiffness, and what of the maps adds up to it."""
+"""Carried quantities that do not follow the stiffness, and the maps whose sums they are."""
 
 Interval = tuple[float, float]
 
 
 def interval(values: Floats) -> Floats:
-    """Ends of the 95 % band of draws, which are the first axis; shape (2, ...)."""
+    """Ends of the 95 % band of draws along the first axis; shape (2, ...)."""
     return np.asarray(np.quantile(values, (0.025, 0.975), axis=0, method="hazen"))
 
 
 def rows_of_maps(dataset: xr.Dataset) -> list[int]:
-    """Entries of the time series at the times of the maps: at a jump those of the same side."""
+    """Entries of the time series at the times of the maps; at a jump those of the same leg."""
     time, rows = np.asarray(dataset["time"]), []
     for number, moment in enumerate(np.asarray(dataset["field_time"])):
         entries = np.flatnonzero(time == moment)
@@ -85,19 +85,18 @@ def rows_of_maps(dataset: xr.Dataset) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class OfScan:
-    """What a history would have been without each tile of the scan.
+    """How a history changes where one tile of the scan is left out.
 
     Attributes
     ----------
     without
-        By what adds up over the tiles, ``"in_contact"``, ``"punch"`` or ``"stick"``: the logarithm of it over
-        what it is in proportion to, without a tile, less that with all; shape (tiles, entries). ``"load"``:
-        that of the load over the sites.
+        Changes of ln(sum over the tiles / its reference) without each tile, shape (tiles, entries):
+        ``"in_contact"`` and ``"punch"`` over the load, ``"stick"`` over the area, ``"load"`` over the sites.
     bearing
         How many tiles bear the load, shape (entries,).
     separable
-        Whether the contact follows from the load alone; where stresses set the rates, which tiles bear it
-        counts for growth, too.
+        Whether the contact depends on the load alone. Otherwise stresses set the rates, so growth also
+        depends on which tiles bear the load.
     """
 
     without: Mapping[str, Floats]
@@ -106,59 +105,62 @@ class OfScan:
 
     @classmethod
     def of(cls, dataset: xr.Dataset, contact: Contact) -> OfScan:
-        """Take it from the maps of a history that began with a contact."""
+        """Compare the maps of a history that began with this contact."""
         touching, rows = np.asarray(dataset["in_contact"]), rows_of_maps(dataset)
         area, load = in_tiles(touching), in_tiles(np.asarray(dataset["pressure"]))
         sites = in_tiles(np.ones_like(touching))
         parts = {"in_contact": (area, load)}
         if set(banded(dataset)) - set(_BY_AREA):
-            parts["punch"] = in_tiles(np.array([punch(contact, one) for one in touching])), load
+            parts["punch"] = in_tiles(np.array([punch(contact, mask) for mask in touching])), load
         if "stick" in dataset:
             parts["stick"] = in_tiles(np.asarray(dataset["stick"])), area
         entries = np.arange(dataset.sizes["time"])
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratios = {name: np.log(_left(one) / _left(other)) for name, (one, other) in parts.items()}
-            ratios["load"] = np.log(_left(load) / _left(sites))
-            # Where much touches, the area is less than in proportion to the load.
+            ratios = {
+                name: np.log(without_each(mask) / without_each(other))
+                for name, (mask, other) in parts.items()
+            }
+            ratios["load"] = np.log(without_each(load) / without_each(sites))
+            # Near full contact the area grows less than the load.
             ratios["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * ratios["load"]
-            bearing = np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1))
+            borne = bearing(load)
         without = {
             name: np.array(
                 [np.interp(entries, rows, np.where(np.isfinite(tile), tile, np.nan)) for tile in ratio.T]
             )
             for name, ratio in ratios.items()
         }
-        return cls(without, np.interp(entries, rows, bearing), contact.solid.separable)
+        return cls(without, np.interp(entries, rows, borne), contact.solid.separable)
 
     def at(self, rows: NDArray[np.intp]) -> OfScan:
-        """The same at some entries."""
-        without = {name: one[:, rows] for name, one in self.without.items()}
+        """Changes at some entries."""
+        without = {name: logs[:, rows] for name, logs in self.without.items()}
         return replace(self, without=without, bearing=self.bearing[rows])
 
     def draws(self, name: str) -> Floats:
         """Factors of other scans, shape (draws, entries); NaN where too few tiles bear."""
-        return np.exp(_student(self.without[name], self.bearing))
+        return np.exp(student(self.without[name], self.bearing))
 
     def draws_of(self, measure: Callable[[Field], float]) -> Floats:
-        """What another scan would add to a measure of factors on the area, shape (draws,)."""
-        deviations = np.array([measure(np.exp(one)) for one in np.nan_to_num(self.without["in_contact"])])
+        """Errors of a measure of factors on the area, by scans; shape (draws,)."""
+        deviations = np.array([measure(np.exp(logs)) for logs in np.nan_to_num(self.without["in_contact"])])
         deviations -= measure(np.ones_like(self.bearing))
         if self.separable:
-            # What a tile takes over from others changes nothing for all: the regression on it is left out.
+            # Load that passes between tiles changes no sum: its regression is subtracted.
             moved = np.nan_to_num(np.diff(self.without["load"][:, [1, -1]]))[:, 0]
             deviations -= moved * (deviations @ moved) / max(float(moved @ moved), _ROUNDING)
         enough = self.bearing.min() >= _FEWEST
-        return _student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
+        return student(deviations[:, None], np.array(len(deviations) - 1 if enough else 0))[:, 0]
 
 
 def banded(dataset: xr.Dataset) -> list[str]:
-    """Names of what has a band: areas, friction, and all that the contact carries."""
+    """Names of the quantities with a band: areas, friction, and carried quantities."""
     carried = select("series", of=["carried"])
     return [name for name in (*_BY_AREA, *carried) if name in dataset]
 
 
 def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -> xr.Dataset:
-    """Add ``_low`` and ``_high`` of what has a band; `solid` is that of `draws_of_solid`."""
+    """Add ``_low`` and ``_high`` of each banded quantity; `solid` is from `draws_of_solid`."""
     columns = {}
     for name in banded(dataset):
         base, power = _BY_AREA.get(name, (name, 1))
@@ -175,9 +177,9 @@ def with_bands(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -
 
 
 def effective_load(dataset: xr.Dataset, series: PronySeries) -> Field | None:
-    """Load on an elastic half-space with this contact at each entry; None where it is not known.
+    """Load on an elastic half-space with this contact, at each entry.
 
-    It is known while the load never falls and creep is as fast all the time.
+    None where the load falls or the mobility changes.
     """
     time, load = (np.asarray(dataset[name]) for name in ("time", "load"))
     falls = (np.diff(load) < -_SAME_LOAD * load.max()).any()
@@ -192,18 +194,18 @@ def draws_of_solid(
     solid: Solid,
     computed: Callable[[Solid, str], xr.Dataset],
 ) -> dict[str, Floats]:
-    """Factors on a history by draws of its solid, by the names of what they are of.
+    """Factors on the quantities of a history, by their names, for draws of its solid.
 
     Parameters
     ----------
     dataset
         The history.
     series
-        `Material.spread`: that of the solid, and those that may be in its place.
+        `Material.spread`: the series of the solid, then the draws.
     solid
         The half-space of the history.
     computed
-        The same history of another solid, which is done in a stage of this name.
+        Computes this history for another solid, in a stage of progress with this name.
 
     Returns
     -------
@@ -217,17 +219,17 @@ def draws_of_solid(
     if (loads := effective_load(dataset, series[0])) is None:
         return _by_some(dataset, curves, series, solid, computed)
     on = np.flatnonzero(loads > 0)
-    crept = [np.log(np.asarray(effective_load(dataset, one))[on] / one.modulus) for one in series]
+    crept = [np.log(np.asarray(effective_load(dataset, draw))[on] / draw.modulus) for draw in series]
     grown = np.flatnonzero(np.diff(np.maximum.accumulate(crept[0]), prepend=-np.inf) > _ROUNDING)
     factors_of = {}
     for name, curve in curves.items():
         factors = np.ones((len(series) - 1, curve.size))
         if grown.size > 1 and (curve[on] > 0).all() and np.isfinite(curve[on]).all():
             y = np.log(curve[on])
-            at_once = select()[name].dimension == "stiffness"  # which is in proportion to the modulus at once
-            for factor, one, other in zip(factors, crept[1:], series[1:], strict=True):
-                factor[on] = np.exp(_continued(one, crept[0][grown], y[grown]) - y)
-                factor[on] *= other.modulus / series[0].modulus if at_once else 1.0
+            at_once = select()[name].dimension == "stiffness"  # proportional to E* by itself
+            for factor, load, draw in zip(factors, crept[1:], series[1:], strict=True):
+                factor[on] = np.exp(_continued(load, crept[0][grown], y[grown]) - y)
+                factor[on] *= draw.modulus / series[0].modulus if at_once else 1.0
         factors_of[name] = factors
     return factors_of
 
@@ -239,17 +241,17 @@ def _by_some(
     solid: Solid,
     computed: Callable[[Solid, str], xr.Dataset],
 ) -> dict[str, Floats]:
-    """Compute the history for those draws that span the compliances; the others follow from these."""
+    """Compute the history for draws that span the compliances; derive the others from them."""
     time = np.asarray(dataset["time"])
     lags = np.append(0.0, np.geomspace(time[time > 0][0] / 10, time[-1], _LAGS))
-    compliance = np.log([one.compliance_at(lags) for one in series])
+    compliance = np.log([draw.compliance_at(lags) for draw in series])
     modes, size, _ = np.linalg.svd(compliance[1:] - compliance[0], full_matrices=False)
     missed = np.sqrt(np.append(np.cumsum(size[::-1] ** 2)[::-1], 0.0))
     count = min(int(np.argmax(missed <= _MISSED * missed[0])), _MOST)
     scores = (modes * size)[:, :count]
     chosen = scipy.linalg.qr(scores.T, mode="r", pivoting=True)[1][:count]
     weights = np.linalg.lstsq(scores[chosen].T, scores.T, rcond=None)[0].T
-    found = {name: np.zeros((count, curve.size)) for name, curve in curves.items()}
+    logarithms = {name: np.zeros((count, curve.size)) for name, curve in curves.items()}
     for number, draw in enumerate(chosen):
         other = series[1 + draw]
         factor = other.modulus / series[0].modulus
@@ -262,12 +264,12 @@ def _by_some(
         for name, curve in curves.items():
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = np.log(np.asarray(history[name]) / curve)
-            found[name][number] = np.where(np.isfinite(ratio), ratio, 0.0)
-    return {name: np.exp(weights @ logarithms) for name, logarithms in found.items()}
+            logarithms[name][number] = np.where(np.isfinite(ratio), ratio, 0.0)
+    return {name: np.exp(weights @ computed_logs) for name, computed_logs in logarithms.items()}
 
 
 def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
-    """Sums, or what else gathers values, over the tiles of maps; shape (maps, tiles)."""
+    """Sums, or another reduction, over the tiles of maps; shape (maps, tiles)."""
     for axis in (1, 2):
         ends = np.linspace(0, maps.shape[axis], _TILES + 1).astype(int)[:-1]
         maps = gather.reduceat(maps, ends, axis=axis, dtype=np.float64)
@@ -275,19 +277,25 @@ def in_tiles(maps: Floats, gather: np.ufunc = np.add) -> Floats:
 
 
 def _slope(fraction: Field) -> Field:
-    """Slope of ln A over ln F at fractions of contact, by Persson's theory: A goes as erf(c F)."""
+    """Slope d ln A / d ln F at contact fractions, by Persson's theory: A ~ erf(c F)."""
     argument = scipy.special.erfinv(np.minimum(fraction, 1 - _ROUNDING))
     return np.asarray(argument * np.exp(-(argument**2)) * 2 / np.sqrt(np.pi) / fraction)
 
 
-def _left(tiles: Floats) -> Floats:
-    """What the others have over what all have, for each tile."""
+def bearing(load: Floats) -> Field:
+    """How many tiles bear the load, shape (maps,), from what each bears, shape (maps, tiles)."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.nan_to_num(load.sum(axis=1) ** 2 / (load**2).sum(axis=1)))
+
+
+def without_each(tiles: Floats) -> Floats:
+    """The sum over the other tiles, divided by that over all; shape (maps, tiles)."""
     whole = tiles.sum(axis=1, keepdims=True)
     return np.asarray((whole - tiles) / whole)
 
 
-def _student(without: Floats, bearing: Field) -> Floats:
-    """Draws of the error of what differs so without each tile, shape (draws, entries)."""
+def student(without: Floats, bearing: Field) -> Floats:
+    """Draws of the error of a number from its changes without each tile; shape (draws, entries)."""
     count = len(without)
     error = np.sqrt((count - 1) / count * (without**2).sum(axis=0))
     error = np.where((bearing >= _FEWEST) | (error == 0), error, np.nan)
@@ -296,7 +304,7 @@ def _student(without: Floats, bearing: Field) -> Floats:
 
 
 def _continued(at: Field, x: Field, y: Field) -> Field:
-    """Interpolate, and go on along the first and the last quarter: pieces may be as small as a pixel."""
+    """Interpolate; extrapolate with the slopes of the first and last quarter, as steps may be one pixel."""
     part = _END * (x[-1] - x[0])
     before, after = np.diff(np.interp([x[0], x[0] + part, x[-1] - part, x[-1]], x, y))[::2] / part
     inside = np.interp(at, x, y)

@@ -1,28 +1,27 @@
-r"""The law of a rough contact as a table for other programs: what a pressure does, at each age.
+r"""The law of a rough contact, for other programs: a table over pressure, at each age.
 
-It is that of the rough layer alone. Other programs compute how the bodies behind it deform, so what flat ones
-would do is taken off: rough bodies differ from flat ones by the distance between the means of their surfaces.
+The law is that of the rough layer alone, because other programs compute how the bodies behind it deform.
+Rough bodies are further apart than flat ones, by the distance between the means of their surfaces.
 With the heights h before anything yielded, and the surface u of the solid,
 
     approach  a = max h - <u>,        stiffness  dp/da = 1 / (A c),
 
-where c is how far a unit of load at once lowers <u>, with the contacts as they are. On a half-space whose
-edges are not free <u> is its position. A layer hangs on wave vector 0: its position is <u> less its even
-compression p / K(0). With free edges, what all pressure displaces far away is not in <u> either. Where
+where c is how far a unit of load lowers <u> instantly, with unchanged contacts. On a half-space without free
+edges <u> is its position. The position of a layer is <u> less its even compression p / K(0), for wave vector
+0. With free edges, <u> leaves out the displacement of the body far away. Where
 nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
 
-The gap g bounds the flow between the surfaces (cubic law): fluid that cannot cross from channel to channel
-conducts less, and fluid that crosses without loss more,
+The gap g bounds the flow between the surfaces (cubic law). The lower bound closes the channels against each
+other, and the upper one joins them without loss,
 
     < 1 / < g^-3 >_along >_across  <=  b^3  <=  1 / < 1 / < g^3 >_across >_along.
 
 Between them b is that of an effective medium, < (g^3 - b^3) / (g^3 + b^3) > = 0 (D. A. G. Bruggeman, Ann.
 Phys. 416, 636 (1935), DOI 10.1002/andp.19354160705).
 
-Bands are those of another scan of this size, from tiles drawn anew with replacement: of
-area and stiffness for each load that the tiles bear; of the gap less what follows from the pressure of the
-tiles, by a straight line. The highest point of a scan varies as Gumbel's distribution that the highest points
-of the tiles have.
+Bands are for another scan of this size: each of 16 tiles is left out in turn, see `asperity.analysis.bands`.
+The others bear another pressure; the change of the law from that to this one is taken off. The approach
+varies as the highest point of a scan: by Gumbel's distribution, of the width that those of the tiles have.
 """
 
 from __future__ import annotations
@@ -32,6 +31,7 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,10 +40,11 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
+from scipy.stats import gumbel_r
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
-from asperity.analysis.bands import in_tiles
+from asperity.analysis.bands import bearing, in_tiles, interval, student, without_each
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
@@ -65,7 +66,7 @@ TITLE = "Law of a rough contact"
 
 OF_LAWS = {
     "approach": ("m", "approach of the rough layer alone, from first touch"),
-    "stiffness": ("Pa/m", "normal stiffness per area, at once"),
+    "stiffness": ("Pa/m", "normal stiffness per area, instantaneous"),
     "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips"),
     "conductance": ("S/m^2", "electrical conductance per area"),
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),
@@ -80,11 +81,15 @@ OF_LAWS = {
 
 _CONDUCTANCES = {"resistance": "conductance", "thermal_resistance": "thermal_conductance"}
 
-_DRAWS = 200
-"""How often tiles are drawn."""
+_BY_TILE = {
+    "contact_fraction": "in_contact",
+    "mean_gap": "gap",
+    **dict.fromkeys(("stiffness", "tangential_stiffness", *_CONDUCTANCES.values()), "punch"),
+}
+"""Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
 
-_WIDER = math.sqrt(16 / 15) * 2.131 / 1.960
-"""Of sixteen values: the deviation of their mean that is known over that which drawing them gives."""
+_CLOSED = 0.2
+"""Contact fraction above which stiffness and conductances have no band: it would be too narrow."""
 
 Row = dict[str, Any]
 
@@ -101,42 +106,43 @@ def law(
     progress: Progress | Callable[[Frame], None] | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> xr.Dataset:
-    """Tabulate what a rough contact does under each pressure, at each age: a law for other programs.
+    """Tabulate approach, stiffness, conductance and gap of a rough contact over pressure, at each age.
 
-    Each pressure is put on at once, and held for all ages. The approach is that of the rough layer alone.
+    Each pressure is applied instantly and held. The approach is that of the rough layer alone. `law_for`
+    writes the table for other programs.
 
     Parameters
     ----------
     solid
-        A half-space or a layer; of a relaxation table the ``solid`` of `asperity.relaxation.material`.
+        A half-space or a layer. For a relaxation table: ``asperity.relaxation.material(table).solid``.
     surface
         The scan: a file for `asperity.surfaces.read`, or a `Surface` with units.
     pressures
         Load over nominal area, Pa or with units, rising. Two are the ends of a range, ``["0.1 MPa",
         "100 MPa"]``, with `per_decade` pressures in each decade; three or more are taken as they are.
     times
-        Ages, s or with units, strictly increasing, >= 0; by default 0, where nothing creeps.
+        Ages, s or with units, strictly increasing, >= 0. By default 0, for a solid that does not creep.
     carried
-        What else to tabulate: ``poisson`` for the tangential stiffness, ``resistivity`` and ``conductivity``
-        for the conductances; of half-spaces alone.
+        For half-spaces: ``poisson`` adds the tangential stiffness, ``resistivity`` and ``conductivity`` add
+        conductances.
     rtol
         Tolerance of time steps; see `asperity.age`.
     progress
-        True for a bar; or who is told how far it has come.
+        True for a bar, or a `Progress`.
     checkpoint
-        File in which to keep the pressures that are done. Remove it when the results are safe.
+        File that keeps finished pressures, so that a killed run goes on. Remove it when the results are safe.
 
     Returns
     -------
     xarray.Dataset
         Over ``direction``, ``time`` (s) and ``pressure`` (Pa): approach, stiffness and others, with bands.
-        Where something creeps or yields, ``direction`` has "unloading" beside "loading": from the largest
-        pressure, at its age, at once.
+        If the solid creeps or yields, ``direction`` has "unloading", too: instantly, at each age, from the
+        largest pressure.
 
     Raises
     ------
     InputError
-        A number is wrong; all of the surface touches; or the solid is defined on sites.
+        A number is out of range, all of the surface touches, or the solid is defined on sites.
     ConvergenceError
         A contact problem was not solved.
     """
@@ -145,11 +151,11 @@ def law(
         expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
         raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
     if body.adhesion is not None:
-        expected, advice = "a solid that does not stick, whose pressures begin at 0", "asperity.pull"
+        expected, advice = "a solid without adhesion", "asperity.pull"
         raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
     for name in ("shear", "work_of_adhesion"):
         if (put := getattr(carried, name, None)) is not None:
-            raise InputError(name, expected="none: a law is that of contacts pressed alone", got=put)
+            raise InputError(name, expected="none: a law has neither shear nor pull", got=put)
     steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
     if steps[-1] >= body.hardness:
         expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
@@ -163,24 +169,25 @@ def law(
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
-    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
+    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan, __version__
     mark = hashlib.sha256(repr(asked).encode() + heights.tobytes()).hexdigest()
     path = Path(checkpoint.path if isinstance(checkpoint, Checkpoint) else checkpoint) if checkpoint else None
     rows = _kept(path, mark)
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
-    layer = _Layer(heights, carried)
     with listener(progress) as listening:
-        # The largest is first: it says whether all will touch, or yield.
-        for left, step in reversed(list(enumerate(steps.tolist()))):
+        # The largest comes first, so that full contact or yield is refused early.
+        for lower_steps, step in reversed(list(enumerate(steps.tolist()))):
             if step in done:
                 continue
-            listening.stage(f"pressing with {written(step, 'Pa')}, {left} more to come")
-            memory = left == steps.size - 1 and (body.branches or body.yields)
-            rows += layer.held(scan, body, step, ages, steps[-2::-1].tolist() if memory else [], rtol)
+            listening.stage(f"pressing with {written(step, 'Pa')}, {lower_steps} more to come")
+            memory = lower_steps == steps.size - 1 and (body.branches or body.yields)
+            lower = steps[-2::-1].tolist() if memory else []
+            contact = pressed(scan, body, pressure=step)
+            rows += _held(contact, step, ages, lower, rtol, partial(_row, rough=heights, carried=carried))
             if path is not None:
                 with whole_file(path) as part:
                     part.write_text(json.dumps({mark: rows}), encoding="utf-8")
-    return _dataset(rows).assign_attrs(
+    return _dataset(rows, heights).assign_attrs(
         title=TITLE,
         asperity_version=__version__,
         **attributes_of_solid(body),
@@ -192,128 +199,133 @@ def law(
 
 
 def check_law(dataset: xr.Dataset) -> None:
-    """Refuse what `law` did not make; `InputError`."""
+    """`InputError` unless `law` made the dataset."""
     advice = "asperity.law(solid, scan, pressures=...)"
     if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
         raise InputError("dataset", expected="a law", got="another one", advice=advice)
 
 
-def _pressures(given: Any, per_decade: int) -> Field:
-    steps: Field = checks.line("pressures", units.numbers("pressures", given, "Pa"))
+def _pressures(values: Any, per_decade: int) -> Field:
+    steps: Field = checks.line("pressures", units.numbers("pressures", values, "Pa"))
     if steps.size < 2 or not (np.diff(steps, prepend=0) > 0).all():
-        expected, got = "two pressures or more above 0 that rise", checks.shown(given)
+        expected, got = "two pressures or more above 0 that rise", checks.shown(values)
         raise InputError("pressures", expected=expected, got=got, advice="the lowest first")
     if steps.size > 2:
         return steps
     return np.geomspace(steps[0], steps[1], math.ceil(math.log10(steps[1] / steps[0]) * per_decade) + 1)
 
 
-class _Layer:
-    """A rough surface, of whose contacts it makes rows; the same tiles are drawn for all."""
+def _held(
+    contact: Contact,
+    pressure: float,
+    ages: Field,
+    lower: list[float],
+    rtol: float,
+    row_of: Callable[[Contact], Row],
+) -> list[Row]:
+    """Rows at each age of a held pressure, each followed by instant unloading to lower pressures."""
+    rows: list[Row] = []
 
-    def __init__(self, rough: Field, carried: Carried | None) -> None:
-        self.rough, self.carried = rough, carried
-        highest, random = in_tiles(rough[np.newaxis], np.maximum)[0], np.random.default_rng(0)
-        self.chosen = random.integers(0, highest.size, (_DRAWS, highest.size))
-        higher = random.gumbel(scale=highest.std(ddof=1) * math.sqrt(6) / math.pi, size=_DRAWS)
-        self.higher = (higher - np.median(higher)) / _WIDER  # which is for means of a few values
+    def reached(time: float, contact: Contact) -> None:
+        if time not in ages or time in (row["time"] for row in rows):
+            return
+        if contact.contact_fraction == 1:
+            got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
+            raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
+        state = {"direction": "loading", "time": time, "pressure": pressure}
+        rows.append(state | row_of(contact))
+        state["direction"] = "unloading"
+        rows.extend([rows[-1] | state] * bool(lower))
+        for less in lower:
+            contact = pressed_anew(contact, Load(less * contact.nominal_area))
+            rows.append(state | {"pressure": less} | row_of(contact))
 
-    def held(
-        self, scan: Surface, body: Solid, pressure: float, ages: Field, down: list[float], rtol: float
-    ) -> list[Row]:
-        """Rows at each age of a held pressure, and then of lower ones, at once."""
-        contact = pressed(scan, body, pressure=pressure)
-        found: list[Row] = []
+    reached(0.0, contact)
+    if ages[-1] > 0:
+        age(contact, ages, rtol=rtol, progress=lambda frame: reached(frame.time, frame.contact))
+    return rows
 
-        def reached(time: float, contact: Contact) -> None:
-            if time not in ages or time in (row["time"] for row in found):
-                return
-            if contact.contact_fraction == 1:
-                got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
-                raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
-            where = {"direction": "loading", "time": time, "pressure": pressure}
-            found.append(where | self.row(contact))
-            where["direction"] = "unloading"
-            found.extend([found[-1] | where] * bool(down))
-            for less in down:
-                contact = pressed_anew(contact, Load(less * contact.nominal_area))
-                found.append(where | {"pressure": less} | self.row(contact))
 
-        reached(0.0, contact)
-        if ages[-1] > 0:
-            age(contact, ages, rtol=rtol, progress=lambda frame: reached(frame.time, frame.contact))
-        return found
+def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
+    """The numbers of one contact, and sums over its tiles for the bands."""
+    of_body, of_mean, force = unit_response(contact)
+    gap, area = contact.gap, contact.nominal_area
+    row: Row = {
+        "approach": float((rough.max() - contact.heights - gap).mean()),
+        "stiffness": 1 / (of_mean * area),
+    }
+    if carried is not None:
+        # The law has the stiffness of the mean of the surface, `carried` that of the body.
+        per_area = of_body / (of_mean * area)
+        for name, value in carried.of(contact).items():
+            if name == "tangential_stiffness":
+                row[name] = value * per_area
+            elif name in _CONDUCTANCES:
+                row[_CONDUCTANCES[name]] = per_area / value
+    row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
+    maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force, "gap": gap}
+    sums = in_tiles(np.stack([*maps.values()])).tolist()
+    return row | _hydraulic(gap) | {"tiles": dict(zip(maps, sums, strict=True))}
 
-    def row(self, contact: Contact) -> Row:
-        """The numbers of one contact, with their bands."""
-        body, mean, borne = unit_response(contact)
-        area, gap = contact.nominal_area, contact.gap
-        approach = float((self.rough.max() - contact.heights - gap).mean())
-        row = {"approach": approach, "stiffness": 1 / (mean * area)}
-        if self.carried is not None:
-            # All follow the stiffness, here of the mean of the surface, there of the body.
-            per_area = body / (mean * area)
-            for name, value in self.carried.of(contact).items():
-                if name == "tangential_stiffness":
-                    row[name] = value * per_area
-                elif name in _CONDUCTANCES:
-                    row[_CONDUCTANCES[name]] = per_area / value
-        row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
-        maps = np.stack([contact.in_contact, contact.force, borne, gap, np.ones_like(gap)])
-        return row | _hydraulic(gap) | self._bands(row, in_tiles(maps))
 
-    def _bands(self, row: Row, tiles: Field) -> Row:
-        touching, force, borne, gap, sites = tiles[:, self.chosen].sum(axis=-1)
-        # Tiles that long waves lift bear more load at a smaller gap.
-        slope = np.polyfit(tiles[1] / tiles[4], tiles[3] / tiles[4], 1)[0]
-        wider = gap / sites - slope * (force / sites - tiles[1].sum() / tiles[4].sum())
-        share = np.where(force > 0, force / tiles[1].sum(), np.nan)
-        stiffer = borne / share
-        drawn = {
-            "approach": row["approach"] + self.higher - (wider - row["mean_gap"]),
-            "contact_fraction": row["contact_fraction"] * touching / tiles[0].sum() / share,
-            "mean_gap": wider,
-        }
-        alike = ("stiffness", "tangential_stiffness", *_CONDUCTANCES.values())
-        drawn |= {name: row[name] * stiffer for name in alike if name in row}
-        ends: Row = {}
-        for name, values in drawn.items():
-            low, high = np.nanquantile(row[name] + _WIDER * (values - row[name]), (0.025, 0.975)).tolist()
-            ends |= {f"{name}_low": low, f"{name}_high": high}
-        return ends
+def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
+    """Add the bands to the rows of one direction and age, by increasing pressure."""
+    sums = {name: np.array([tiles[name] for tiles in rows["tiles"]]) for name in rows["tiles"].iloc[0]}
+    with np.errstate(divide="ignore"):
+        logs = {name: np.log(without_each(tiles)) for name, tiles in sums.items()}
+    per_load = logs["load"] - np.log(without_each(in_tiles(np.ones((1, *rough.shape)))))
+    pressure, ends = np.log(rows.index.get_level_values("pressure")), {}
+    order: Any = min(2, len(rows) - 1)
+    for name in [name for name in _BY_TILE if name in rows]:
+        slope = np.gradient(np.log(rows[name]), pressure, edge_order=order)[:, np.newaxis]
+        without = logs[_BY_TILE[name]] - logs["load"] + (1 - slope) * per_load
+        ends[name] = rows[name].to_numpy() * interval(np.exp(student(without.T, bearing(sums["load"]))))
+        if _BY_TILE[name] == "punch":
+            ends[name][:, rows["contact_fraction"] > _CLOSED] = math.nan
+    scale = in_tiles(rough[np.newaxis], np.maximum).std(ddof=1) * math.sqrt(6) / math.pi
+    higher = scale * (gumbel_r.ppf([[0.025], [0.975]]) - gumbel_r.median())
+    ends["approach"] = rows["approach"].to_numpy() + higher
+    names = {
+        f"{name}_{end}": values[n] for name, values in ends.items() for n, end in enumerate(("low", "high"))
+    }
+    return rows.assign(**names)
 
 
 def _hydraulic(gap: Field) -> Row:
-    """Gaps of smooth plates between which as much flows, on average and at least and at most."""
+    """Gaps of smooth plates with the same flow: of an effective medium, and its bounds."""
     widest = float(gap.max())
     cubes = (np.maximum(gap, 0.0) / widest) ** 3
     with np.errstate(divide="ignore"):
         least = min(float((1 / (1 / cubes).mean(axis=along)).mean()) for along in (0, 1))
         most = max(float(1 / (1 / cubes.mean(axis=across)).mean()) for across in (0, 1))
-    percolates = np.count_nonzero(cubes) > cubes.size / 2
-    mean = brentq(lambda b: float(((cubes - b) / (cubes + b)).mean()), 1e-12, 1.0) if percolates else 0.0
-    found = {"hydraulic_gap": mean, "hydraulic_gap_least": least, "hydraulic_gap_most": most}
-    return {name: widest * value ** (1 / 3) for name, value in found.items()}
+        logarithms = np.log(cubes)
+    mean = 0.0
+    if np.count_nonzero(cubes) > cubes.size / 2:  # (g^3 - b^3) / (g^3 + b^3) = tanh(ln(g^3 / b^3) / 2)
+        mean = math.exp(brentq(lambda log: float(np.tanh((logarithms - log) / 2).mean()), -700.0, 0.0))
+    bounds = {"hydraulic_gap": mean, "hydraulic_gap_least": least, "hydraulic_gap_most": most}
+    return {name: widest * value ** (1 / 3) for name, value in bounds.items()}
 
 
 def _kept(path: Path | None, mark: str) -> list[Row]:
-    """Rows of the pressures that are done, from a checkpoint if there is one."""
+    """Rows of finished pressures, from a checkpoint if it exists."""
     if path is None or not path.exists():
         return []
     try:
         return list(json.loads(path.read_text(encoding="utf-8"))[mark])
     except (OSError, ValueError, TypeError, KeyError):
-        known = {"expected": "a checkpoint of this law", "advice": "another path, or remove the file"}
-        raise CheckpointError("checkpoint", got=f"{path}, of something else", **known) from None
+        message = {"expected": "a checkpoint of this law", "advice": "another path, or remove the file"}
+        raise CheckpointError("checkpoint", got=f"{path}, of something else", **message) from None
 
 
-def _dataset(rows: list[Row]) -> xr.Dataset:
+def _dataset(rows: list[Row], rough: Field) -> xr.Dataset:
     ends = {"": "", "_low": ", low end of the 95 % band", "_high": ", high end of the 95 % band"}
     facts = {
-        f"{name}{end}": {"units": unit, "long_name": f"{meaning}{said}"}
-        for (name, (unit, meaning)), (end, said) in itertools.product(OF_LAWS.items(), ends.items())
+        f"{name}{end}": {"units": unit, "long_name": f"{meaning}{addition}"}
+        for (name, (unit, meaning)), (end, addition) in itertools.product(OF_LAWS.items(), ends.items())
     }
-    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"])
+    table = pd.DataFrame(rows).set_index(["direction", "time", "pressure"]).sort_index()
+    groups = table.groupby(level=["direction", "time"])
+    table = pd.concat([_with_bands(group, rough) for _, group in groups])
     dataset = table[[name for name in facts if name in table]].to_xarray()
     dataset = dataset.assign_coords(direction=dataset["direction"].astype(str))
     facts["time"] = {"units": "s", "long_name": "age: how long the pressure was held"}

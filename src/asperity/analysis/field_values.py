@@ -1,4 +1,4 @@
-"""How gaps, pressures and sizes of patches are distributed at the times at which fields were kept."""
+"""Distributions of gaps, pressures and sizes of patches at the times of the maps."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from asperity.patches import patches
 from asperity.results.history import check_fields
 
 ONE_TIME = "dataset.isel(field_time=-1), of a history with fields_at=[...]"
-"""What to give for a dataset with fields of several times, or of none."""
+"""Advice for a dataset with maps of several times, or of none."""
 
 
 @dataclass(frozen=True, eq=False)
 class Distribution:
-    """The values of one moment, in rising order: the k-th of n is exceeded by n - k.
+    """Sorted values at one time, rising: the k-th of n is exceeded by n - k.
 
     Attributes
     ----------
     time
-        When.
+        Hold time.
     gap
         Height of the elastic surface above the rough one, at each site off contact, length.
     pressure
@@ -77,17 +77,17 @@ def lattice_of(dataset: xr.Dataset) -> Lattice:
     return Lattice(shape, tuple(spacing), dataset.attrs.get("edges", "periodic"))
 
 
-def _rough(one: xr.Dataset) -> Field:
+def _rough(fields: xr.Dataset) -> Field:
     """Heights of the rough surface where they are in one map: slid, and lower where it has yielded."""
-    heights = np.asarray(one["heights"], dtype=np.float64)
-    if "field_shift_y" in one.coords or "field_shift_x" in one.coords:
+    heights = np.asarray(fields["heights"], dtype=np.float64)
+    if "field_shift_y" in fields.coords or "field_shift_x" in fields.coords:
         axes = ("y", "x")[-heights.ndim :]
-        heights = lattice_of(one).shifted(heights, [float(one[f"field_shift_{axis}"]) for axis in axes])
-    if "permanent_indentation" in one:
-        heights = heights - np.asarray(one["permanent_indentation"], dtype=np.float64)
+        heights = lattice_of(fields).shifted(heights, [float(fields[f"field_shift_{axis}"]) for axis in axes])
+    if "permanent_indentation" in fields:
+        heights = heights - np.asarray(fields["permanent_indentation"], dtype=np.float64)
     return heights
 
 
-def pressure_of(one: xr.Dataset) -> Field:
+def pressure_of(fields: xr.Dataset) -> Field:
     """Contact pressure of one map; of a solid that is defined on sites the force of each."""
-    return np.asarray(one["pressure" if "pressure" in one else "force"], dtype=np.float64)
+    return np.asarray(fields["pressure" if "pressure" in fields else "force"], dtype=np.float64)

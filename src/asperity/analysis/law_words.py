@@ -1,4 +1,4 @@
-"""A law in the words of other programs, and the formulas in which rock mechanics writes one."""
+"""Laws as input files of other programs, and as formulas of rock mechanics."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from asperity.lattice import Field
 
 Program = Literal["calculix", "moose"]
 FILES: dict[Program, str] = {"calculix": "calculix.inp", "moose": "moose.i"}
-"""Programs, and names of their files."""
+"""File name by program."""
 
 _MOST_ROWS = 200
 """Rows of a table of CalculiX 2.20."""
@@ -44,23 +44,22 @@ def law_for(
     dataset
         What `asperity.law` returned.
     age
-        Which of its ages, s or with a unit; needed where there are several.
+        Age, s or with a unit; needed if the law has several.
     direction
-        Whether the pressure rises, or falls from the largest.
+        Rising pressure, or falling from the largest.
     millimeters
         Write N, mm, s, MPa in place of SI.
 
     Returns
     -------
     str
-        Tables begin at pressure 0 and first touch; of unloading, where the tangent at the lowest pressure
-        ends.
+        Tables begin at pressure 0: loading at first touch, unloading where the tangent at the lowest pressure
+        reaches 0.
 
     Raises
     ------
     InputError
-        There are several ages and none was named, the law has no such age or direction, or it has more
-        pressures than the program takes.
+        The age or the direction is missing or not in the law, or CalculiX cannot read that many pressures.
     """
     checks.choice("program", program, get_args(Program))
     table = _one_age(dataset, age, direction)
@@ -80,19 +79,19 @@ def law_for(
 
 
 def _one_age(dataset: xr.Dataset, age: float | str | None, direction: str) -> xr.Dataset:
-    """The part of a law of one age and direction."""
+    """The law at one age and direction."""
     check_law(dataset)
     checks.choice("direction", direction, dataset["direction"].values.tolist())
     return dataset.sel(direction=direction).isel(time=place_of(age, dataset["time"].values))
 
 
 def place_of(age: float | str | None, times: ArrayLike) -> int:
-    """Which of the ages of a law, s, one is; None where there is one alone. `InputError` if it is none."""
+    """Place of an age among those of a law, s; None means the only one. `InputError` if there is none."""
     ages = np.asarray(times)
-    found = ages if age is None else units.number("age", age, "s", least=0)
-    near = np.flatnonzero(np.isclose(ages, found, rtol=1e-6, atol=0))
+    wanted = ages if age is None else units.number("age", age, "s", least=0)
+    near = np.flatnonzero(np.isclose(ages, wanted, rtol=1e-6, atol=0))
     if near.size != 1:
-        expected = f"one of the ages of the law, {', '.join(written(one, 's') for one in ages.tolist())}"
+        expected = f"one of the ages of the law, {', '.join(written(value, 's') for value in ages.tolist())}"
         advice = f'age="{written(float(ages[-1]), "s")}"'
         raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
     return int(near[0])
@@ -137,7 +136,7 @@ def _moose(columns: dict[str, Field], head: str, prefix: str) -> str:
         f"{prefix}{name}_of_pressure": (pressure, columns[name]) for name in _OF_PRESSURE if name in columns
     }
     for name, axes in tables.items():
-        first = int("hydraulic" in name)  # a gap is not 0 where nothing presses
+        first = int("hydraulic" in name)  # without pressure the gap is not 0
         x, y = (" ".join(f"{value:.10g}" for value in axis[first:]) for axis in axes)
         lines += [f"  [{name}]", "    type = PiecewiseLinear", f"    x = '{x}'", f"    y = '{y}'", "  []"]
     return "\n".join([*lines, "[]"]) + "\n"
@@ -159,8 +158,8 @@ def closure_fits(
     Returns
     -------
     pandas.DataFrame
-        Of the hyperbola of Barton and Bandis, a = p / (K + p / V), and of a power, a = c (p / 1 MPa)^n, the
-        two numbers (K Pa/m and V m, c m and n), and the relative error, rms and at most.
+        A row for the hyperbola of Barton and Bandis, a = p / (K + p / V), with K (Pa/m) and V (m), and one
+        for the power law a = c (p / 1 MPa)^n, with c (m) and n; each with its rms and largest relative error.
 
     References
     ----------
@@ -176,11 +175,11 @@ def closure_fits(
         return np.asarray(np.log(p / (k + p / v) / a))
 
     k, v = np.exp(least_squares(lack, np.log([p[0] / a[0], 1.2 * a[-1]])).x)
-    found = []
+    rows = []
     for name, first, second, formula in (
         ("Barton-Bandis", k, v, p / (k + p / v)),
         ("power", np.exp(power[1]), power[0], np.exp(np.polyval(power, np.log(p / 1e6)))),
     ):
         error = formula / a - 1
-        found.append((name, first, second, np.sqrt((error**2).mean()), np.abs(error).max()))
-    return pd.DataFrame(found, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")
+        rows.append((name, first, second, np.sqrt((error**2).mean()), np.abs(error).max()))
+    return pd.DataFrame(rows, columns=["formula", "first", "second", "rms", "largest"]).set_index("formula")

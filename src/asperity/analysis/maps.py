@@ -24,10 +24,10 @@ from asperity.surfaces.surface import measured_part
 Number = TypeVar("Number", np.int8, np.float64)
 
 _WINDOW = 160
-"""Sites of a profile that can be told apart in a figure."""
+"""Longest profile, sites, whose sites a figure resolves."""
 
 _CLOSE = 128
-"""Side of a close-up, sites: few enough to be told apart in a map."""
+"""Side of a close-up, sites, that a map resolves."""
 
 _STILL = 1e-6  # part of the largest load by which one that stays may rise by rounding
 
@@ -54,25 +54,25 @@ class ContactMaps(views.Brief):
         The rough surface before anything yielded, shape ``(n,)`` or ``(n, m)``; length. Of a mirrored scan,
         the scan alone.
     indentation
-        By how much it is lower in the last map of known time where it has yielded, same shape; length.
+        Depth of permanent yielding in the last map of a history, same shape; length.
     times
-        Hold times of the maps, shape ``(k,)``; infinite for the relaxed state, the last if it is known.
+        Hold times of the maps, shape ``(k,)``; the relaxed state, if known, comes last, at infinity.
     states
         `SiteState` of each site at each time, shape ``(k, n)`` or ``(k, n, m)``.
     surfaces
         u at each time, same shape; length.
     height_range
-        Heights between which colors should tell apart; see `color_range`.
+        Range of the color scale; see `color_range`.
     window
-        First site and site after the last of the stretch of a profile that has most contacts and is
-        short enough to draw; the whole first axis for a surface.
+        First site, and site after the last, of the drawn part of a profile: the part with most contacts. The
+        whole first axis of a surface.
     unit
         Unit of all heights, chosen to be readable; as in `asperity.figures.surface.SurfaceView`.
     reference
-        Number of the map that the states compare with: the first, or where that is of load 0 the first at
-        the end of the loading. No site is lost before it.
+        Number of the map that states are compared with: the first; if its load is 0, the first after
+        loading. No site is lost before it.
     copies
-        1; of a mirrored scan the number of copies that the surface is made of, of which one is here.
+        Mirrored copies of which the surface consists; `heights` is one of them.
     pixel_size, length_unit
         Distance between sites along the last axis, or None, and its unit.
     aspect
@@ -105,11 +105,10 @@ class ContactMaps(views.Brief):
         return int((self.states[number] == state).sum())
 
     def sampled(self, side: int) -> NDArray[np.int8]:
-        """Sample the sites in contact onto a coarser lattice; each cell has the state of one site.
+        """Sample the states onto a coarser lattice; each cell takes the state of one site.
 
-        Of all sites that are in contact in some map every ``side**2``-th is taken, along a curve through the
-        cells: a cell of ``side`` x ``side`` sites gets none or one, the same in all maps. So the share of
-        cells in a state is that of the sites, but for chance, and cells full of contact are all drawn.
+        Of the sites that touch in any map, every ``side**2``-th is taken, along a curve through the cells of
+        ``side`` x ``side`` sites. So each state keeps its share, but for chance, and full cells are drawn.
 
         Returns
         -------
@@ -118,7 +117,7 @@ class ContactMaps(views.Brief):
         return self.coarsened(self.states, side, SiteState.FREE)
 
     def coarsened(self, fields: NDArray[Number], side: int, free: float) -> NDArray[Number]:
-        """Give each cell the value of the site that `sampled` takes for it, and `free` where it takes none.
+        """Give each cell the value of its site in `sampled`, or `free` if it has none.
 
         Parameters
         ----------
@@ -143,7 +142,7 @@ class ContactMaps(views.Brief):
         return cells
 
     def close_up(self) -> tuple[slice, slice]:
-        """Find the square of at most 128 sites a side that changes most, of squares side by side."""
+        """Find the square with most changes among adjacent squares of at most 128 sites a side."""
         side = min(_CLOSE, *self.heights.shape)
         rows, columns = (n // side for n in self.heights.shape)
         first = self.states[self.reference]
@@ -154,7 +153,7 @@ class ContactMaps(views.Brief):
         return slice(row, row + side), slice(column, column + side)
 
     def scale_bar(self, sites: int) -> tuple[float, float, str] | None:
-        """Find a round length that suits a map of so many columns: in sites, and in a readable unit.
+        """Choose a round length for the scale bar of a map of so many columns: sites, length, unit.
 
         None where the pixel size is unknown.
         """
@@ -168,13 +167,12 @@ class ContactMaps(views.Brief):
 
 
 def contact_maps(dataset: xr.Dataset) -> ContactMaps:
-    """Compare the fields that a history kept with the first of them, or with the end of a loading from 0.
+    """Compare the maps of a history with the first of them, or with the end of a loading from 0.
 
     Parameters
     ----------
     dataset
-        The dataset of a `History` that kept fields (``fields_at``), with the relaxed state if
-        `with_limit` added it.
+        The dataset of a `History` with fields (``fields_at``); with the relaxed state after `with_limit`.
 
     Raises
     ------
@@ -205,7 +203,7 @@ def contact_maps(dataset: xr.Dataset) -> ContactMaps:
 
 
 def loaded(dataset: xr.Dataset) -> int:
-    """Number of the first map, or where its load is 0 of the first one after which the load does not rise."""
+    """Number of the first map; if its load is 0, of the first map after the load has risen."""
     forces = dataset.get("pressure", dataset.get("force"))
     if forces is None:
         return 0
@@ -213,7 +211,7 @@ def loaded(dataset: xr.Dataset) -> int:
 
 
 def end_of_loading(load: Field) -> int:
-    """Number of the first entry, or where its load is 0 of the first after which the load does not rise."""
+    """Number of the first entry; if its load is 0, of the first after which the load does not rise."""
     if load[0] > 0:
         return 0
     rises = np.append(np.diff(load) > _STILL * load.max(), False)
@@ -221,20 +219,19 @@ def end_of_loading(load: Field) -> int:
 
 
 def on_the_surface(dataset: xr.Dataset) -> xr.Dataset:
-    """Move the fields that a history kept to where the rough surface was at first, to the nearest site.
+    """Move the fields of a history that slides back above the heights of the dataset, to the nearest site.
 
-    While the surface slides, fields stay with the elastic body. Moved back, they lie above the heights of the
-    dataset, as maps show them. A history that does not slide stays as it is.
+    Fields stay with the elastic body while the rough surface slides under it.
     """
     axes = [axis for axis in ("y", "x") if f"field_shift_{axis}" in dataset.coords]
     moved = {}
     for name, field in dataset.data_vars.items():
         shifted_axes = [axis for axis in axes if axis in field.dims]
         if shifted_axes and "field_time" in field.dims:
-            shifts = (
-                {axis: -round(float(one[f"field_shift_{axis}"])) for axis in shifted_axes} for one in field
-            )
-            back = [one.roll(shift) for one, shift in zip(field, shifts, strict=True)]
+            back = [
+                frame.roll({axis: -round(float(frame[f"field_shift_{axis}"])) for axis in shifted_axes})
+                for frame in field
+            ]
             moved[name] = field.copy(data=np.stack(back))
     return dataset.assign(moved)
 
@@ -245,15 +242,15 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     `InputError` if the earlier one is of another surface.
     """
     both = (contact if since is None else since, contact)
-    earlier, heights = (one.heights + one.permanent_indentation for one in both)
+    earlier, heights = (state.heights + state.permanent_indentation for state in both)
     if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(heights))):
         raise InputError("since", expected="a contact of the same surface", got="one of other heights")
     return _maps_of(
         heights,
         contact.permanent_indentation,
         [math.nan] * 2,
-        [one.in_contact for one in both],
-        [one.u for one in both],
+        [state.in_contact for state in both],
+        [state.u for state in both],
         origin=contact.surface,
         spacing=contact.lattice.spacing if contact.si else None,
     )
@@ -305,13 +302,13 @@ def _maps_of(
 
 
 def color_range(heights: Field) -> tuple[float, float]:
-    """Range of all heights but the lowest and the highest 0.3 %: single spikes do not wash out a map."""
+    """Range of heights without the lowest and highest 0.3 %, so that spikes do not wash out a map."""
     low, high = np.percentile(heights, (0.3, 99.7))
     return float(low), float(high)
 
 
 def _along_a_z_curve(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number cells so that those of near numbers are near: the bits of row and column take turns."""
+    """Morton codes of cells: the bits of row and column alternate, so near codes are near cells."""
     code = np.zeros_like(rows)
     for bit in range(int(max(rows.max(initial=0), columns.max(initial=0))).bit_length()):
         code |= (rows >> bit & 1) << (2 * bit + 1) | (columns >> bit & 1) << (2 * bit)

@@ -1,18 +1,17 @@
-r"""What an instrument sees of a contact: through a point spread function, on pixels, above a threshold.
+r"""Images of a contact by an instrument with a point spread function, pixels and a threshold.
 
-A site is a rectangle of one brightness b. A pixel sees the mean of what the point spread function G, a
-Gaussian of unit weight, has made of it,
+A site is a rectangle of uniform brightness b. The point spread function G is a Gaussian of unit weight, and a
+pixel averages,
 
     image = 1/P  integral over the pixel dx  integral dy G(x - y) b(y),
 
 which is exact here, axis by axis: the integral of G over an interval of x and one of y is a second
 difference of z Phi(z/s) + s phi(z/s), with the standard deviation s of G and the normal distribution Phi and
-density phi. Beyond periodic edges comes the map again, beyond reflecting ones its mirror image; beyond free
-ones it is dark.
+density phi. Periodic edges repeat the map, reflecting edges mirror it, and beyond free edges it is dark.
 
-Microscopes see contacts so: J. H. Dieterich, B. D. Kilgore, Pure Appl. Geophys. 143, 283 (1994), DOI
-10.1007/BF00874332. B. Weber et al., Nat. Commun. 9, 888 (2018), DOI 10.1038/s41467-018-02981-y, compare what
-they simulate with what they measure in this way.
+Microscopy of contacts: J. H. Dieterich, B. D. Kilgore, Pure Appl. Geophys. 143, 283 (1994), DOI
+10.1007/BF00874332. Simulations compared with images in this way: B. Weber et al., Nat. Commun. 9, 888 (2018),
+DOI 10.1038/s41467-018-02981-y.
 """
 
 from __future__ import annotations
@@ -37,27 +36,27 @@ _FWHM = 2 * math.sqrt(2 * math.log(2))
 """Full width at half maximum of a Gaussian, in standard deviations."""
 
 _TAIL = 8.5
-"""Standard deviations beyond which a Gaussian is nothing in double precision."""
+"""Standard deviations beyond which a Gaussian vanishes in double precision."""
 
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """A contact as an instrument sees it.
+    """The image of a contact by an instrument.
 
     Attributes
     ----------
     image
         Mean brightness of each pixel, of a contact from 0 to 1; shape ``(k,)`` or ``(k, l)``.
     seen
-        Pixels that count as contact: those not below the threshold. None without a threshold.
+        Pixels at or above the threshold, which count as contact. None without a threshold.
     spacing
         Distance between pixels along each axis, length.
     blur, threshold
         As given; lengths in the unit of the spacing.
     edges
-        What lies beyond the edges of the image.
+        Edges of the image: "periodic", "reflecting" or "free".
     """
 
     image: Field
@@ -73,7 +72,7 @@ class Observation:
 
     @property
     def area(self) -> float:
-        """Area of contact that is seen, length^2: of the pixels seen; without a threshold, of the light."""
+        """Area of contact in the image, length^2: of the pixels seen; without a threshold, of the light."""
         return self.fraction * self.image.size * math.prod(self.spacing)
 
     @property
@@ -130,20 +129,20 @@ def observe(
     """
     brightness, sides, beyond, si = _scene(image, spacing, edges)
     shortest = min(side * n for side, n in zip(sides, brightness.shape, strict=True))
-    width = checks.number("blur", _length("blur", blur, si), least=0, most=shortest)
+    width = checks.number("blur", units.converted("blur", blur, "m", si=si), least=0, most=shortest)
     side = None
     if pixel is not None:
         most = shortest * (1 + _ROUNDING)
-        side = checks.number("pixel", _length("pixel", pixel, si), above=0, most=most)
+        side = checks.number("pixel", units.converted("pixel", pixel, "m", si=si), above=0, most=most)
     limit = None if threshold is None else checks.number("threshold", threshold)
-    pixels = tuple(own if side is None else side for own in sides)
+    pixels = tuple(site if side is None else side for site in sides)
     seen = brightness
-    for axis, (own, length) in enumerate(zip(sides, pixels, strict=True)):
-        weights = _weights(brightness.shape[axis], own, length, width / _FWHM, beyond)
+    for axis, (site, length) in enumerate(zip(sides, pixels, strict=True)):
+        weights = _weights(brightness.shape[axis], site, length, width / _FWHM, beyond)
         seen = np.moveaxis(np.tensordot(weights, seen, axes=(1, axis)), 0, axis)
     return Observation(
         image=seen,
-        # A pixel half in contact is not to be decided by rounding.
+        # Rounding must not decide on a pixel half in contact.
         seen=None if limit is None else seen >= limit - _ROUNDING * abs(limit),
         spacing=pixels,
         blur=width,
@@ -179,7 +178,7 @@ def _scene(
     """Brightness, distance between sites, edges, and whether lengths are in metres."""
     if isinstance(image, (Contact, xr.Dataset)) and not (spacing is None and edges is None):
         name = "edges" if spacing is None else "spacing"
-        raise InputError(name, expected="none beside what brings its own", got=checks.kind_of(image))
+        raise InputError(name, expected="none: the image has its own", got=checks.kind_of(image))
     if isinstance(image, Contact):
         lattice = image.lattice
         return image.in_contact.astype(np.float64), lattice.spacing, lattice.edges, image.si
@@ -198,11 +197,3 @@ def _scene(
     if edges is not None:
         checks.choice("edges", edges, get_args(Edges))
     return brightness, tuple(np.broadcast_to(spacings, brightness.ndim).tolist()), edges or "periodic", False
-
-
-def _length(name: str, given: float | str, si: bool) -> float:
-    if not isinstance(given, str):
-        return given
-    if not si:
-        raise InputError(name, expected="a number: lengths have no unit here", got=checks.shown(given))
-    return units.quantity(given, "m", name)

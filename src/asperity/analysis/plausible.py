@@ -1,4 +1,4 @@
-"""What is implausible in the contact of a continuum, and what limits it."""
+"""Remarks on implausible contacts of continua, and on their limits."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 from asperity.theory import persson_area
 
-# Contact area over Persson's, above which it is remarked: random surfaces have 0.7 to 2.5, the most where
-# patches are single pixels, and offsets of lines of twice the rms height 3 and more.
+# Contact area over Persson's above which a remark is made. Random surfaces have 0.7 to 2.5, most with patches
+# of single pixels; offsets of lines of twice the rms height have 3 and more.
 _BEYOND = 3.0
 
 _WAVES, _NOISE = 1e-3, 0.05
-"""Largest deviations of a table from its fit, in waves or like noise, from which on a remark is made."""
+"""Largest misfits of a table, in waves or as noise, without a remark."""
 
 _STILL = 1e-9  # part of the largest load by which one that stays may fall by rounding
 
@@ -32,7 +32,7 @@ _STILL = 1e-9  # part of the largest load by which one that stays may fall by ro
 def remarks_on_contact(
     rough: Surface, solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None = None
 ) -> tuple[str, ...]:
-    """What whoever reads a history should know, in numbers; `maps` are those of `resolved`, where known."""
+    """Remarks on a history, in numbers; `maps` are those of `resolved`, if known."""
     on_filled: tuple[str, ...] = ()
     if rough.filled is not None and "field_time" in dataset.dims:
         forces = on_the_surface(dataset)["pressure" if "pressure" in dataset else "force"]
@@ -43,7 +43,7 @@ def remarks_on_contact(
 
 
 def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
-    """Remark on a contact many times that of random heights, when the largest load is just on."""
+    """Remark on a contact many times that of random heights, once the largest load is on."""
     load, at = np.asarray(dataset["load"]), _loaded(dataset["load"])
     elastic = solid.half_space and solid.separable and not solid.yields
     measured = "kind" not in rough.provenance and rough.heights.ndim == 2 and dataset.attrs.get("si")
@@ -69,7 +69,7 @@ def _loaded(load: xr.DataArray) -> int:
 
 
 def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None) -> Iterator[str]:
-    """What limits a contact of a continuum under a surface with units, in numbers."""
+    """Remarks on the limits of a contact of a continuum under a surface with units."""
     load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
     pressed = _loaded(dataset["load"])
     pressure = float(dataset["mean_contact_pressure"][pressed])
@@ -96,7 +96,7 @@ def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None
 
 
 def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) -> Iterator[str]:
-    """What the pixels resolve of the first map under the load, and what becomes of its patches."""
+    """Remarks on the resolution of the first loaded map, and on merging patches."""
     if first.in_small > 0.2:
         yield (
             f"{100 * first.in_small:.0f} % of the area {when} lies in patches of fewer than 10 pixels: "
@@ -113,7 +113,7 @@ def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) 
 
 
 def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
-    """Which edges a scan was given, and why."""
+    """Remark on the edges of a scan."""
     if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
         return ()
     if rough.edges == "free":
@@ -124,18 +124,18 @@ def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
     )
 
 
-def remark_on_loading(times: Sequence[float] | Field, end: float, said: str) -> tuple[str, ...]:
-    """Say how many recorded times are before the end, said so, of a ramp that puts the load on."""
+def remark_on_loading(times: Sequence[float] | Field, end: float, when: str) -> tuple[str, ...]:
+    """Remark on recorded times before the end of a loading ramp; `when` is that end in words."""
     if not (early := sum(0 < time < end for time in times)):
         return ()
     return (
-        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {said}: "
+        f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {when}: "
         "there the load still rises, and the area with it",
     )
 
 
 def remarks_on_prediction(prediction: Prediction) -> Iterator[str]:
-    """What limits the prediction, in numbers."""
+    """Remarks on the limits of a prediction, in numbers."""
     solid, fit, last = prediction.solid, prediction.fit, float(prediction.time[-1])
     if fit is not None and fit.assumed:
         yield fit.assumed

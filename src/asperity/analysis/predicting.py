@@ -40,16 +40,16 @@ USUAL_MAPS = 6
 LEAST_TIMES = 5
 
 _IN_RAMP = 12
-"""Times recorded in a ramp, evenly spread."""
+"""Evenly spread times recorded in a ramp."""
 
 _SINCE = 1e-3
-"""First time recorded since a change of the load, over the shortest hold, where no table says more."""
+"""First recorded time after a change of the load, over the shortest hold; without a table."""
 
 _FACTORS = (1, 2, 4, 8, 16)
-"""Shortest waves of a study of resolution, over two pixels, which are the shortest that a scan has."""
+"""Shortest waves of a resolution study, over two pixels, the shortest waves of a scan."""
 
 _FEWEST = 8
-"""Waves along the shorter side that a band has at least."""
+"""Fewest waves along the shorter side, in a resolution study."""
 
 
 def predict(
@@ -70,56 +70,56 @@ def predict(
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> Prediction:
-    """Predict how the contact of a rough rigid surface with a half-space ages, and how sure that is.
+    """Predict how the contact of a rough rigid surface with a half-space ages, with 95 % bands.
 
     Numbers are in SI units, or texts with a unit: ``"1 MPa"``.
 
     Parameters
     ----------
     material
-        From `asperity.relaxation.material`; or what that makes one of by itself, such as the file of a
-        relaxation table, or a half-space.
+        From `asperity.relaxation.material`; or one of its arguments, such as a file with a relaxation table,
+        or a half-space.
     surface
-        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. Of a
-        scan and its mirror images the scan is taken, with reflecting edges.
+        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. A
+        mirrored surface is replaced by its scan with reflecting edges.
     load, pressure
-        Normal load, N; or in its place load over nominal area, Pa. It stays, unless a protocol changes it.
+        Normal load, N, or load over nominal area, Pa: one of them. Constant, unless a protocol changes it.
     ramp
-        Time, s, within which the load is put on, in proportion to time; by default at once. All times count
-        from the start of the loading.
+        Duration of a linear loading, s; by default the load is applied instantly. Times count from the start
+        of the loading.
     protocol
-        A history of the load in place of ramp and last: a list of legs of `asperity.protocols`, such as
+        A history of the load, without ramp and last: a list of legs of `asperity.protocols`, such as
         ``[Ramp("2.4 s", pressure="1 MPa"), Hold("1000 s"), Step(pressure="250 kPa"), Hold("4000 s")]``. One
         that begins with a ramp needs no load. Slides, and legs that hold or move the body, have no band.
     first, last
-        Times, s, between which to predict; by default all that the table spans and that are after the ramp.
-        Without a table both are needed. With a protocol the first time since each of its changes.
+        First and last time, s; by default those of the table, after the ramp. Without a table both are
+        needed. With a protocol, ``first`` counts from each change of the load.
     per_decade
         Times recorded in each decade.
     shear_strength
-        Of the contacts, Pa: gives friction (Tabor).
+        Shear strength of the contacts, Pa; adds friction (Tabor).
     carried
-        What else to record at each time: stiffness, resistances, what sticks; see `asperity.age`.
+        Carried quantities to record: stiffness, resistances, sticking share; see `asperity.age`.
     instrument
-        Arguments ``pixel``, ``blur`` and ``threshold`` of `asperity.observe`, through which to look at the
-        contact; the threshold is 0.5 by default.
+        Arguments ``pixel``, ``blur`` and ``threshold`` (default 0.5) of `asperity.observe`; adds observations
+        of the contact.
     resolution_study
-        Whether to predict the same without waves below 4, 8, 16 and 32 pixels, too: see `Prediction.bands`.
+        Whether to repeat the prediction without waves below 4, 8, 16 and 32 pixels: see `Prediction.bands`.
     progress
-        True for a bar, in notebooks as on terminals; or who is told how far it has come.
+        True for a bar, in notebooks and on terminals; or a `Progress`.
     checkpoint
-        Where aging keeps its place; see `asperity.age`.
+        File in which aging keeps its place; see `asperity.age`.
 
     Raises
     ------
     AsperityError
-        Something given is wrong, or does not fit together; a solver did not converge.
+        An argument is wrong, arguments contradict each other, or a solver did not converge.
 
     Notes
     -----
-    A generalized Maxwell half-space is separable: while the load does not fall, the contact at each time is
-    the exact one, see `asperity.age`. Other contacts are followed in time steps. The dataset has 95 % bands,
-    such as ``contact_area_low`` and ``contact_area_high``: see `Prediction.band`.
+    A generalized Maxwell half-space is separable: while the load does not fall, the contact is exact at each
+    time, see `asperity.age`. Otherwise time steps follow it. The dataset has 95 % bands, such as
+    ``contact_area_low`` and ``contact_area_high``: see `Prediction.band`.
 
     References
     ----------
@@ -142,7 +142,7 @@ def predict(
             listening.stage("reading the material")
             material = material_of(material)
         if material.solid.adhesion is not None:
-            expected, advice = "a solid that does not stick, whose band follows from the load", "asperity run"
+            expected, advice = "a solid without adhesion", "asperity run"
             raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
         if legs:
             check_legs("protocol", legs, ramp=ramp, last=last)
@@ -189,7 +189,7 @@ def predicted(
     checkpoint: str | Path | Checkpoint | None,
     rtol: float = DEFAULT_RTOL,
 ) -> Prediction:
-    """Press a scan, follow the contact under what is held, and weigh what is known of the spread."""
+    """Press a scan, let the contact age, and add the bands; arguments as of `predict`, but checked."""
     solid = material.solid
     instrument = {"blur": 0.0, "threshold": 0.5, **instrument} if instrument else {}
     if scan.heights.ndim != 2:
@@ -200,7 +200,7 @@ def predicted(
     maps = map_moments([times[0], *Schedule.of(legs, times).switches[1:]] if legs else times)
     require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
-    # There is no contact without a load but where the scan is highest: a ramp begins there.
+    # A ramp begins at load 0, where the highest site just touches.
     at_first: dict[str, Any] = {"load": 0.0} if ramp else {**held}
     protocol = legs or ([Ramp(ramp, **held), Hold(float(times[-1]) - ramp)] if ramp else None)
 
@@ -245,7 +245,7 @@ def predicted(
         None if legs else growth_of(dataset, of_scan, of_solid),
         resolved(dataset),
         shear_strength=strength,
-        observed=tuple(observe(one, **instrument) for one in looked_at),
+        observed=tuple(observe(fields, **instrument) for fields in looked_at),
         bands=bands,
     )
     on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
@@ -254,7 +254,7 @@ def predicted(
 
 
 def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> InputError:
-    """The same error, in terms of the pressure where that was given and is too large for the hardness."""
+    """The error about a load, as one about the pressure if that was given and exceeds the hardness."""
     if error.name != "load" or "pressure" not in held or not solid.yields:
         return error
     expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
@@ -262,19 +262,19 @@ def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> 
     return InputError("pressure", expected=expected, got=got, advice=advice)
 
 
-def positive_quantity(name: str, given: object, unit: str) -> float:
-    """Read a number above 0, in SI or with a unit."""
-    return checks.number(name, units.quantity(given, unit, name), above=0, expected=f"more than 0 {unit}")
+def positive_quantity(name: str, value: object, unit: str) -> float:
+    """Number above 0, in SI or with a unit."""
+    return checks.number(name, units.quantity(value, unit, name), above=0, expected=f"more than 0 {unit}")
 
 
 def hold_times(*, first: float, last: float, per_decade: int) -> Field:
-    """Times spread evenly over the decades from ``first`` to ``last``, 0 < first < last, both included."""
+    """Logarithmically spaced times from ``first`` to ``last``, 0 < first < last, both included."""
     steps = max(1, round(math.log10(last / first) * per_decade))
     return np.geomspace(first, last, steps + 1)
 
 
 def times_of_legs(legs: Sequence[Leg], *, first: float, per_decade: int) -> Field:
-    """Times spread over the ramps of a protocol, and from ``first`` after each switch over the rests."""
+    """Times within the ramps of a protocol, and from ``first`` on within its holds."""
     schedule = Schedule.of(legs, np.empty(0))
     times = list(schedule.switches[1:])
     for leg, begun in zip(schedule.legs, schedule.switches, strict=False):
@@ -287,34 +287,34 @@ def times_of_legs(legs: Sequence[Leg], *, first: float, per_decade: int) -> Fiel
 
 
 def map_moments(times: Sequence[float] | Field) -> list[float]:
-    """Moments of a few maps among increasing times: the first, the last, and others evenly spread."""
+    """Times of a few maps among increasing times: the first, the last, and others evenly spread."""
     moments = np.unique(times)
     chosen = np.linspace(0, moments.size - 1, USUAL_MAPS).round().astype(int)
     return [float(moment) for moment in np.unique(moments[chosen])]
 
 
 def check_legs(name: str, legs: Sequence[Leg], **beside: object) -> None:
-    """Refuse legs that no band covers, and what means nothing beside legs."""
+    """Refuse legs without a band, and arguments that contradict legs."""
     for leg in legs:
         if leg.speed or leg.moves_the_body or leg.hold not in (None, "load"):
             words = leg.words(lambda _, value: f"{value:g}")
             advice = "asperity run, or asperity.age, which follow it without a band"
-            raise InputError(name, expected="legs of the load, which a band covers", got=words, advice=advice)
+            raise InputError(name, expected="legs that change the load", got=words, advice=advice)
     for other, value in beside.items():
         if value is not None:
-            expected = "none beside a protocol, which says when it ends and what it begins with"
+            expected = "none beside a protocol, which has its own times and loads"
             raise InputError(other, expected=expected, got=checks.shown(value))
 
 
 def _times_within(
     material: Material, first: float | str | None, last: float | str | None, per_decade: int, ramp: float
 ) -> Field:
-    """Times to record: of the material, and no others but on a plateau after it."""
+    """Times to record: those of the material, or later ones on its plateau."""
     begin, end = material.span
     latest = end if material.fit is None else material.fit.data.span[1]
     for name, time, usual in (("first", first, begin), ("last", last, latest)):
         if time is None and usual in (0, math.inf):
-            expected, advice = "a time, for no table spans any", 'first="1 ms", last="10 days"'
+            expected, advice = "a time, as there is no table", 'first="1 ms", last="10 days"'
             raise InputError(name, expected=expected, got="none", advice=advice)
     stop = latest if last is None else positive_quantity("last", last, "s")
     check_ramp(ramp, stop)
@@ -328,7 +328,7 @@ def _times_within(
 
 
 def _check_known(material: Material, **times: float) -> None:
-    """Refuse times of which nothing is known."""
+    """Refuse times beyond the data of the material."""
     begin, end = material.span
     for name, time in times.items():
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
@@ -342,14 +342,14 @@ def _check_known(material: Material, **times: float) -> None:
 
 
 def check_ramp(ramp: float, last: float) -> None:
-    """Refuse a loading that is not over by the last time."""
+    """Refuse a ramp that ends after the last time."""
     if ramp >= last:
         expected = f"less than the last time, {last:.4g} s"
         raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice=f'last="{10 * ramp:g} s"')
 
 
 def check_span(name: str, first: float, last: float) -> None:
-    """Refuse times in less than a decade, of which no growth per decade can be told."""
+    """Refuse times that span less than a decade, too little for growth per decade."""
     if last < 10 * first * (1 - 1e-9):
         expected = "times that span a decade or more"
         advice = f'last="{10 * first:g} s"' if name.endswith("last") else "later times"
@@ -357,7 +357,7 @@ def check_span(name: str, first: float, last: float) -> None:
 
 
 def no_half_space(name: str, kind: str) -> InputError:
-    """What is said of other solids."""
+    """The error for a solid that is no half-space."""
     advice = "asperity run, or asperity.press and asperity.age, which follow it without a band"
     return InputError(name, expected="a relaxation table or a half_space", got=kind, advice=advice)
 
@@ -365,7 +365,7 @@ def no_half_space(name: str, kind: str) -> InputError:
 def bands_of(
     scan: Surface, followed: Callable[[Surface, list[float]], History], span: list[float], progress: Progress
 ) -> tuple[Band, ...]:
-    """Follow the scan with ever fewer waves as the prediction does, to the first and the last time (s)."""
+    """Repeat a prediction with ever fewer short waves, at its first and last time (s)."""
     sides = scan.pixel_size or ()
     meter = length_factor(str(scan.length_unit), "m")
     longest = min(n * side for n, side in zip(scan.shape, sides, strict=True)) / _FEWEST

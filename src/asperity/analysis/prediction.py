@@ -1,6 +1,6 @@
-"""What a prediction says: how the area of a real contact grows, how sure that is, and what is resolved.
+"""Results of a prediction: growth of the real contact area, its bands, and the resolution of the scan.
 
-It grows by A(last)/A(first); per decade by the slope of A(t)/A(first) against log10 t by least squares.
+Growth is A(last)/A(first); per decade it is the least-squares slope of A(t)/A(first) against log10 t.
 """
 
 from __future__ import annotations
@@ -36,29 +36,29 @@ _FEW = 10
 """Pixels of a patch below which its shape is not resolved."""
 
 _FLOWING, _FULL = 3.0, 0.5
-"""Contact pressure over s0 above which contacts flow, and part of the area up to which they do so alone."""
+"""Contact pressure over s0 above which contacts flow, and largest contact fraction of separate contacts."""
 
 _ROUNDING, _LOADING = 1e-12, 1e-6
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Growth of the area, in all and per decade of time, over the area at the first time.
+    """Growth of the area relative to the area at the first time.
 
     Attributes
     ----------
     ratio
         Area at the last time over that at the first.
     ratio_band
-        Its 95 % band, of table and scan together.
+        Its 95 % band, from table and scan together.
     per_decade
         The slope over all decades.
     band
         Its 95 % band, of table and scan together.
     of_table, of_scan
-        The band that each would give alone; the first is the slope, twice, for a material without spread.
+        The band from each alone; without a spread of the material both ends of the first are the slope.
     decades
-        Begin, end and growth per decade of each decade, the last of which may be a part of one.
+        Begin, end and growth per decade of each decade; the last may be incomplete.
     """
 
     ratio: float
@@ -71,14 +71,14 @@ class Growth:
 
     @property
     def range(self) -> Interval:
-        """Smallest and largest growth of single decades; of half a decade or more, where the last ends."""
+        """Smallest and largest growth of a decade; an incomplete one counts from half a decade on."""
         slopes = [slope for begin, end, slope in self.decades if end > 3 * begin]
         return min(slopes), max(slopes)
 
 
 @dataclass(frozen=True)
 class Resolved:
-    """What the pixels of a scan resolve of a contact.
+    """How well the pixels of a scan resolve a contact.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Resolved:
     in_small
         Part of the area that lies in patches of fewer than ten pixels.
     rim
-        Part of the counted area that the correction of the rim takes away.
+        Part of the counted area that the rim correction removes.
     """
 
     patches: int
@@ -100,12 +100,12 @@ class Resolved:
 
 @dataclass(frozen=True)
 class Band:
-    """What a prediction becomes where only waves from a shortest one on are kept; SI units, at the last time.
+    """A prediction without waves below a shortest one; SI units, at the last time.
 
     Attributes
     ----------
     shortest
-        The shortest wave kept; two pixels for the scan as it is.
+        The shortest wave kept; two pixels for the whole scan.
     area
         Real contact area, corrected for pixel rims.
     pressure
@@ -113,7 +113,7 @@ class Band:
     growth
         That area over the one at the first time.
     stiffness
-        Normal contact stiffness, to which conductances are proportional.
+        Normal contact stiffness; conductances are proportional to it.
     """
 
     shortest: float
@@ -139,17 +139,17 @@ class Prediction(views.InNotebooks, views.Pictured):
     material
         The half-space, with the fit of its relaxation table or draws of its branches.
     growth
-        Of the area corrected for pixel rims, under a load that stays; None for another history.
+        Growth of the area corrected for pixel rims, under constant load; None for another history.
     resolved
-        What is resolved at the times of the maps.
+        Resolution at the times of the maps.
     shear_strength
         Pa; None where none was given.
     observed
-        The contact at the times of the maps, as an instrument sees it; empty where none was given.
+        Images of the contact at the times of the maps; empty without an instrument.
     remarks
-        What the reader should know.
+        Warnings for the reader.
     bands
-        The same of the scan without its short waves, the whole scan first; empty unless asked for.
+        Predictions without short waves, the whole scan first; empty without a resolution study.
     """
 
     dataset: xr.Dataset
@@ -164,7 +164,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     def __repr__(self) -> str:
         ends = self.band("contact_area_corrected")
         low, area, high = (
-            float(one[-1]) for one in (ends[0], self.series("contact_area_corrected"), ends[1])
+            float(values[-1]) for values in (ends[0], self.series("contact_area_corrected"), ends[1])
         )
         if self.growth is None:
             area_at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
@@ -174,7 +174,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def fit(self) -> Fit | None:
-        """Of the relaxation table, at the temperature of the contact; None without a table."""
+        """Fit of the relaxation table, at the temperature of the contact; None without a table."""
         return self.material.fit
 
     @property
@@ -184,7 +184,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def time(self) -> Field:
-        """Times of the prediction, s: from the first of the table on, without the instant before."""
+        """Times of the prediction, s, without time 0."""
         return np.asarray(self.dataset["time"])[1:]
 
     @property
@@ -199,7 +199,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def origin(self) -> dict[str, object]:
-        """Where the scan comes from; see `asperity.surfaces.Surface`."""
+        """Provenance of the scan; see `asperity.surfaces.Surface`."""
         return dict(json.loads(self.dataset.attrs["surface"]))
 
     @property
@@ -209,21 +209,18 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def ramp(self) -> float:
-        """Time within which the load was put on, s; 0 for at once."""
+        """Duration of the loading, s; 0 if instant."""
         return cast(float, self.assumed.get("ramp", 0.0))
 
     @property
     def legs(self) -> str:
-        """The history of the load in words; empty for one that is put on and stays."""
-        return (
-            ""
-            if self.growth is not None
-            else ", ".join(leg.words(_said) for leg in protocol_of(self.dataset))
-        )
+        """The history of the load in words; empty for a constant load."""
+        legs = [] if self.growth is not None else protocol_of(self.dataset)
+        return ", ".join(leg.words(_said) for leg in legs)
 
     @property
     def loaded(self) -> int:
-        """Place in `time` of the first contact under all of the load that is put on first."""
+        """Place in `time` at which the first loading of a protocol ends; 0 without a protocol."""
         load = self.series("load")
         return int(np.argmax(np.diff(load, append=0.0) < _LOADING * load.max())) if self.legs else 0
 
@@ -234,7 +231,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def load(self) -> float:
-        """The load that is held at last, N."""
+        """The last load, N."""
         return float(self.dataset["load"][-1])
 
     def between(self, name: str) -> str:
@@ -253,13 +250,13 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The solid in words: how stiff it is, how it creeps, and under which pressure the scan yields."""
+        """The solid in words: modulus, creep, hardness."""
         law = self.solid.creep
         parts = [f"half-space, instantaneous E* = {written(self.modulus, 'Pa')}"]
         if law is not None:
             numbers = [
-                f"{what.symbol} = {written(law.parameters[name], what.unit or '1').removesuffix(' 1')}"
-                for name, what in PARAMETERS_OF_LAWS.items()
+                f"{fact.symbol} = {written(law.parameters[name], fact.unit or '1').removesuffix(' 1')}"
+                for name, fact in PARAMETERS_OF_LAWS.items()
                 if name in law.parameters
             ]
             parts.append(", ".join([f"creeps by {law.formula or 'a law of its own'}", *numbers]))
@@ -290,24 +287,24 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def beside(self) -> tuple[str, str]:
-        """Name and symbol of what the area of a light contact of a separable solid is in proportion to."""
+        """Name and symbol of the number to which the area of a light separable contact is proportional."""
         return ("effective load", "L") if self.ramp or self.legs else ("creep compliance", "J")
 
     @property
     def effective_load(self) -> Field | None:
         """Load under which an elastic half-space of E* has this contact, N; None where there is none.
 
-        At a constant load F it is E* F J(t); while that was put on, E* times the integral of J(t - s) dF(s).
-        A solid that is not separable has none, nor has a load that falls.
+        It is E* times the integral of J(t - s) dF(s); at a constant load F, E* F J(t). None for a solid that
+        is not separable, and for a load that falls.
         """
         return self.series("effective_load") if "effective_load" in self.dataset else None
 
     @property
     def theory(self) -> tuple[str, Field] | None:
-        """Name of the theory that has an area for such a contact, and that area, m^2; None without one.
+        """Name of a theory for this contact, and its area, m^2; None without one.
 
-        Of a separable solid Persson's, for the rms slope of the scan and the effective load; of one that
-        creeps by Eyring's law alone that of contacts that flow, through the last area.
+        For a separable solid Persson's theory, for the rms slope of the scan and the effective load. For
+        creep by Eyring's law alone that of flowing contacts, through the last area.
         """
         load = self.series("load")
         if (effective := self.effective_load) is not None:
@@ -335,9 +332,9 @@ class Prediction(views.InNotebooks, views.Pictured):
         return None if self.shear_strength is None else self.series("friction")
 
     def band(self, name: str) -> tuple[Field, Field]:
-        """95 % band of areas, friction, and all that the contact carries, at `time`: its two ends.
+        """Two ends of the 95 % band of an area, friction, or a carried quantity, at `time`.
 
-        NaN where fewer than two of sixteen tiles of the scan bear the load. `InputError` for other names.
+        NaN where fewer than three of the 16 tiles of the scan bear the load. `InputError` for other names.
         """
         if (quantities := banded(self.dataset)) and name not in quantities:
             raise InputError("name", expected=f"one of {', '.join(quantities)}", got=repr(name))
@@ -345,7 +342,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
 
 def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) -> Growth:
-    """Measure the growth of a history with maps, whose draws of the solid are those of `draws_of_solid`."""
+    """Measure the growth of a history with maps; `solid` is from `draws_of_solid`."""
     time, area = (np.asarray(dataset[name])[1:] for name in ("time", "contact_area_corrected"))
     drawn = solid.get("contact_area_corrected", np.ones((1, area.size + 1)))
 
@@ -372,7 +369,7 @@ def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) ->
 
 
 def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
-    """Say what is resolved at the times of the maps."""
+    """Resolution at the times of the maps."""
     rows = []
     for number, row in enumerate(rows_of_maps(dataset)):
         fields = dataset.isel(field_time=number, time=row)

@@ -1,4 +1,4 @@
-"""One list of what a contact or a history says of itself: the terminal, cards and the page only format it."""
+"""Rows of a summary of a contact or a history, which terminal, cards and page only format."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _MOST_LEGS = 20
 
 @dataclass(frozen=True)
 class Row:
-    """What is said under a name: a value with its unit, or words; its 95 % interval; and more words."""
+    """A named value with its unit, or words; its 95 % interval, and a note."""
 
     name: str
     value: float | str
@@ -37,7 +37,7 @@ class Row:
     """Whether a card shows it, too."""
 
     def words(self, spelled: Callable[[str], str] = str) -> str:
-        """Value, interval and note; `spelled` turns a plain "2 um" into what a medium shows."""
+        """Value, interval and note; `spelled` formats a plain "2 um" for a medium."""
         if isinstance(self.value, str):
             return self.value + self.note
         text = spelled(written(self.value, self.unit, self.digits))
@@ -53,7 +53,7 @@ def words_of(rows: Iterable[Row]) -> list[tuple[str, str]]:
 
 
 def contact_rows(contact: Contact) -> list[Row]:
-    """What one contact says of itself."""
+    """Rows of one contact."""
     units = units_of(contact) if contact.si else {}
     rows = [
         _extent("contact", contact.area, contact.heights.size),
@@ -74,7 +74,7 @@ def _of(name: str, value: float, unit: str | None) -> Row:
 
 
 def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:
-    """What a history says of itself; without a summary, leg by leg."""
+    """Rows of a history; without a summary, leg by leg."""
     rows = _legs(dataset) if summary is None else _growth(dataset, summary)
     if "area_observed" in dataset:
         seen = dataset["area_observed"]
@@ -88,14 +88,14 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
 
 
 def carried_rows(dataset: xr.Dataset) -> list[Row]:
-    """Stiffness, resistance and slip, at first and at last."""
+    """Carried quantities, at the first and the last time."""
     rows = []
-    for name, one in select("series", of=["carried"]).items():
+    for name, quantity in select("series", of=["carried"]).items():
         if name in dataset:
             unit = str(dataset[name].attrs["units"])
             bands = [_band(dataset, name, unit, n) for n in (0, -1)]
             note = f"{bands[0]} at first, {written(float(dataset[name][-1]), unit)}{bands[1]} at last"
-            rows.append(Row(one.label, float(dataset[name][0]), unit, note=note, digits=4))
+            rows.append(Row(quantity.label, float(dataset[name][0]), unit, note=note, digits=4))
     return rows
 
 
@@ -117,7 +117,7 @@ def _time(dataset: xr.Dataset, time: float) -> str:
 
 
 def _extent(name: str, area: int, sites: int, first: int = 0, cell: float = 0.0, unit: str = "1") -> Row:
-    """So many sites: their part of all, and what they were at first; with a cell their area comes first."""
+    """An area: sites, part of all sites, ratio to the first area; with a cell its area comes first."""
     ratio = f", A/A(0) = {area / first:.4f}" if first and area != first else ""
     part = f"{area} of {sites} sites = {100 * area / sites:.4g} %{ratio}"
     if cell:
@@ -168,7 +168,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
 
 
 def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
-    """Load at the beginning; where the separation is held, how it changes."""
+    """Load at the beginning; at a held separation also its change."""
     first, unit = summary.initial_load, dataset["load"].attrs["units"]
     rows = [] if summary.load is None else [Row("load at t = 0", first, unit)]
     if "mean_contact_pressure" in dataset:
@@ -194,7 +194,7 @@ def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
 
 
 def _yielding(dataset: xr.Dataset) -> list[Row]:
-    """How much of the contact bears the hardness; where fields were kept, how far the surface is lowered."""
+    """Sites at the hardness; with maps also the permanent indentation."""
     if "yielding_area" not in dataset:
         return []
     first, last = (int(dataset["yielding_area"][at]) for at in (0, -1))

@@ -31,7 +31,7 @@ _PREFIXED = {
 """Prefixes of SI units other than the meter with which figures count, rising."""
 
 _LEAST = {"m^2": 0.1}
-"""The smallest number that takes a prefix, where it is not 1: 0.16 um^2 rather than 160000 nm^2."""
+"""The smallest number with a prefix, if not 1: 0.16 um^2 rather than 160000 nm^2."""
 
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
@@ -78,7 +78,7 @@ def written(value: float, unit: str, digits: int = 4) -> str:
 
 
 def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """What a reader took from a file, in rows of a name and words, from the provenance of a surface."""
+    """Channel, orientation and units that a reader took from a file, as rows of a name and words."""
     channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
     others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
     sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")

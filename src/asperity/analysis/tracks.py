@@ -1,4 +1,4 @@
-"""Patches one by one: their sizes, shapes and loads in one map, and their fates from map to map."""
+"""Each patch: size, shape and load in one map, and its fate from map to map."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ _LASTING: dict[str, object] = {"death": math.nan, "end": "last map", "heir": -1}
 class PatchTracks(views.Brief):
     """The patches of a history, followed from map to map.
 
-    A patch after continues the patch before with which it shares most sites, if that shares most with it too.
+    A patch continues the patch of the map before with which it shares most sites, if this holds both ways.
 
     Attributes
     ----------
@@ -65,8 +65,8 @@ class PatchTracks(views.Brief):
         Over ``entry``, every patch of every map: ``map``, ``time``, ``patch``, ``track``, and the columns of
         `patch_table`.
     links
-        Over ``link``, every pair of patches of successive maps that share sites: ``map`` (of the later one),
-        the tracks ``before`` and ``after``, and ``shared`` sites.
+        Over ``link``, each pair of patches of successive maps that share sites: ``map`` (the later), the
+        tracks ``before`` and ``after``, and ``shared`` sites.
     tracks
         Over ``track``: ``birth``, ``death`` (NaN for those of the last map), ``origin`` (``"first map"``,
         ``"new"``, ``"split"``), ``parent``, ``end`` (``"last map"``, ``"gone"``, ``"merged"``), ``heir``,
@@ -116,7 +116,7 @@ def patch_table(image: Contact | xr.Dataset, connectivity: int = 1) -> xr.Datase
         raise InputError("image", expected=expected, got=got, advice=ONE_TIME)
     shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
     columns = _columns(shapes, lattice, in_lengths, pressure)
-    return _described(columns | {"patch": np.arange(1, shapes.found.count + 1)}, "patch", units)
+    return _described(columns | {"patch": np.arange(1, shapes.patches.count + 1)}, "patch", units)
 
 
 def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
@@ -143,7 +143,7 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
     numbers = np.empty(0, dtype=np.int64)
     for number, (time, touching) in enumerate(zip(times, maps, strict=True)):
         shapes = shapes_of(touching, lattice.spacing, lattice.edges, connectivity)
-        link = linked(before, shapes.found)
+        link = linked(before, shapes.patches)
         track = np.append(numbers, -1)[link.continued - 1]
         fresh = np.flatnonzero(track < 0)
         track[fresh] = len(fates) + np.arange(fresh.size)
@@ -161,7 +161,7 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
         entry = {"map": np.full(track.size, number), "time": np.full(track.size, time)}
         entry |= {"patch": np.arange(1, track.size + 1), "track": track}
         entries.append(entry | _columns(shapes, lattice, "pressure" in dataset, pressure))
-        before, numbers = shapes.found, track
+        before, numbers = shapes.patches, track
     everything = _joined(entries)
     largest = np.zeros(len(fates), dtype=np.int64)
     np.maximum.at(largest, everything["track"], everything["size"])
@@ -179,7 +179,7 @@ def patch_tracks(dataset: xr.Dataset, connectivity: int = 1) -> PatchTracks:
 
 
 def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
-    """How long each site in contact has touched without interruption, as far as the maps of a history know.
+    """Time for which each site has touched without interruption, from the maps of a history.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def contact_ages(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def _columns(shapes: Shapes, lattice: Lattice, in_lengths: bool, pressure: Field) -> dict[str, NDArray[Any]]:
-    sizes = shapes.found.sizes
+    sizes = shapes.patches.sizes
     columns: dict[str, NDArray[Any]] = {"size": sizes}
     if in_lengths:
         columns["contact_area"] = sizes * lattice.cell
@@ -227,7 +227,7 @@ def _maps(dataset: xr.Dataset) -> tuple[Field, NDArray[np.bool_]]:
 
 def _units(dataset: xr.Dataset) -> Mapping[str, str]:
     return units_named(
-        {str(name): one.attrs["units"] for name, one in dataset.variables.items() if "units" in one.attrs}
+        {str(name): var.attrs["units"] for name, var in dataset.variables.items() if "units" in var.attrs}
     )
 
 

@@ -1,4 +1,4 @@
-"""Calls of public names: mistaken arguments are answered as mistaken keys of a configuration are."""
+"""Calls of public names: mistaken arguments get messages like mistaken keys of a configuration."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOVED = {
     },
     **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
 }
-"""What takes arguments that `asperity.predict` does not."""
+"""Calls that take what `asperity.predict` does not, by argument."""
 
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
@@ -62,7 +62,7 @@ def remark(text: str) -> None:
 
 
 def _answering(member: Any) -> Any:
-    """A function or method that answers; anything else as it is."""
+    """Wrap a function or method so that it answers; return anything else."""
     if isinstance(member, classmethod | staticmethod):
         return type(member)(_answering(member.__func__))
     if not isinstance(member, FunctionType) or hasattr(member, "answers"):
@@ -82,16 +82,16 @@ def _answering(member: Any) -> Any:
     return call
 
 
-def _check(function: Callable[..., Any], args: tuple[Any, ...], given: dict[str, Any]) -> None:
+def _check(function: Callable[..., Any], args: tuple[Any, ...], keywords: dict[str, Any]) -> None:
     signature = inspect.signature(function)
     names = [name for name in signature.parameters if name not in ("self", "cls")]
     by_name = [each.name for each in signature.parameters.values() if each.kind is each.KEYWORD_ONLY]
     *_, owner, name = f".{function.__qualname__}".split(".")
     name, listed = owner if name == "__init__" else name, shortened(", ".join(names), 120)
     try:
-        signature.bind(*args, **given)
+        signature.bind(*args, **keywords)
     except TypeError as error:
-        if word := next((word for word in given if word not in names), None):
+        if word := next((word for word in keywords if word not in names), None):
             meant = MEANT.get(word) if MEANT.get(word) in names else closest(word, names)
             advice = f"{meant}=..." if meant else ""
             if name == "predict":

@@ -102,11 +102,11 @@ def line_or_plane(value: object) -> int:
     return integer("dimension", value, least=1, most=2, expected="1 (line contact) or 2")
 
 
-def one_of(advice: str, **given: object) -> str:
-    """Name of the one of several arguments that is given; `InputError` for none and for more."""
-    names = [name for name, value in given.items() if value is not None]
+def one_of(advice: str, **values: object) -> str:
+    """Name of the only argument that is not None; `InputError` for none and for more."""
+    names = [name for name, value in values.items() if value is not None]
     if len(names) != 1:
-        *some, last = given
+        *some, last = values
         got = " and ".join(names) or "none"
         expected = "exactly one of them"
         raise InputError(f"{', '.join(some)} and {last}", expected=expected, got=got, advice=advice)
@@ -114,13 +114,13 @@ def one_of(advice: str, **given: object) -> str:
 
 
 def choice(name: str, value: object, choices: Sequence[object]) -> None:
-    """Refuse what is none of the choices; `InputError`."""
+    """`InputError` for a value that is none of the choices."""
     if value not in choices:
         raise InputError(name, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
 
 
 def instance(name: str, value: object, kind: type[T], advice: str) -> T:
-    """Pass on a thing that is of this class; `InputError` for anything else."""
+    """Return an instance of this class; `InputError` for anything else."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIO" else "a"
         raise InputError(name, expected=f"{article} {kind.__name__}", got=kind_of(value), advice=advice)
@@ -128,7 +128,7 @@ def instance(name: str, value: object, kind: type[T], advice: str) -> T:
 
 
 def kind_of(value: object) -> str:
-    """What kind of thing it is."""
+    """Name of its class."""
     return f"the class {value.__name__}" if isinstance(value, type) else type(value).__name__
 
 
@@ -155,7 +155,7 @@ def positives(**values: object) -> dict[str, Floats]:
 
 
 def not_negative(name: str, value: object, *, infinity: str = "") -> Floats:
-    """Numbers not below 0; infinity is refused with this advice, or welcome where it is ``"welcome"``."""
+    """Numbers >= 0; infinity is refused with this advice, or allowed for ``"welcome"``."""
     array = floats(name, value)
     if (array < 0).any():
         raise InputError(name, expected="numbers not below 0", got=float(array.min()))
@@ -287,7 +287,7 @@ def _real(value: object) -> float | None:
 
 
 def _scalar(value: object, *, kinds: str) -> Any:
-    """What an array without axes holds, or a scalar of NumPy, if it is of one of these kinds; else None."""
+    """Item of an array without axes, or a scalar of NumPy, of one of these kinds; else None."""
     if not hasattr(value, "__array__") or isinstance(value, type) or _has_unit(value):
         return None
     if np.ma.is_masked(value):
@@ -342,15 +342,15 @@ def _hint(name: str, value: object) -> str:
 
 
 @contextmanager
-def extra(name: str, what: str) -> Iterator[None]:
-    """Import within it what an extra of the package installs, such as ``"campaign"``.
+def extra(name: str, purpose: str) -> Iterator[None]:
+    """Context for imports of an extra of the package, such as ``"campaign"``.
 
-    `MissingExtraError` says what cannot be done where a package is missing, and how to install it.
+    `MissingExtraError` has the purpose of a missing package, and how to install it.
     """
     try:
         yield
     except ImportError as error:
         raise MissingExtraError(
-            f"{what}: expected the packages of the extra {name}, got: {error}; "
+            f"{purpose}: expected the packages of the extra {name}, got: {error}; "
             f"try pip install 'asperity[{name}]'"
         ) from error

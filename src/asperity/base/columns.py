@@ -1,4 +1,4 @@
-"""Columns of a table: what each holds, and in which unit, by its name, a row of units, or the user's word."""
+"""Columns of a table: role and unit of each, from its name, a row of units, or the user."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _EXAMPLES = {"s": "min", "Pa": "MPa", "1/Pa": "1/GPa", "rad/s": "rad/s", "m": "u
 
 @dataclass(frozen=True)
 class Role:
-    """What a column can hold: its name, or "" for columns to leave alone; its unit, and its words.
+    """A role of columns: its name, or "" for ignored columns; its unit, and its words.
 
     The unit is in Pint's spelling, "1" for a pure number and "" for any. The words are a pattern for names
     without units, in small letters, without accents, and with blanks for underscores.
@@ -53,8 +53,8 @@ TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
 class Columns:
     """The columns of a table, by the first of several roles whose words are in the name of each.
 
-    It reads the `columns` that are asked for, by default all. Stated `units` count
-    in place of those of the table. `InputError` where there is no such table or column.
+    `columns` choose, by default all. `units` replace those of the table. `InputError` without such a table or
+    column.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Columns:
 
     @cached_property
     def by_role(self) -> dict[str, int]:
-        """Where the column of each role stands; `InputError` where two have one role."""
+        """Place of the column of each role; `InputError` if two have one role."""
         columns: dict[str, int] = {}
         for at in self.chosen:
             if (role := self.roles[at]) in columns:
@@ -90,14 +90,14 @@ class Columns:
 
     @property
     def read(self) -> str:
-        """One line on what was read in which unit; `InputError` where units of other columns were stated."""
+        """One line on columns read and their units; `InputError` if `units` name other columns."""
         if others := [at for at in self._stated if at not in self._read]:
             expected = f"units of the columns that are read, {', '.join(map(str, self._read))}"
             raise InputError("units", expected=expected, got=f"one of column {others[0]}")
         return f"{self.table.name}: {', '.join(self._read.values())}, {len(self.table.lines)} rows"
 
     def unit(self, role: str, at: int | None = None) -> str:
-        """Unit of a column as it is written, "" for none; `InputError` where it is not understood."""
+        """Unit of a column as written, "" for none; `InputError` if it is not understood."""
         return self._unit(self._wanted[role], self.by_role[role] if at is None else at)[0]
 
     def values(
@@ -130,11 +130,11 @@ class Columns:
         return values * factor if convert else values
 
     def unit_text(self, at: int) -> str:
-        """What a row of units, or else the name of a column, says of its unit, whatever it holds."""
+        """Unit of a column from a row of units, or else from its name, without a role."""
         return self.table.units[at] or self._parts[at].unit
 
     def _meaning(self, name: str) -> tuple[str, _Parts]:
-        """The role that a name says, and its parts: the first that have a role."""
+        """Role of a name, and its parts: the first with a role."""
         every = _parts(name)
         for parts in every:
             roles = (role for role in self._wanted.values() if re.search(role.words, normal(parts.label)))
@@ -143,7 +143,7 @@ class Columns:
         return "", every[0]
 
     def _unit(self, role: Role, at: int) -> tuple[str, float]:
-        """Unit that is stated, in a row of its own, or in the name; and how many it is of the role's unit."""
+        """Unit from the user, a row of units, or the name; and its factor to the unit of the role."""
         parts, name = self._parts[at], normal(self.table.names[at])
         below, beside = self.table.units[at], parts.unit
         unclear = {"1": r"\w+", "": r"\w"}.get(role.unit)
@@ -175,7 +175,7 @@ class Columns:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"
 
     def _by_column(self, units: Units | None) -> dict[int, str]:
-        """Units that the user states, by the places of their columns; a role is a name, too."""
+        """Units stated by the user, by place of the column; a role is a name, too."""
         if not isinstance(units, Mapping):
             pairs = [units] if isinstance(units, str) else units or []
             if wrong := [pair for pair in pairs if "=" not in str(pair)]:
@@ -198,7 +198,7 @@ def normal(text: str) -> str:
 
 @dataclass(frozen=True)
 class _Parts:
-    """Label and unit of a name, whether a bracket or a slash sets it off, and the base of a logarithm.
+    """Label and unit of a name, whether a bracket or slash separates them, and the base of a logarithm.
 
     The base is 0 for one that is not stated, and None where the column has the numbers themselves.
     """
@@ -228,7 +228,7 @@ def _parts(name: str) -> list[_Parts]:
 
 
 def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False) -> float | None:
-    """One unit in another; None where it is none of its kind, or cycles of what is angular by its name."""
+    """Factor of a unit to another; None for another kind, and for cycles of angular quantities."""
     if unit is None or target != "rad/s":
         return None if unit is None else 1.0 if unit == target else si.factor(unit, target)
     if re.search("rad|deg|°", unit):
@@ -243,7 +243,7 @@ def _in(unit: str | None, target: str, is_angular: bool, is_stated: bool = False
 
 
 def _finite(table: Table, at: int, role: str) -> Floats:
-    """Numbers of a column; `InputError` with the line where one is missing."""
+    """Numbers of a column; `InputError` with the line of a missing one."""
     values = table.values[:, at]
     if (finite := np.isfinite(values)).all():
         return values
@@ -262,20 +262,20 @@ def _finite(table: Table, at: int, role: str) -> Floats:
 def in_line(
     table: Table, row: int, at: int, role: str, expected: str, advice: str = _LEAVE_OUT
 ) -> InputError:
-    """What is wrong with a cell of a column, by its name and its line."""
+    """The error about a cell, with its column and line."""
     name, (number, line) = table.names[at], table.lines[row]
     expected = f"{repr(name) if name else f'a {role}'} {expected} in line {number}"
     return InputError(table.name, expected=expected, got=repr(line.strip()[:60]), advice=advice)
 
 
 def named(table: Table) -> str:
-    """The columns of a table by their names, for messages."""
+    """Names of the columns of a table, for messages."""
     names = ", ".join(repr(name) for name in table.names if name)[:120]
     return f"columns {names}" if names else f"{len(table.names)} columns without names"
 
 
 def positions(table: Table, columns: Chosen) -> list[int]:
-    """Where columns stand, by names and numbers from 0, also several in one text."""
+    """Places of columns, from names and numbers from 0, also several in one text."""
     places = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
@@ -287,7 +287,7 @@ def positions(table: Table, columns: Chosen) -> list[int]:
 
 
 def position(table: Table, column: int | str) -> int:
-    """Where a column stands, by its name or its number from 0; `InputError` where there is none."""
+    """Place of a column, from its name or its number from 0; `InputError` if there is none."""
     name = str(column).strip()
     if name in table.names:
         return table.names.index(name)

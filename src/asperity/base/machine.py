@@ -1,4 +1,4 @@
-"""The cores and the memory there are, whether a lattice fits, and when the user may interrupt."""
+"""Cores and memory of the machine, and deferred interrupts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def cores() -> int:
 
 
 def usual_threads() -> int:
-    """Number of threads: what ``OMP_NUM_THREADS`` says, as for other numerical libraries, or all cores."""
+    """Number of threads: ``OMP_NUM_THREADS``, as in other numerical libraries, or all cores."""
     wanted = os.environ.get("OMP_NUM_THREADS", "")
     return max(1, int(wanted)) if wanted.isdigit() else cores()
 
@@ -51,7 +51,7 @@ def unhurried() -> Iterator[None]:
 
 
 def available() -> int:
-    """Bytes that this process can still get: the least of what anything leaves it."""
+    """Bytes that this process can still get: the smallest of all limits."""
     return max(0, min([_machine(), *_control_groups(), *_address_space()]))
 
 
@@ -75,7 +75,7 @@ def require(needed: float, shape: Sequence[int], *, power_of_two: bool = False) 
 
 
 def _machine() -> int:
-    """What is free; caches that the machine would give up count as free."""
+    """Free memory of the machine, with caches that it would give up."""
     for line in _lines(Path("/proc/meminfo")):
         if line.startswith("MemAvailable:"):
             return int(line.split()[1]) * 1024
@@ -86,10 +86,10 @@ def _machine() -> int:
 
 
 def _control_groups(
-    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
+    root: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> Iterator[int]:
-    """What each control group around the process leaves, in version 2 and in version 1."""
-    for line in _lines(own):
+    """Bytes that each control group of the process leaves, in version 2 and in version 1."""
+    for line in _lines(membership):
         _, controllers, path = line.split(":", 2)
         if controllers == "":
             top, limit, used, cache = root, "memory.max", "memory.current", "inactive_file"

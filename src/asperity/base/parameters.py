@@ -1,9 +1,8 @@
-"""Parameters of laws, legs, surfaces and solids: one annotation says unit, bounds and what each is.
+"""Parameters of laws, legs, surfaces and solids: one annotation has type, bounds, unit and meaning.
 
     rate: Annotated[float, Gt(0), Quantity("velocity", "m/s", "v0")]
 
-The check of the argument in Python, the key in TOML with its flag and its field on the page, the name in
-results and the symbol under figures are made of it.
+Check in Python, key in TOML, flag, field on the page, name in results and symbol in figures follow from it.
 """
 
 from __future__ import annotations
@@ -25,18 +24,18 @@ from asperity.errors import InputError
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """What a value is: its meaning in words, its unit in SI (empty for a pure number), and its symbol.
+    """A quantity: its meaning in words, its SI unit (empty for a pure number), and its symbol.
 
     Attributes
     ----------
     more
-        What the help says behind the meaning, up to the last period.
+        Help text after the meaning, up to the last period.
     dimension
-        That of the records, as the units of results name it, where the unit does not say it.
+        Dimension of the records, a key of the units of results; by default it follows from the unit.
     key
-        Name of the key, where it is not that of the argument. A switch of another name says the opposite.
+        Name of the key, by default that of the argument. A switch with another name means the opposite.
     usual
-        What the key is by default, where that is not the default of the argument.
+        Default of the key, by default that of the argument.
     """
 
     meaning: str
@@ -56,7 +55,7 @@ class Also:
 
 
 _DIMENSIONS = {
-    **{"Pa": "pressure", "m": "length", "s": "time", "m/s": "velocity", "N/m": "stiffness"},
+    **{"Pa": "pressure", "m": "length", "s": "time", "N": "force", "m/s": "velocity", "N/m": "stiffness"},
     "J/m^2": "energy / area",
 }
 _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "lt", "below"))
@@ -66,8 +65,7 @@ _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "l
 class Parameter:
     """A field of a class, or an argument of a function, as its annotation has it.
 
-    `hint` is the type, `facts` what the annotation says besides: bounds, and what it is. Without a default
-    it is `dataclasses.MISSING`.
+    `hint` is its type, and `facts` are bounds and quantity. `default` may be `dataclasses.MISSING`.
     """
 
     hint: Any
@@ -81,7 +79,7 @@ class Parameter:
 
     @property
     def quantity(self) -> Quantity:
-        """What it is."""
+        """Meaning, unit and symbol."""
         return next(fact for fact in self.facts if isinstance(fact, Quantity))
 
     @property
@@ -103,7 +101,7 @@ class Parameter:
 
     @property
     def optional(self) -> Parameter:
-        """The same that need not be given."""
+        """The same parameter, optional."""
         return Parameter(self.hint | None, self.facts, None)
 
     def checked(self, name: str, value: object) -> object:
@@ -145,7 +143,7 @@ def _read(kind: Any) -> dict[str, Parameter]:
 
 
 def _apart(hint: Any) -> tuple[Any, ...]:
-    """The type of an annotation, and what it says besides; also where it may be None: ``Length | None``."""
+    """Type and facts of an annotation, also of ``Length | None``."""
     if get_origin(hint) is Annotated:
         return get_args(hint)
     if get_origin(hint) in (Union, UnionType):
@@ -164,7 +162,7 @@ def kinds_of(hint: Any) -> list[Any]:
 
 
 def item_of(kind: Any) -> Any:
-    """What is in a sequence of any length; None for anything else."""
+    """Type of the items of a sequence of any length; None for other types."""
     origin, args = get_origin(kind), get_args(kind)
     return args[0] if origin is Sequence or (origin is tuple and args[1:] == (...,)) else None
 
@@ -190,5 +188,5 @@ class Law(Checked):
         return {f"{self.prefix}_{name}": getattr(self, name) for name in parameters_of(type(self))}
 
     def fingerprint(self) -> str:
-        """What tells it from other laws."""
+        """Text that distinguishes it from other laws."""
         return repr(self)

@@ -1,4 +1,4 @@
-"""Tables of numbers in text files: whatever separates the columns, whatever stands around them.
+"""Tables of numbers in text files with any separator, header and comments.
 
 Columns are separated by semicolons, tabs, commas or blanks, and numbers may have decimal commas: of these
 possibilities, the first that reads most cells as numbers: of a matrix in its first lines, else in the last,
@@ -138,7 +138,7 @@ def read_table(
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
-    """Where the first row and the header (-1 for none) stand, and the cells of a row, by some of the rows."""
+    """Lines of first row and header (-1 for none), and cells of a row, from some of the rows."""
 
     def shape(line: str) -> tuple[int, float]:
         cells = _cells(line, separator)
@@ -160,7 +160,7 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
 
 
 def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
-    """Names of the columns and, where a row of units stands between them and the numbers, their units."""
+    """Names of the columns, and units from a row between names and numbers."""
     names, *above = [cells for cells in headers if len(cells) == width and any(cells)] or [[""] * width]
     # A name may be a letter that is a unit, too; but not all names, and no longer unit.
     sure = any(is_usual(cell) for cell in names if len(cell) > 1 or cell == "-") or "1" in names
@@ -170,7 +170,7 @@ def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:
 
 
 def _named(line: str, separator: str, used: int, width: int) -> list[str]:
-    """Cells of a header, filled up; between blanks a unit in brackets belongs to the name before it."""
+    """Cells of a header, padded; among blanks a unit in brackets belongs to the name before it."""
     cells = _cells(line, separator)
     if separator == " " and len(cells) != width:
         cells = [cell.strip() for cell in _IN_BRACKETS.findall(line)]

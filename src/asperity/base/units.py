@@ -53,9 +53,9 @@ _EXAMPLES = {
 
 
 def number(name: str, value: object, unit: str, **bounds: Any) -> float:
-    """Take a number as `checks.number` does, or a text with a unit, such as ``"5 MPa"``.
+    """Check a number as `checks.number` does, or convert a text with a unit, such as ``"5 MPa"``.
 
-    A text gives `InUnits`: whoever uses it asks `check_units` whether there are units at all.
+    A text becomes `InUnits`; callers ask `check_units` whether anything else has units.
     """
     if not (unit and has_unit(value)):
         return checks.number(name, value, **bounds)
@@ -83,12 +83,12 @@ def numbers(name: str, values: object, unit: str) -> object:
 
 
 def either(name: str, value: object, unit: str) -> Any:
-    """The same where one text is one number."""
+    """As `numbers`, but one text becomes one number."""
     return number(name, value, unit) if has_unit(value) else numbers(name, value, unit)
 
 
 def check_units(*tables: object, si: bool, line: bool = False) -> None:
-    """Refuse numbers in tables that were written with a unit where nothing else has any; `InputError`.
+    """Refuse numbers with a unit in tables if nothing else has units; `InputError`.
 
     With `si` all is in SI, forces on a line contact for each metre of its length.
     """
@@ -138,13 +138,13 @@ def is_usual(text: str) -> bool:
 
 
 def spelled(text: str) -> str | None:
-    """A unit as Pint spells it, from how people write it; None where its case leaves milli or mega open."""
+    """A unit in Pint's spelling, from common spellings; None if its case leaves milli or mega open."""
     text = re.sub(r"^in[ _]", "", text.strip())
     text = re.sub(r"^(?:per|1)[ _/]+", "1/", text).replace("_", "/")
     words = {word: _in_case(word) for word in _WORD.findall(text)}
     if None in words.values():
         return None
-    return "1" if text == "-" else _WORD.sub(lambda found: str(words[found[0]]), text)
+    return "1" if text == "-" else _WORD.sub(lambda match: str(words[match[0]]), text)
 
 
 def _in_case(word: str) -> str | None:

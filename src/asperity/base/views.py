@@ -1,8 +1,7 @@
-"""How results show themselves: in one line, as Datasets, as pictures, and as HTML in notebooks.
+"""Views of results: one line, Datasets, pictures, and HTML in notebooks.
 
-A contact knows nothing of what it carries, of Datasets and of figures, which come after it. The rooms
-`carried`, `results` and `figures` register here what they make, and are imported by name when it is first
-asked for.
+A contact cannot import carried quantities, Datasets and figures, which come after it. The rooms `carried`,
+`results` and `figures` register their functions here, and are imported at the first use.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ _MAKERS: dict[str, Callable[..., Any]] = {}
 
 
 def maker(function: _Maker) -> _Maker:
-    """Register a function, by its name, as one that shows or keeps results."""
+    """Register a function by its name."""
     _MAKERS[function.__name__] = function
     return function
 
 
 def made_by(name: str) -> Callable[..., Any]:
-    """Return the function that was registered by a name."""
+    """Return the registered function of a name."""
     for room in ("asperity.carried", "asperity.results", "asperity.figures"):
         if name not in _MAKERS:
             importlib.import_module(room)
@@ -34,7 +33,7 @@ def made_by(name: str) -> Callable[..., Any]:
 
 
 class Brief:
-    """A base of dataclasses with arrays, made with ``repr=False``: says in one line what it holds."""
+    """Base of dataclasses with arrays and ``repr=False``: a repr of one line."""
 
     def __repr__(self) -> str:
         names = (field.name for field in fields(self) if field.repr)  # type: ignore[arg-type]
@@ -54,7 +53,7 @@ def _brief(value: object) -> str:
 
 
 class Pictured:
-    """What has pictures of several kinds, which `asperity.figures` draws."""
+    """Base of results that `asperity.figures` can plot."""
 
     def plot(self, kind: str | None = None, ax: Axes | None = None) -> Axes:
         """Draw one kind of picture, by default the first, into these axes or new ones.
@@ -66,7 +65,7 @@ class Pictured:
 
 
 class InNotebooks:
-    """What a notebook shows as a small picture and numbers with units, with its certificate if it has one."""
+    """Base of results with a card in notebooks: picture, numbers with units, certificate."""
 
     def _repr_html_(self) -> str:
         html: str = made_by("html_of")(self)

@@ -1,4 +1,4 @@
-"""Words that people write and read: numbers, misspelled names, text for a terminal."""
+"""Text that people write and read: numbers, misspelled names, sizes and durations."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def as_text(value: Any) -> Any:
 
 
 def has_unit(word: object) -> bool:
-    """Whether a word is a number with a unit behind it, as far as its form tells; or a quantity of Pint."""
+    """Whether a word looks like a number with a unit, or is a quantity of Pint."""
     word = as_text(word)
     return isinstance(word, str) and _WITH_UNIT.fullmatch(word) is not None
 
@@ -146,20 +146,20 @@ def data_size(count: float) -> str:
     return f"{value:.3g} TB"
 
 
-def closest(word: str, known: Iterable[str]) -> str | None:
-    """The name that was probably meant: about two letters in three are right; capital ones count as small."""
-    names = {name.casefold(): name for name in known}
+def closest(word: str, choices: Iterable[str]) -> str | None:
+    """The most similar name, with about two in three letters alike, without regard to case."""
+    names = {name.casefold(): name for name in choices}
     near = get_close_matches(word.casefold(), names, n=1, cutoff=0.66)
     return names[near[0]] if near else None
 
 
 def reason_of(error: BaseException) -> str:
-    """What an error of a library says, in one short line, whatever it was."""
+    """Message of an error of a library, in one short line."""
     return shortened(" ".join(str(error).split()), 120) or type(error).__name__
 
 
 def shortened(text: str, length: int = 80) -> str:
-    """Cut what is too long for a line of a message."""
+    """Cut a text that is too long for a line of a message."""
     return text if len(text) <= length else f"{text[: length - 3]}..."
 
 

@@ -1,4 +1,4 @@
-"""What a contact carries: how it resists load, shear and pull, what it conducts, and where it slips."""
+"""Carried quantities of a contact: stiffness, resistance, partial slip and pull-off."""
 
 from asperity.base.calls import answered as _answered
 from asperity.carried.pull_off import PullOff

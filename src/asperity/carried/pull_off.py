@@ -1,23 +1,21 @@
-r"""Pulled apart after aging: elastic, fast, by an adhesion whose range is below the pixel.
+r"""Pull-off after aging: elastic and fast, by an adhesion whose range is below the pixel.
 
-The contacts have aged without adhesion, and creep is frozen. With the compliance K = 1 / S of the solid at
-once, the closed sites C bear forces p that hold the surfaces together while the bodies move apart by L:
+The contacts have aged without adhesion, and creep is frozen. K = 1 / S is the instantaneous compliance. While
+the bodies move apart by L, forces p hold the surfaces together on the closed sites C:
 
     K p + L = d on C,        p = x_d - L x_1,        K x_d = d and K x_1 = 1 on C,
 
-where d = K p0 of the aged contact, so that nothing moves at L = 0; beside a smooth rim it is less by half the
-gap, as the rim is midway between sites. Closed sites may bear tension. A site
-opens for good where the front, on passing it, releases the work of adhesion w for each unit of area. That is
-the crack closure integral along the front,
+where d = K p0 for the aged forces p0, so that nothing moves at L = 0. At a smooth rim, midway between sites,
+d is less by half the gap. Closed sites may bear tension. A site opens for good if the front releases at
+least the work of adhesion w per area there. The release is the crack closure integral along the front,
 
     G = sqrt(G_less G_more),        G_less, G_more = mean of t delta / (2 cell) along the front,
 
-where t is the tension of a site while it is closed, and delta its gap once it is open, at the same L. Sites
-are those of the outermost closed layer, all opened together, and of the innermost open layer, all closed
-together; so the front is midway. Means extend over some pixels of the front (`Tuning.smoothing`). Only they
-let a row open as a whole: the first site alone of a straight row needs G = 1.65 w, and traps the front
-(the criterion of R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015)). Crack closure in place
-of it: DOI 10.3389/fmech.2021.754782.
+where t is the tension of a closed site, and delta its gap once open, at the same L. G_less opens the
+outermost closed layer as a whole, G_more closes the innermost open layer, so the front is midway. Means
+extend over some pixels of the front (`Tuning.smoothing`), so that a row opens as a whole. By the criterion of
+single sites (R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015)) the first site of a row
+needs G = 1.65 w and traps the front. Crack closure: DOI 10.3389/fmech.2021.754782.
 """
 
 from __future__ import annotations
@@ -53,53 +51,53 @@ class Tuning:
     """Standard deviation of the means along the front, pixels."""
 
     toughness: float = 1.03
-    """G, over w, at which a site opens. Above 1 because the weakest places open first: by flat punches and
-    balls of 10 to 32 pixels."""
+    """G / w at which a site opens, from flat punches and balls of 10 to 32 pixels: above 1, as the weakest
+    places open first."""
 
     share: float = 0.04
-    """Share of the outermost layer that opens at once. Forces of rough contacts are up to 5 % above those at
-    0.01; at 0.02, which takes half as long again, up to 2 %."""
+    """Share of the outermost layer that opens in a step. Forces of rough contacts are up to 5 % above those
+    at 0.01; at 0.02 up to 2 %, for half as much time again."""
 
     coarse: float = 0.2
-    """The same far from the largest tension."""
+    """`share` far from the largest tension."""
 
     solved: float = 3e-3
-    """Error of the forces, over those that hold a layer, in the norm of the energy."""
+    """Relative error of the forces of a layer, in the energy norm."""
 
     smooth: float = 0.25
-    """Gap beside the rim of the aged contact, over the step of the heights there, from which it is a wall."""
+    """Gap beside the aged contact, over the step of the heights, above which the rim is a wall."""
 
     apart: float = 1e-3
-    """Error of an increment of L."""
+    """Relative error of an increment of L."""
 
     fair_ratio: float = 10.0
-    """Load over pull-off force below which adhesion while aging is no correction."""
+    """Load over pull-off force below which adhesion also matters while aging."""
 
 
 TUNING = Tuning()
 
 EXPECTED_ERROR = {2.0: 0.4, 3.0: 0.3, 4.0: 0.17, 6.0: 0.06, 11.0: 0.04, 16.0: 0.03, 32.0: 0.02}
-"""Largest error of the pull-off force by the radius of the contact, pixels: balls and flat punches."""
+"""Largest error of the force for balls and flat punches, by the radius of the contact in pixels."""
 
 _MODES: dict[str, Any] = {"periodic": "wrap", "reflecting": "reflect", "free": "constant"}
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 Pair = tuple[Field, Field]
-"""What is linear in L: its value at 0, and its slope."""
+"""A field linear in L: its value at 0, and its slope."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PullOff(views.Brief):
-    """How an aged contact is pulled apart: at once, creep frozen.
+    """An aged contact that is pulled apart instantly, with frozen creep.
 
     Attributes
     ----------
     work
         Work of adhesion, energy per area, of fast separation.
     force
-        The pull-off force: the largest tension on the way, > 0, whether load or separation is held.
+        Pull-off force: the largest tension, > 0, whether load or separation is prescribed.
     approach, normal_force, area
-        The way, from the aged contact until nothing touches: approach of the bodies since then, length, which
-        falls below 0; force, negative where it pulls; number of closed sites. Shape ``(steps,)``.
+        Steps from the aged contact until nothing touches, shape ``(steps,)``: approach since the aged
+        contact, length, which falls below 0; force, < 0 for tension; number of closed sites.
     opened
         Approach at which each site opened, length; NaN off the aged contact. Shape of the contact.
     """
@@ -114,7 +112,7 @@ class PullOff(views.Brief):
 
     @property
     def ratio(self) -> float:
-        """Load while aging over the pull-off force; neglecting adhesion while aging asks for a large one.
+        """Aging load over pull-off force; aging without adhesion needs a large ratio.
 
         On a ball adhesion adds about 4 / (3 sqrt(ratio)) to the area: 40 % at 10, 13 % at 100, 4 % at 1000.
         """
@@ -122,10 +120,10 @@ class PullOff(views.Brief):
 
     @cached_property
     def path(self) -> xr.Dataset:
-        """The way as an xarray Dataset: approach, force and area, by step.
+        """The steps as an xarray Dataset: approach, force and area.
 
-        ``let_go`` is the approach at which each patch of the aged contact opened altogether, ``patch`` the
-        map of their numbers, from 1 on, largest first, and ``opened`` the attribute.
+        ``patch`` is the map of the patches of the aged contact, from 1, largest first; ``let_go`` the
+        approach at which the last site of each opened; ``opened`` the attribute.
         """
         dataset: xr.Dataset = views.made_by("pull_off_path")(self, self._contact)
         return dataset
@@ -143,23 +141,25 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
             advice="asperity.solids.half_space(modulus=...)",
         )
     if solid.adhesion is not None:
-        expected = "a contact that has aged without adhesion"
-        raise InputError("pull_off", expected=expected, got="one with it", advice="asperity.pull(contact)")
+        expected = "a solid without adhesion"
+        raise InputError(
+            "pull_off", expected=expected, got="one with adhesion", advice="asperity.pull(contact)"
+        )
     w = checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
     if contact.area == 0 or (contact.area == contact.heights.size and lattice.edges != "free"):
         got = "full contact" if contact.area else "no site in contact"
-        raise InputError("pull_off", expected="a contact that has a rim", got=got, advice="another load")
+        raise InputError("pull_off", expected="a partial contact", got=got, advice="another load")
     opened = np.full(contact.relative[2].shape, np.nan)
     way = np.array(list(_Bond(contact, w).way(opened)))
     apart, force, area = way.T
-    found = PullOff(
+    result = PullOff(
         w, -float(force.min()), -apart, force, area.astype(int), lattice.embedding.cut(opened), contact
     )
-    _remark_on(contact, found)
-    return found
+    _remark_on(contact, result)
+    return result
 
 
-def _remark_on(contact: Contact, found: PullOff) -> None:
+def _remark_on(contact: Contact, pull: PullOff) -> None:
     sizes = patches(contact.in_contact, edges=contact.lattice.edges).sizes
     radius = math.sqrt(float((sizes**2).sum()) / contact.area / math.pi)
     error = float(np.interp(radius, list(EXPECTED_ERROR), list(EXPECTED_ERROR.values())))
@@ -168,7 +168,7 @@ def _remark_on(contact: Contact, found: PullOff) -> None:
             f"pull_off: patches of {max(round(radius), 1)} pixels in radius, the mean over the contact, let "
             f"the force err by about {100 * error:.0f} %; smaller pixels are surer, 4 % at 11 of them"
         )
-    if found.ratio < TUNING.fair_ratio:
+    if pull.ratio < TUNING.fair_ratio:
         remark(
             f"pull_off: the load is less than {TUNING.fair_ratio:g} times the pull-off force; adhesion, "
             "left out while the contact ages, would matter there too; see docs/adhesion.md"
@@ -176,7 +176,7 @@ def _remark_on(contact: Contact, found: PullOff) -> None:
 
 
 class _Bond:
-    """The closed sites, and the forces on them, with a layer less and with a layer more."""
+    """Closed sites, and their forces: as they are, with a layer less, and with a layer more."""
 
     def __init__(self, contact: Contact, work: float) -> None:
         self.lattice = lattice = contact.lattice.embedding
@@ -191,7 +191,7 @@ class _Bond:
         self.closed = contact.relative[2].copy()
         self.body = lattice.extended(np.ones(contact.heights.shape, dtype=bool), beyond=False)
         force = lattice.extended(contact.force, beyond=0.0)
-        gap, rough = (lattice.extended(one, beyond=0.0) for one in (contact.gap, contact.heights))
+        gap, rough = (lattice.extended(field, beyond=0.0) for field in (contact.gap, contact.heights))
         drop = ndimage.maximum_filter(rough, footprint=_CROSS, mode=self.mode) - rough
         self.target = self._moved(force) - np.where(gap < TUNING.smooth * drop, gap / 2, 0.0)
         self.energy = TUNING.toughness * work * lattice.cell
@@ -200,34 +200,34 @@ class _Bond:
         self.forces: list[Pair] = [(force, np.zeros_like(force))] * 3
 
     def way(self, opened: Field) -> list[tuple[float, float, int]]:
-        """L, force and number of closed sites from step to step; writes at which approach each site opens."""
+        """L, force and number of closed sites, by step; fills in the approach at which each site opens."""
         apart, most = 0.0, 0.0
-        found: list[tuple[float, float, int]] = []
+        states: list[tuple[float, float, int]] = []
         while area := int(np.count_nonzero(self.closed)):
             layer, released = self._release()
             count = np.count_nonzero(layer)
             for share in (TUNING.coarse, TUNING.share):
-                here = self._reach(released, apart, max(1, int(share * count / 2)))
-                until = self._reach(released, here, max(1, int(share * count)))
-                # The largest tension is not to be passed in a coarse step.
+                last = self._reach(released, apart, max(1, int(share * count / 2)))
+                until = self._reach(released, last, max(1, int(share * count)))
+                # Near the largest tension steps are fine.
                 if self._load(until) > (-0.5 * most if most else 0.5 * self._load(apart)):
                     break
-            if not found:
+            if not states:
                 onset = self._reach(released, 0.0, 1)
-                found = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
-            self.step, apart = max(self.step / 4, until - apart), here
-            found.append((apart, self._load(apart), area))
-            most = max(most, -found[-1][1])
+                states = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
+            self.step, apart = max(self.step / 4, until - apart), last
+            states.append((apart, self._load(apart), area))
+            most = max(most, -states[-1][1])
             sites = np.flatnonzero(layer)[released(until) >= 1]
             opened.flat[sites], self.closed.flat[sites] = -apart, False
-        return [*found, (apart, 0.0, 0)]
+        return [*states, (apart, 0.0, 0)]
 
     def _load(self, apart: float) -> float:
         at_rest, slope = self.forces[0]
         return float(at_rest.sum()) - apart * float(slope.sum())
 
     def _reach(self, released: Any, start: float, count: int) -> float:
-        """The least L from a start at which a number of sites release enough."""
+        """The least L >= start at which so many sites have G >= w."""
 
         def enough(apart: float) -> bool:
             return bool(np.count_nonzero(released(apart) >= 1) >= count)
@@ -262,17 +262,16 @@ class _Bond:
         by_more, near = self._beside(layer, beyond, more, whole)
 
         def released(apart: float) -> Field:
-            found: Field = by_less(apart)  # alone where the body ends at the front, and no site is beyond it
-            found = np.where(near, np.sqrt(found * by_more(apart)), found)
-            return np.where(apart * whole[1][layer] > whole[0][layer], found, 0.0)  # pressed ones stay
+            ratio: Field = by_less(apart)  # no open layer where the body ends
+            ratio = np.where(near, np.sqrt(ratio * by_more(apart)), ratio)
+            return np.where(apart * whole[1][layer] > whole[0][layer], ratio, 0.0)  # pressed ones stay
 
         return layer, released
 
     def _beside(self, layer: Mask, sites: Mask, shut: Pair, free: Pair) -> tuple[Any, Mask]:
-        """Mean of t delta / (2 w cell) along the front, at the sites of a layer, as a function of L.
+        """Mean of t delta / (2 w cell) near each site of a layer, as a function of L; and where it exists.
 
-        At some sites, with t from the forces while they are shut, and delta from those while they are free;
-        and where there are such sites.
+        It extends over `sites`: t follows from the forces while they are shut, delta while they are free.
         """
         tension = -shut[0][sites], shut[1][sites]
         gap = self._moved(free[0])[sites] - self.target[sites], 1.0 - self._moved(free[1])[sites]
@@ -292,30 +291,30 @@ class _Bond:
         return released, total > 0
 
     def _moved(self, force: Field) -> Field:
-        """Displacement by forces."""
+        """Displacement by forces, frozen creep."""
         return self.lattice.apply(self.compliance, force)
 
     def _bonded(self, force: Field, target: Field | float, shape: Mask, allowed: float) -> Field:
-        """Forces on some sites that move them to a target, from others; by conjugate gradients.
+        """Forces on a set of sites that displace them to a target, by conjugate gradients from `force`.
 
-        An error of twice an energy is ``allowed``. The preconditioner is S between the sites.
+        `allowed` bounds twice the energy of the error. The preconditioner is S restricted to the sites.
         """
         force = np.where(shape, force, 0.0)
-        left = np.where(shape, target - self._moved(force), 0.0)
-        if not (scale := float(np.abs(left).max())):
+        error = np.where(shape, target - self._moved(force), 0.0)
+        if not (scale := float(np.abs(error).max())):
             return force
-        here, residual = shape.astype(np.float32), cast(Any, (left / scale).astype(np.float32))
-        found, slope = np.zeros_like(residual), 1.0
+        inside, residual = shape.astype(np.float32), cast(Any, (error / scale).astype(np.float32))
+        correction, slope = np.zeros_like(residual), 1.0
         direction: Any = None
         goal = allowed * self.unit / scale**2
         for _ in range(np.count_nonzero(shape)):
-            estimate = here * self.lattice.apply(self.stiff, residual)
+            estimate = inside * self.lattice.apply(self.stiff, residual)
             before, slope = slope, inner(residual, estimate, np)
             if slope <= goal:
                 break
             direction = estimate if direction is None else estimate + np.float32(slope / before) * direction
-            response = here * self.lattice.apply(self.soft, direction)
+            response = inside * self.lattice.apply(self.soft, direction)
             length = np.float32(slope / inner(direction, response, np))
-            found += length * direction
+            correction += length * direction
             residual -= length * response
-        return np.asarray(force + found * (scale / self.unit))
+        return np.asarray(force + correction * (scale / self.unit))

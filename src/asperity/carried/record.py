@@ -1,4 +1,4 @@
-"""What a history records of what its contact carries: which numbers, for which materials."""
+"""Carried quantities that a history records: which, and for which materials."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from asperity.lattice import Mask
 
 @dataclass(frozen=True)
 class Carried:
-    """What to record of a half-space's contact at each time, beside its normal stiffness; for `asperity.age`.
+    """Carried quantities of a half-space to record beside the normal stiffness; for `asperity.age`.
 
     Parameters
     ----------
@@ -26,13 +26,12 @@ class Carried:
     poisson
         Record ``tangential_stiffness``; see `Contact.tangential_stiffness`.
     shear, friction
-        Record ``stick_fraction``, the share of the contact that sticks under a shear force with this
-        coefficient of friction. It is 0 where the bodies slide: where the load is at most shear / friction,
-        as at the beginning of a ramp from load 0. See `Contact.partial_slip`. At each time alone: the force
-        is put on at that time.
+        Record ``stick_fraction``, the share of the contact that sticks under this shear force, applied at
+        that time, with this coefficient of friction. It is 0 where the bodies slide: at loads up to
+        shear / friction. See `Contact.partial_slip`.
     work_of_adhesion
-        Record ``pull_off``, the largest tension if the contact were pulled apart at that time, with this work
-        of adhesion; 0 without contact. See `Contact.pull_off`.
+        Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
+        0 without contact. See `Contact.pull_off`.
 
     Raises
     ------
@@ -53,29 +52,29 @@ class Carried:
             raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
 
     def of(self, contact: Contact) -> dict[str, float]:
-        """What a contact carries, by the names of the columns.
+        """Carried quantities of a contact, by the names of the columns.
 
         Raises
         ------
         InputError
-            The solid is no half-space, or a number is out of its range.
+            The solid is no half-space, or a number is out of range.
         """
         check_half_space("carried", contact.solid, contact.lattice)
-        found = {"normal_stiffness": contact.normal_stiffness}
+        numbers = {"normal_stiffness": contact.normal_stiffness}
         if self.poisson is not None:
-            found["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
+            numbers["tangential_stiffness"] = contact.tangential_stiffness(self.poisson)
         if self.resistivity is not None:
-            found["resistance"] = contact.resistance(self.resistivity)
+            numbers["resistance"] = contact.resistance(self.resistivity)
         if self.conductivity is not None:
-            found["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
+            numbers["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.work_of_adhesion is not None:
-            found["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
+            numbers["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
         for stick in self.maps(contact).values():
-            found["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
-        return found
+            numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
+        return numbers
 
     def maps(self, contact: Contact) -> dict[str, Mask]:
-        """Where a contact carries it, by the names of the fields: which sites ``stick``."""
+        """Maps of a contact by name: which sites ``stick``; empty without shear."""
         if self.shear is None or self.friction is None:
             return {}
         force, mu = sheared(contact, self.shear, self.friction)

@@ -1,4 +1,4 @@
-"""How a contact resists more load and shear, and what it conducts."""
+"""Stiffness, resistance and partial slip of a contact."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
 _RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
-"""What `unit_response` found, as long as the contact lives."""
+"""Results of `unit_response`, kept while the contact lives."""
 
 
 def unit_response(contact: Contact) -> tuple[float, float, Field]:
-    """How far a unit of load lowers rigid body and mean of the surface, and the force of each site."""
+    """Displacements of rigid body and mean surface under a unit of load, and the force of each site."""
     if contact not in _RESPONSES:
         _RESPONSES[contact] = _flat_punch(contact, contact.relative[2])
     return _RESPONSES[contact]
 
 
 def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field]:
-    """The same at once, where some sites are a rigid punch on the solid of a contact."""
+    """The same for a rigid flat punch on these sites, on the solid of a contact."""
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
     step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
@@ -71,8 +71,8 @@ def resistance(contact: Contact, resistivity: Each) -> float:
 @views.maker
 def thermal_resistance(contact: Contact, conductivity: Each) -> float:
     """See `Contact.thermal_resistance`."""
-    one, other = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
-    return _of_constrictions(contact, 1 / one + 1 / other)
+    first, second = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
+    return _of_constrictions(contact, 1 / first + 1 / second)
 
 
 def _of_constrictions(contact: Contact, resistivity: float) -> float:
@@ -87,22 +87,24 @@ def _of_constrictions(contact: Contact, resistivity: float) -> float:
     return modulus * resistivity / (2 * stiffness) if stiffness > 0 else math.inf
 
 
-def _of_both(name: str, given: Each, unit: str, *, si: bool) -> tuple[float, float]:
-    """A number of two bodies, from one for both or a pair."""
-    pair = given if isinstance(given, list | tuple) else (given, given)
+def _of_both(name: str, values: Each, unit: str, *, si: bool) -> tuple[float, float]:
+    """Two numbers, one a body, from a pair or one for both."""
+    pair = values if isinstance(values, list | tuple) else (values, values)
     if len(pair) != 2:
-        raise InputError(name, expected="one number, or one of each body", got=checks.shown(given))
-    one, other = (checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair)
-    return one, other
+        raise InputError(name, expected="one number, or one of each body", got=checks.shown(values))
+    first, second = (
+        checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair
+    )
+    return first, second
 
 
 def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:
-    """Contact modulus of a half-space; `InputError` for what has not the compliance of one."""
+    """Contact modulus of a half-space; `InputError` for other solids."""
     if solid.modulus is not None and solid.half_space and lattice.dimension == 2:
         return solid.modulus
     raise InputError(
         name,
-        expected="a half-space under a surface of two dimensions, whose normal displacements tell it",
+        expected="a half-space under a surface of two dimensions",
         got="a line contact" if lattice.dimension == 1 else f"a {solid.kind.replace('_', ' ')}",
         advice="asperity.solids.half_space(modulus=...)",
     )
@@ -121,14 +123,14 @@ def partial_slip(
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
     if contact.solid.adhesion is not None:
-        expected = "bodies that do not stick, whose friction goes with the pressure"
-        raise InputError("partial_slip", expected=expected, got="adhesion")
+        expected = "a solid without adhesion"
+        raise InputError("partial_slip", expected=expected, got="one with adhesion")
     force, mu = sheared(contact, shear, friction)
     ratio = None if poisson is None else checks.number("poisson", poisson, above=-1, most=0.5)
     if force >= mu * contact.load:
         expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"
         raise InputError("shear", expected=expected, got=f"{force:.6g}", advice="less shear, or more load")
-    # Tractions are judged beside those of the whole contact, however small the load is that sticks.
+    # The tolerance is that of the whole contact, also where a small load sticks.
     held = Load(max(contact.load - force / mu, float(np.finfo(float).eps) * contact.load))
     stuck = pressed_anew(contact, held, least_force=contact.residual_scale)
     stick, traction = stuck.in_contact & contact.in_contact, mu * (contact.pressure - stuck.pressure)

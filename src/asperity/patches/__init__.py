@@ -1,4 +1,4 @@
-"""Patches of contact: found, measured, linked from map to map, and summed up over the maps of a history."""
+"""Patches of contact: labelled, measured, and linked through the maps of a history."""
 
 from asperity.base.calls import answered as _answered
 from asperity.patches.labels import Labels, Patches, patches

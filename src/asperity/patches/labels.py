@@ -1,7 +1,6 @@
-r"""Patches of contact: which sites in contact are joined, across the seam of a periodic lattice too.
+r"""Patches: sets of sites in contact that are joined through neighbors, also across periodic edges.
 
-A patch is a set of sites in contact that are joined through neighbors. All functions take masks of sites in
-contact and count in sites.
+All functions take masks of sites in contact and count in sites.
 """
 
 from __future__ import annotations
@@ -57,7 +56,7 @@ class Patches(views.Brief):
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """The patches of one contact on a lattice cut open along its seams, and how they are joined there."""
+    """The patches of a lattice that is cut open at its edges, and their bonds across these."""
 
     labels: NDArray[np.signedinteger[Any]]
     """0 off contact, and on contact the number of the piece, from 1 on; shape of the lattice."""
@@ -68,15 +67,14 @@ class Pieces:
     joined: NDArray[np.int32]
     """Pairs of pieces that touch each other across a seam, shape ``(bonds, 2)``."""
     turns: NDArray[np.int64]
-    """How often one goes around the lattice along each axis on the way from the first piece of a pair to the
-    second: -1, 0 or 1; shape ``(bonds, dimension)``."""
+    """Turns around the lattice along each axis from first to second piece: -1, 0 or 1; shape ``(bonds,
+    dimension)``."""
 
     @cached_property
     def places(self) -> tuple[NDArray[np.int64], Mask]:
-        """By how many lengths of the lattice each piece is moved so that its patch is in one piece.
+        """Shift that joins each piece to its patch, lattice lengths, shape ``(pieces + 1, dimension)``.
 
-        Shape ``(pieces + 1, dimension)``. And whether a patch reaches around the lattice and so has no place,
-        shape ``(patches + 1,)``, false for number 0.
+        And whether a patch reaches around the lattice, so that no shift does: shape ``(patches + 1,)``.
         """
         places = np.zeros((self.numbers.size, self.labels.ndim), dtype=np.int64)
         first, second = self.joined.T
@@ -118,7 +116,7 @@ def patches(in_contact: ArrayLike, connectivity: int = 1, *, edges: Edges = "per
 
 
 def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
-    """Find patches, and remember how they lie across the seams; arguments and errors as of `patches`."""
+    """Find patches, with their bonds across periodic edges; arguments and errors as of `patches`."""
     expected = "1 (nearest neighbors) or 2 (diagonals too)"
     connectivity = checks.integer("connectivity", connectivity, least=1, most=2, expected=expected)
     checks.choice("edges", edges, get_args(Edges))
@@ -139,13 +137,13 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     return Pieces(labels, rank[whole], sizes[order][1:], joined, turns)
 
 
-def mask(name: str, given: ArrayLike) -> Mask:
+def mask(name: str, value: ArrayLike) -> Mask:
     """A boolean array of one or two axes; `InputError` for anything else."""
     expected, advice = "a boolean array of shape (n,) or (n, m)", "u == heights"
     try:
-        array = np.asarray(given)
+        array = np.asarray(value)
     except TypeError as error:  # such as a Dataset
-        got = checks.kind_of(given)
+        got = checks.kind_of(value)
         raise InputError(name, expected=expected, got=got, advice=advice) from error
     if array.dtype != np.bool_ or array.ndim not in (1, 2) or array.size == 0:
         got = f"{array.dtype} of shape {array.shape}"
@@ -164,7 +162,7 @@ def masks(before: ArrayLike, after: ArrayLike) -> tuple[Mask, Mask]:
 def _across_the_seams(
     labels: NDArray[np.signedinteger[Any]], connectivity: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
-    """Pairs of pieces that touch each other from the first site of an axis to its last, and their turns."""
+    """Pairs of pieces that touch across the edges, and their turns."""
     bonds = []
     for axis in range(labels.ndim):
         first, last = np.atleast_1d(labels.take(0, axis), labels.take(-1, axis))

@@ -1,4 +1,4 @@
-r"""What became of patches from one map to a later one of the same lattice.
+r"""Links of patches from one map to a later one of the same lattice.
 
 A patch before and a patch after are linked where they share a site. Let p be the number of patches before to
 which a patch after is linked, and c the number of patches after to which a patch before is linked. With n
@@ -104,7 +104,7 @@ class Links(views.Brief):
     def continued(self) -> Labels:
         """The patch before that each patch after continues; 0 for none; shape ``(patches after,)``.
 
-        Of each, the other is the one with which it shares most sites, and of several such the largest.
+        Each of the two shares most sites with the other; among equals the largest counts.
         """
         earlier, later = self.pairs.T
         mutual = (self.main_successor[earlier - 1] == later) & (self.main_predecessor[later - 1] == earlier)
@@ -183,7 +183,7 @@ def linked(before: Patches, after: Patches) -> Links:
 
 @dataclass(frozen=True)
 class Turnover:
-    """What became of a contact.
+    """Sites kept, gained and lost between two contacts.
 
     Attributes
     ----------
@@ -194,8 +194,8 @@ class Turnover:
     lost
         Sites in contact only before.
     gained_attached
-        Of the sites gained, those that extend patches: joined to a site in contact before, through
-        neighbors in contact before or after.
+        Sites gained that extend patches: joined to a site in contact before, through neighbors in contact
+        before or after.
     gained_detached
         The other sites gained, which form new patches.
     """
@@ -208,7 +208,7 @@ class Turnover:
 
 
 def turnover(before: ArrayLike, after: ArrayLike) -> Turnover:
-    """Compare two contacts of one lattice, and tell growing patches from new ones.
+    """Compare two contacts of one lattice, and distinguish growing patches from new ones.
 
     Parameters
     ----------

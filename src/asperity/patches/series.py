@@ -1,4 +1,4 @@
-"""Numbers from maps of contact: scatter, patches through time, and how long each site has touched."""
+"""Series from maps of contact: patches, their links, clustering, and contact ages."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 _CONTACTS_PER_BOX = 4
 _BOXES_PER_AXIS = 8
 _SMALLEST_BOX = 2
-"""The index of single sites is 1 whatever they do."""
+"""Boxes of single sites always have the index 1."""
 
 _EVENTS = (
     *("births", "deaths", "merges", "splits"),
@@ -35,7 +35,7 @@ _EVENTS = (
 
 
 def quantiles(values: Field) -> Field:
-    """Values at `QUANTILES`: the least value that such a share does not exceed; NaN where there is none."""
+    """Values at `QUANTILES`, by the inverted distribution; NaN without values."""
     if not values.size:
         return np.full(len(QUANTILES), math.nan)
     return np.asarray(np.quantile(values, QUANTILES, method="inverted_cdf"), dtype=np.float64)
@@ -44,8 +44,8 @@ def quantiles(values: Field) -> Field:
 def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str, NDArray[Any]]:
     """Measure the patches of each map, at times that do not decrease, and follow them from map to map.
 
-    The arrays, over the maps, are what the table of quantities has of maps, but for the pressure. Changes
-    since the map before are 0 at the first. NaN where there is no patch, and of the clustering no box.
+    The arrays over the maps are the ``"map"`` quantities of `asperity.results.quantities`, without pressure.
+    Changes since the map before are 0 at first. NaN without patches, and without a box for the clustering.
     """
     rows: list[dict[str, Any]] = []
     box, before = clustering_box(maps), None
@@ -54,18 +54,18 @@ def map_series(maps: Maps, times: Sequence[float], lattice: Lattice) -> dict[str
         shapes = shapes_of(touching, lattice.spacing, lattice.edges)
         row = _sizes(shapes, lattice.dimension)
         row["clustering"] = math.nan if box is None else clustering(touching, box)
-        links = linked(before or shapes.found, shapes.found)
+        links = linked(before or shapes.patches, shapes.patches)
         row |= {name: getattr(links, name) for name in _EVENTS}
         ages = moments[number] - moments[since.ravel()[shapes.sites]]
         row["mean_contact_age"] = float(ages.mean()) if ages.size else math.nan
         row["contact_age"] = quantiles(ages)
         rows.append(row)
-        before = shapes.found
+        before = shapes.patches
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 def clustering_box(maps: Maps) -> int | None:
-    """Side of the boxes for the clustering of all maps: that which suits the first with a contact."""
+    """Side of the boxes for the clustering of all maps, from the first map with contact; None if too wide."""
     first = next((touching for touching in maps if touching.any()), None)
     box = 0 if first is None else usual_box(first)
     return box if first is not None and box <= min(first.shape) // 2 else None
@@ -92,12 +92,12 @@ def _touching_since(maps: Maps) -> Iterator[NDArray[np.int32]]:
 
 
 def _sizes(shapes: Shapes, dimension: int) -> dict[str, Any]:
-    found, sized = shapes.found, shapes.found.sizes.astype(np.float64)
+    of_map, sized = shapes.patches, shapes.patches.sizes.astype(np.float64)
     row = {
-        "patches": found.count,
-        "mean_patch_size": found.mean_size,
-        "median_patch_size": float(np.median(sized)) if found.count else math.nan,
-        "largest_patch_size": found.largest,
+        "patches": of_map.count,
+        "mean_patch_size": of_map.mean_size,
+        "median_patch_size": float(np.median(sized)) if of_map.count else math.nan,
+        "largest_patch_size": of_map.largest,
         "perimeter": float(shapes.perimeter.sum()),
     }
     if dimension == 2:

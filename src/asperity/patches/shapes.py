@@ -19,18 +19,18 @@ from asperity.patches.labels import Labels, Patches, pieces_of
 class Shapes:
     """The patches of one contact, and their shapes; arrays over the patches, largest first."""
 
-    found: Patches
+    patches: Patches
     """The patches."""
     sites: NDArray[np.int64]
     """Numbers of the sites in contact, along the last axis first, shape ``(area,)``."""
     numbers: Labels
     """The patch of each of them."""
     perimeter: Field
-    """Length of the rim: of the sides between sites in contact and sites off it. On a line the number of
-    ends. Reflecting edges of the lattice are no rim."""
+    """Length of the sides between sites in contact and off contact, without reflecting edges; on a line the
+    number of ends."""
     aspect: Field
-    """Ratio of the axes of the ellipse (at least 1) that has the second moments of the patch, each site a
-    rectangle: of a x b sites, a/b. NaN on a line, and of a patch that reaches around the lattice."""
+    """Ratio >= 1 of the axes of the ellipse with the second moments of the patch; a/b for a rectangle of
+    a x b sites. NaN on a line, and for a patch that reaches around the lattice."""
     center: Field
     """Center of area, within the lattice, from the center of the first site on; shape ``(count,
     dimension)``; NaN of a patch that reaches around the lattice."""
@@ -60,7 +60,7 @@ def shapes_of(
         perimeter += free * (math.prod(spacing) / step)
     nowhere = endless[1:]
     return Shapes(
-        found=labelled,
+        patches=labelled,
         sites=sites,
         numbers=numbers,
         perimeter=perimeter,
@@ -78,7 +78,7 @@ def _aspect(numbers: Labels, offsets: Sequence[Field], spacing: Sequence[float],
         return np.full(sites.size, math.nan)
     y, x = offsets
     height, width = spacing
-    yy, xx, xy = (_over_patches(numbers, sites.size, one) / sites for one in (y * y, x * x, x * y))
+    yy, xx, xy = (_over_patches(numbers, sites.size, product) / sites for product in (y * y, x * x, x * y))
     yy, xx = yy + height**2 / 12, xx + width**2 / 12
     mean, spread = (yy + xx) / 2, np.hypot((yy - xx) / 2, xy)
     # The product of the roots is the determinant: mean - spread would lose the digits of a thin patch.

@@ -1,4 +1,4 @@
-"""Results: frozen states in, one self-describing Dataset out, and back from disk."""
+"""Results: frozen states become one self-describing Dataset, on disk and back."""
 
 from asperity.base.calls import answered as _answered
 from asperity.base.tables import read_table

@@ -1,4 +1,4 @@
-"""A long run's place in a file, so that a killed run goes on and ends at the identical result."""
+"""Checkpoint of a long run: a killed run resumes and ends at the identical result."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from asperity.results.store import whole_file
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a run keeps its place, and how often.
+    """File in which a run keeps its place, and how often.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Checkpoint:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """What a checkpoint holds: the march, and what was recorded on the way."""
+    """Content of a checkpoint: the march, and the records so far."""
 
     midway: LegMidway
     rows: list[Row]
@@ -62,7 +62,7 @@ class Place:
 
 
 class Keeper:
-    """Writes and reads the checkpoint of one run, and of no other."""
+    """Writes and reads the checkpoint of one run."""
 
     def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
         self.path = expanded(checkpoint.path)
@@ -117,7 +117,7 @@ def fingerprint_of(
     exact: bool,
     carried: Carried | None = None,
 ) -> str:
-    """Hash all that a history depends on."""
+    """Hash of all inputs of a history."""
     solid = start.solid
     laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
     facts: list[object] = [__version__, start.control, start.lattice, schedule]
@@ -159,11 +159,11 @@ def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Plac
         Snapshot(**snapshot | {"fields": {name: fields[index] for name, fields in kept.items()}})
         for index, snapshot in enumerate(facts["snapshots"])
     ]
-    here = facts["here"]
-    area = here["midway"]["area"]
-    midway = here["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
+    march = facts["here"]
+    area = march["midway"]["area"]
+    midway = march["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
     parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
     midway |= {name: part(**midway[name]) for name, part in parts.items()}
     kind = Load if facts["control"] == Load.name else Separation
-    restored = {"control": kind(**here["control"]), "midway": Midway(**midway)}
-    return Place(LegMidway(**here | restored), facts["rows"], snapshots)
+    restored = {"control": kind(**march["control"]), "midway": Midway(**midway)}
+    return Place(LegMidway(**march | restored), facts["rows"], snapshots)

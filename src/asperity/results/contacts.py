@@ -1,4 +1,4 @@
-"""One contact as a Dataset of maps, saved, and made a contact again that is judged anew."""
+"""One contact as a Dataset of maps, saved, loaded, and judged anew."""
 
 from __future__ import annotations
 
@@ -42,31 +42,31 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
 
 
 @views.maker
-def pull_off_path(found: PullOff, contact: Contact) -> xr.Dataset:
+def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
     """See `PullOff.path`."""
     numbers = patches(contact.in_contact, edges=contact.lattice.edges)
     last = np.full(numbers.sizes.size + 1, np.inf)
     touching = contact.in_contact
-    np.minimum.at(last, numbers.labels[touching], found.opened[touching])
+    np.minimum.at(last, numbers.labels[touching], pull.opened[touching])
     units = units_of(contact)
     length, force = units["length"], units["force"]
     sites = ("y", "x")
-    contact_area = found.area * contact.lattice.cell
+    contact_area = pull.area * contact.lattice.cell
     when = "approach at which the last site of the patch opened"
     dataset = xr.Dataset(
         {
-            "approach": ("step", found.approach, _said("approach since the aged contact", length)),
-            "force": ("step", found.normal_force, _said("normal force, negative where it pulls", force)),
-            "area": ("step", found.area, _said("sites in contact", "sites")),
+            "approach": ("step", pull.approach, _said("approach since the aged contact", length)),
+            "force": ("step", pull.normal_force, _said("normal force, negative where it pulls", force)),
+            "area": ("step", pull.area, _said("sites in contact", "sites")),
             "contact_area": ("step", contact_area, _said("real contact area", units["area"])),
-            "opened": (sites, found.opened, _said("approach at which the site opened", length)),
+            "opened": (sites, pull.opened, _said("approach at which the site opened", length)),
             "patch": (sites, numbers.labels, _said("number of the patch of the aged contact", "1")),
             "let_go": ("number", last[1:], _said(when, length)),
         },
         {"number": np.arange(1, last.size), **dict(zip(sites, coordinates_of(contact), strict=True))},
     )
-    told = {"title": "A contact pulled apart", "work_of_adhesion": found.work, "pull_off": found.force}
-    return dataset.assign_attrs({**told, **attributes_of(contact, contact.control)})
+    facts = {"title": "A contact pulled apart", "work_of_adhesion": pull.work, "pull_off": pull.force}
+    return dataset.assign_attrs({**facts, **attributes_of(contact, contact.control)})
 
 
 def _said(long_name: str, units: str) -> dict[str, str]:
@@ -74,26 +74,26 @@ def _said(long_name: str, units: str) -> dict[str, str]:
 
 
 def load_contact(path: str | Path, solid: Solid) -> Contact:
-    """Read a contact that `Contact.save` wrote: press it anew, age it on, relax it.
+    """Read a contact that `Contact.save` wrote, to press it anew, age it, or relax it.
 
     Parameters
     ----------
     path
         The zarr folder.
     solid
-        The solid of that contact, made as it was then; a file holds its numbers, not its laws.
+        The solid of that contact, made in the same way; a file holds its numbers, not its laws.
 
     Returns
     -------
     Contact
-        Judged anew, with the residual of what was read. Its numbers may differ in their last digits.
+        With the residual of the loaded fields. Its numbers may differ in their last digits.
 
     Raises
     ------
     InputError
         There is no such folder, it holds no contact, or the contact is of another solid.
     ConvergenceError
-        What was read is not in equilibrium on this solid.
+        The loaded fields are not in equilibrium on this solid.
     """
     data = load(path)
     if "anchors" not in data:
@@ -113,10 +113,10 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     kind = Load if facts["held"] == Load.name else Separation
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
-    # The gap has digits that u has lost beside a large datum; so have anchors, which a load puts in place.
+    # u loses digits beside a large datum, which the gap keeps; a load moves anchors into place.
     surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
     whole = lattice.embedding
-    if whole.body:  # what lies beyond free edges follows from the rest, whatever is taken for it
+    if whole.body:  # fields beyond free edges follow from those within
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))
         return above_anchors(whole.extended(anchors, position), position, bodies, system, near)
     if system.load:

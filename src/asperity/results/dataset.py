@@ -29,7 +29,7 @@ Row = dict[str, float]
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The fields at one time, by name."""
+    """Fields at one time, by name."""
 
     time: float
     fields: Mapping[str, NDArray[Any]]
@@ -38,7 +38,7 @@ class Snapshot:
 
 
 def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None) -> Row:
-    """Take the entry of the time series from a frame, of a history that slides or not."""
+    """Entry of the time series from a frame."""
     row: Row = {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
         name: getattr(frame if hasattr(frame, name) else frame.contact, name)
         for name in had_by(frame.contact, "series", slides=slides)
@@ -47,7 +47,7 @@ def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None
 
 
 def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
-    """Take the fields from a frame."""
+    """Fields of a frame."""
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
     fields |= {} if carried is None else carried.maps(contact)
@@ -65,10 +65,10 @@ def dataset_of(
     *,
     rtol: float,
 ) -> xr.Dataset:
-    """Gather a history into a Dataset: its entries, of which the first is at time 0, and the fields kept.
+    """Gather the entries of a history, from time 0 on, and its fields into a Dataset.
 
-    `control` is what was prescribed at the start. With a protocol every entry says to which leg it belongs,
-    and legs begin and end at `switches`; without one, `keeps_area` says whether the area was held.
+    `control` is prescribed at the start. With a protocol, each entry has its leg, and legs begin and end at
+    `switches`. Without one, `keeps_area` says whether the area is held.
     """
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
@@ -78,7 +78,7 @@ def dataset_of(
         data_vars={name: ("time", np.array([row[name] for row in rows])) for name in series},
         coords={"time": [row["time"] for row in rows]} | dict(zip(sites, coordinates_of(start), strict=True)),
     )
-    # As they were before anything yielded.
+    # Heights before yielding.
     rough = start.heights + start.permanent_indentation if start.solid.yields else start.heights
     dataset["heights"] = (sites, rough)
     if protocol is not None:
@@ -124,7 +124,7 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     series = map_series(maps, times, start.lattice)
     in_lengths = start.solid.in_lengths
     pressure = dataset["pressure"].values if in_lengths else dataset["force"].values / start.lattice.cell
-    pressures = [quantiles(one[touching]) for one, touching in zip(pressure, maps, strict=True)]
+    pressures = [quantiles(field[touching]) for field, touching in zip(pressure, maps, strict=True)]
     series["contact_pressure"] = np.array(pressures)
     box = clustering_box(maps)
     named = xr.Dataset(
@@ -144,7 +144,7 @@ def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
 
 
 def describe(dataset: xr.Dataset, contact: Contact) -> None:
-    """Give every variable its long name and unit."""
+    """Add long names and units."""
     units = units_of(contact)
     for name, quantity in (had_by(contact, slides=True) | select(of=["carried"])).items():
         if name in dataset.variables:
@@ -153,7 +153,7 @@ def describe(dataset: xr.Dataset, contact: Contact) -> None:
 
 
 def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
-    """Every parameter that the results depend on; what is a list or a table also item by item."""
+    """All parameters of the results; lists and tables also item by item."""
     items: dict[str, Plain] = {f"held_{control.name}": control.value}
     for name, value in contact.solid.parameters.items():
         items |= plain(name, value)
@@ -174,7 +174,7 @@ def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
 
 
 def attributes_of_solid(solid: Solid) -> dict[str, str | float]:
-    """Name of a solid, and its parameters: numbers, or JSON."""
+    """Kind and parameters of a solid, as numbers or JSON."""
     numbers = solid.parameters.items()
     return {
         "solid": solid.kind,

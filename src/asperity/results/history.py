@@ -1,4 +1,4 @@
-"""How a contact aged: a Dataset, and the contact at its end."""
+"""The history of a contact: a Dataset, and the last contact."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def check_dataset(dataset: object) -> None:
-    """Refuse what is not the dataset of a history; `InputError`."""
+    """`InputError` unless it is the dataset of a history."""
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     if missing := [name for name in ("time", "area") if name not in dataset]:  # type: ignore[operator]
         expected, got = "the dataset of a history", f"one without {', '.join(missing)}"
@@ -29,7 +29,7 @@ def check_dataset(dataset: object) -> None:
 
 
 def check_fields(dataset: object) -> None:
-    """Refuse what is not a dataset of a history that kept fields; `InputError`."""
+    """`InputError` unless it is the dataset of a history with fields."""
     checked = checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     if "field_time" not in checked.get("in_contact", xr.DataArray()).dims:
         expected, advice = "a history that kept fields", "age(..., fields_at=times)"
@@ -38,19 +38,18 @@ def check_fields(dataset: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class History(views.InNotebooks):
-    """How a contact aged.
+    """The history of an aging contact.
 
     Attributes
     ----------
     dataset
-        An xarray Dataset over ``time``, whose first entry, 0, is the state before any creep:
-        ``area``, ``load``, ``separation``, ``energy``, ``residual`` and others; ``heights`` over the sites;
-        and over ``field_time``, where fields were asked for, ``u``, ``u0``, ``in_contact`` and ``force`` (of
-        continua ``pressure``), and what these maps know of patches: ``patches``, ``births`` and others. The
-        reference lists all, with their units.
+        An xarray Dataset over ``time``, from 0, the state before any creep: ``area``, ``load``,
+        ``separation``, ``energy``, ``residual`` and others; ``heights`` over the sites. With ``fields_at``,
+        over ``field_time``: ``u``, ``u0``, ``in_contact``, ``force`` (continua: ``pressure``), and numbers of
+        the patches such as ``patches`` and ``births``. The reference lists all, with their units.
         ``history["energy"]`` is one of them.
     final
-        The contact at the last time reached (of ``times`` and ``fields_at``); age it further, or relax it.
+        The contact at the last time of ``times`` and ``fields_at``; age it further, or relax it.
     """
 
     dataset: xr.Dataset

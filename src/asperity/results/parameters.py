@@ -13,8 +13,8 @@ from asperity.results.quantities import Units, select
 from asperity.solids import PARAMETERS_OF_LAWS
 
 _RECORDED = {
-    name: (one.long_name, one.dimension)
-    for name, one in select("series", of=("all", "sites", "sliding")).items()
+    name: (quantity.long_name, quantity.dimension)
+    for name, quantity in select("series", of=("all", "sites", "sliding")).items()
 }
 _PRESSURE = ("load over nominal area", "pressure")
 _BRANCHES = {
@@ -32,12 +32,12 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "edges": ("what lies beyond the edges", ""),
     **_LAWS,
     **{
-        name: (f"{what.meaning} of the {_LAWS[name.partition('_')[0]][0]}", _OF_A_LAW.get(what.unit, "1"))
-        for name, what in PARAMETERS_OF_LAWS.items()
+        name: (f"{of_law.meaning} of the {_LAWS[name.partition('_')[0]][0]}", _OF_A_LAW.get(of_law.unit, "1"))
+        for name, of_law in PARAMETERS_OF_LAWS.items()
     },
     **{
-        name if name == "temperature" else f"creep_{name}": one.recorded
-        for name, one in parameters_of(Eyring.activated).items()
+        name if name == "temperature" else f"creep_{name}": parameter.recorded
+        for name, parameter in parameters_of(Eyring.activated).items()
     },
     **_BRANCHES,
     **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
@@ -64,16 +64,15 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     "point": ("number of the point, from 0", "1"),
     "entry": ("number of the entry of the series, from 0", "1"),
 }
-"""Long name and dimension, or unit, of what a run or a campaign is told."""
+"""Long name and dimension, or unit, of the parameters of a run or a campaign."""
 
-_IN_UNITS = {"s": "time", "N": "force", "m": "length", "Pa": "pressure", "": "1"}
 IN_A_LEG = {
-    name: (parameter.quantity.meaning, _IN_UNITS.get(parameter.quantity.unit, parameter.quantity.unit))
+    name: parameter.recorded
     for kind in KINDS.values()
     for name, parameter in parameters_of(kind).items()
     if {int, float} & set(parameter.kinds)
 } | {"distance": ("distance", "place"), "velocity": _RECORDED["velocity"]}
-"""The same of what a leg of a history is told."""
+"""Long name and dimension of the numbers of a leg."""
 
 Plain = str | float | int | list[str] | list[float] | list[int]
 
@@ -106,7 +105,7 @@ def plain(name: str, value: object) -> dict[str, Plain]:
     """
     if isinstance(value, Mapping):
         return {
-            key: one for part, inner in value.items() for key, one in plain(f"{name}_{part}", inner).items()
+            key: item for part, inner in value.items() for key, item in plain(f"{name}_{part}", inner).items()
         }
     if value is None or value in ("", [], ()):
         return {}
@@ -116,8 +115,10 @@ def plain(name: str, value: object) -> dict[str, Plain]:
         if not isinstance(value[0], list | tuple):
             return {name: list(value)}
         if all(len(pair) == 2 for pair in value):
-            one = name.removesuffix("es")
-            names = ("places_y", "places_x") if name == "places" else (f"{one}_shares", f"{one}_times")
+            singular = name.removesuffix("es")
+            names = (
+                ("places_y", "places_x") if name == "places" else (f"{singular}_shares", f"{singular}_times")
+            )
             return {
                 which: list(column) for which, column in zip(names, zip(*value, strict=True), strict=True)
             }

@@ -1,4 +1,4 @@
-"""What pulls two bodies apart that stick: the curve of load and separation, and what it says."""
+"""The curve of load and separation of two adhering bodies that are pulled apart."""
 
 from __future__ import annotations
 
@@ -17,14 +17,13 @@ from asperity.results.quantities import had_by
 
 @dataclass(frozen=True, eq=False)
 class Pull(views.InNotebooks):
-    """An approach and a retreat of two bodies, at once; made by `asperity.pull`.
+    """An instantaneous approach and retreat of two bodies, from `asperity.pull`.
 
     Attributes
     ----------
     curve
-        An xarray Dataset over ``state``: ``load``, ``separation``, ``approach`` (from the contact that was
-        pulled), ``area``, ``energy`` and others, and whether a state is of the ``retreat``. The states of the
-        approach come first.
+        An xarray Dataset over ``state``, first those of the approach, then of the retreat: ``load``,
+        ``separation``, ``approach`` (since the pulled contact), ``area``, ``energy``, ``retreat`` and others.
     last
         The last state of the retreat in which the bodies touched.
     """
@@ -37,19 +36,14 @@ class Pull(views.InNotebooks):
         """Gather the states."""
         start, states = retreat[0], [*approach, *retreat]
         names = [name for name in had_by(start, "series") if hasattr(start, name)]
-        series = {name: ("state", np.array([getattr(one, name) for one in states])) for name in names}
-        series["approach"] = ("state", np.array([start.separation - one.separation for one in states]))
-        back = (
-            "state",
-            np.arange(len(states)) >= len(approach),
-            {"long_name": "whether it is of the retreat"},
-        )
-        curve = xr.Dataset(series, {"retreat": back})
+        series = {name: ("state", np.array([getattr(state, name) for state in states])) for name in names}
+        series["approach"] = ("state", np.array([start.separation - state.separation for state in states]))
+        retreats, words = np.arange(len(states)) >= len(approach), "whether it is of the retreat"
+        curve = xr.Dataset(series, {"retreat": ("state", retreats, {"long_name": words})})
         describe(curve, start)
         facts = {"title": "Bodies pulled apart", **attributes_of(start, retreat[-1].control)}
-        return cls(
-            curve.assign_attrs(facts), next(one for one in reversed(retreat) if one.area or one is start)
-        )
+        last = next(state for state in reversed(retreat) if state.area or state is start)
+        return cls(curve.assign_attrs(facts), last)
 
     @property
     def force(self) -> float:
@@ -58,17 +52,16 @@ class Pull(views.InNotebooks):
 
     @property
     def energy_lost(self) -> float:
-        """Work done over the approach and the retreat, energy: the area of the loop of load and approach.
+        """Work over approach and retreat, energy: the area of the loop of load and approach.
 
-        `InputError` through the load: what bodies lose that fly apart under a load is not known.
+        `InputError` for a pull through the load, whose jump has no known loss.
         """
         if self.curve.attrs["held"] != "separation":
-            expected, advice = "a way through the separation", "asperity.pull(contact, through='separation')"
+            expected, advice = "a pull through the separation", "asperity.pull(contact, through='separation')"
             raise InputError("energy_lost", expected=expected, got="one through the load", advice=advice)
         return float(np.trapezoid(self.curve["load"].values, self.curve["approach"].values))
 
     def __repr__(self) -> str:
         unit = self.curve["load"].attrs["units"] if self.curve.attrs["si"] else ""
-        return (
-            f"<Pull: {self.curve.sizes['state']} states, pull-off force {self.force:g} {unit}".rstrip() + ">"
-        )
+        states = self.curve.sizes["state"]
+        return f"<Pull: {states} states, pull-off force {self.force:g} {unit}".rstrip() + ">"

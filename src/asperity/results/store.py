@@ -1,4 +1,4 @@
-"""Save a Dataset and open it again: complete under its name, or not there at all."""
+"""Save and load Datasets: a folder has its name only when it is complete."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     Parameters
     ----------
     dataset
-        What to write.
+        The Dataset.
     path
         The folder, such as ``"history.zarr"``.
     overwrite
-        Replace the zarr folder that is there; otherwise refuse. Anything else is never replaced.
+        Replace an existing zarr folder; otherwise refuse. Anything else is never replaced.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
 
 
 def write_into(dataset: xr.Dataset, folder: Path) -> None:
-    """Write a Dataset into a folder, which takes its name later, as `save` does."""
+    """Write a Dataset into a folder that is renamed later, as `save` does."""
     with warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
@@ -129,7 +129,7 @@ def load(path: str | Path) -> xr.Dataset:
 
 
 class PlaceTakenError(OutputError):
-    """Results are complete, but stand under another name than they should: something took theirs."""
+    """Results are complete, but under another name, because theirs was taken meanwhile."""
 
 
 @contextmanager
@@ -171,7 +171,7 @@ def whole_file(path: Path, *, overwrite: bool | Standing = True) -> Iterator[Pat
 
 
 @contextmanager
-def _staged(path: Path, left: str = "") -> Iterator[Path]:
+def _staged(path: Path, aftermath: str = "") -> Iterator[Path]:
     """A hidden folder beside a name, locked while its writer lives; those of killed writers are removed."""
     hidden = beside(path.resolve().with_name(f".{path.resolve().name}"), "")
     try:
@@ -194,44 +194,44 @@ def _staged(path: Path, left: str = "") -> Iterator[Path]:
         if isinstance(error, OutputError):
             raise
         reason = error.strerror or str(error)
-        raise OutputError(f"could not write {path}: {reason}{left}") from error
+        raise OutputError(f"could not write {path}: {reason}{aftermath}") from error
 
 
-def _move_into_place(made: Path, path: Path, replaceable: Standing) -> None:
-    """Rename; what stands there goes only if it may, once the new has its name; else the new goes beside it.
+def _move_into_place(source: Path, path: Path, replaceable: Standing) -> None:
+    """Rename to a path, whose replaceable content goes afterwards.
 
-    `PlaceTakenError` says where.
+    `PlaceTakenError`, with the name taken beside it, if other content is there.
     """
     target = path.resolve()
     old = beside(target.with_name(f".{target.name}"), f".{uuid.uuid4().hex[:12]}.old")
     present = standing(target)
-    if present and present <= replaceable and target.is_dir() and made.is_dir():
+    if present and present <= replaceable and target.is_dir() and source.is_dir():
         target.rename(old)
         if not standing(old) <= replaceable:  # something came at the last moment
             old.rename(target)
     try:
-        _rename(made, target, over=bool(present) and present <= replaceable)
+        _rename(source, target, over=bool(present) and present <= replaceable)
     except OSError:
         if not target.exists():
             raise
         names = (beside(target.with_name(target.stem), f"-{n}{target.suffix}") for n in itertools.count(2))
         free = next(name for name in names if not name.exists())
-        _rename(made, free, over=False)
+        _rename(source, free, over=False)
         why = f"{path} holds what was not there when this began, and is kept"
         raise PlaceTakenError(f"{why}; the results are in {path.with_name(free.name)}") from None
     finally:
         if old.exists():
-            old.rename(made.parent / "old" if target.exists() else target)
+            old.rename(source.parent / "old" if target.exists() else target)
 
 
-def _rename(made: Path, target: Path, *, over: bool) -> None:
-    """Rename; of what has the name only an empty folder is replaced, or a file with ``over``."""
-    if made.is_dir():
+def _rename(source: Path, target: Path, *, over: bool) -> None:
+    """Rename; an empty folder of that name is replaced, or a file if `over`."""
+    if source.is_dir():
         with suppress(OSError):  # only Windows needs it
             target.rmdir()
     elif not over:
         target.touch(exist_ok=False)
-    made.replace(target)
+    source.replace(target)
 
 
 def flush(folder: Path) -> None:
