@@ -64,15 +64,13 @@ def spread(side, seeds=8):
 
 def tables(quick=False):
     """The lines of both tables."""
-    rest = ("corrected", "largest pressure / E\\*", "growth", "corrected")
-    yield from head("sites a shortest wave", "lattice", "raw", *rest)
+    yield from head("pixels", "lattice", "raw", "corrected", "p / E\\*", "growth", "corrected")
     for sites in SITES[: 3 if quick else None]:
         *fractions, largest, grown, corrected = row(sites)
         areas = (f"{one:.4f}" for one in fractions)
         yield line(sites, f"{sites * WAVES}²", *areas, *(f"{one:.3f}" for one in (largest, grown, corrected)))
     yield ""
-    scattered = "scatter of one surface"
-    yield from head("lattice", "contact at t = 0", scattered, "A(1e6)/A(0)", scattered)
+    yield from head("lattice", "contact", "scatter", "growth", "scatter")
     for side in SIDES[: 2 if quick else None]:
         mean, scatter = spread(side)
         yield line(f"{side}²", f"{mean[0]:.4f}", f"{scatter[0]:.1%}", f"{mean[1]:.3f}", f"{scatter[1]:.1%}")
