@@ -104,6 +104,11 @@ def write_configuration(text):
     path.write_text(text, encoding="utf-8")
 
 
+def commands(text):
+    """Lines of a block for the shell; a backslash at the end of one continues it."""
+    return [line.strip() for line in text.replace("\\\n", "").splitlines() if line.strip()]
+
+
 def parse(words):
     with_others().parse_args(words, exit_on_error=False, print_error=False)
 
@@ -170,7 +175,7 @@ def test_what_a_page_shows_works(page, tmp_path, monkeypatch, capsys):
             write_configuration(text)
     for language, text in found:
         if language == "sh":
-            for line in filter(None, map(str.strip, text.splitlines())):
+            for line in commands(text):
                 execute(line, capsys)
         elif language == "python":
             code = compile(text, name_of(page), "exec")
@@ -197,7 +202,7 @@ def check_phrase(phrase, names):
 
 def test_every_exception_is_needed():
     printed = [block for page in PAGES for block in blocks(page)]
-    lines = [line.strip() for language, text in printed if language == "sh" for line in text.splitlines()]
+    lines = [line for language, text in printed if language == "sh" for line in commands(text)]
     lines += [text for language, text in printed if language == "python"]
     for pattern in (*UNTRIED, *SMALLER):
         assert any(re.match(pattern, line) for line in lines), pattern
