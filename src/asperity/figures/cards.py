@@ -152,7 +152,7 @@ def _(fit: Fit) -> str:
 @html_of.register
 def _(prediction: Prediction) -> str:
     area = prediction.series("contact_area_corrected"), *prediction.band("contact_area_corrected")
-    last, low, high = (quantity(float(one[-1]), "m^2") for one in area)
+    last, low, high = (quantity(float(values[-1]), "m^2") for values in area)
     rows = [("area at last", last), ("95 % band", f"{low} to {high}")]
     if (growth := prediction.growth) is not None:
         least, most = growth.range
@@ -189,8 +189,8 @@ def _line(solid: Solid) -> str:
 
 
 def _of(value: float, unit: str) -> str:
-    known = style.spaced(written(value, unit))
-    return known if unit == "1" or " " in known or "\u00a0" in known else f"{known} {style.spelled(unit)}"
+    text = style.spaced(written(value, unit))
+    return text if unit == "1" or " " in text or "\u00a0" in text else f"{text} {style.spelled(unit)}"
 
 
 def _number(value: object) -> str:
@@ -214,11 +214,11 @@ def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes
         f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
         for name, value in rows
     )
-    said = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
+    sentences = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
     picture = "" if axes is None else f'<img alt="{escape(title)}" src="{_data_of(axes)}">'
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
-        f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{said}</div></div>"
+        f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{sentences}</div></div>"
     )
 
 

@@ -48,8 +48,8 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
             unit, scale = "%", 100.0
         for direction, age in itertools.product(dataset["direction"].values.tolist(), ages):
             values = dataset[name].sel(direction=direction, time=age).values * scale
-            said = f"age {written(age, 's')}" if direction == "loading" else None
-            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=said)
+            legend = f"age {written(age, 's')}" if direction == "loading" else None
+            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=legend)
         last = dataset.sel(direction="loading", time=ages[-1])
         low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
         axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)

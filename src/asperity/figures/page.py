@@ -92,12 +92,12 @@ def prediction_pictures(
         beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
     captions: dict[str, tuple[Figure, str]] = {}
     if prediction.growth is None:
-        said = f"Load and real contact area, leg by leg, with the 95 % band of the area.{ratio}"
-        captions["history"] = history_figure(prediction.dataset, measured), said
+        text = f"Load and real contact area, leg by leg, with the 95 % band of the area.{ratio}"
+        captions["history"] = history_figure(prediction.dataset, measured), text
     else:
-        said = f"Real contact area against time, with its 95 % band{beside}.{ratio} Below: its growth in "
-        said += f"each decade, and the 95 % band of the mean over all.{friction}"
-        captions["growth"] = drawn.growth_figure(prediction, measured), said
+        text = f"Real contact area against time, with its 95 % band{beside}.{ratio} Below: its growth in "
+        text += f"each decade, and the 95 % band of the mean over all.{friction}"
+        captions["growth"] = drawn.growth_figure(prediction, measured), text
     captions |= {
         "contacts": (
             drawn.contact_maps_figure(prediction),
@@ -148,7 +148,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
-    known = (
+    shown = (
         *("file", "sha256", "reader", "undefined_pixels"),
         *("despiked_pixels", "tilt_rule", "periodic_rule", "lines_rule"),
     )
@@ -157,7 +157,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         "prediction.html",
         p=prediction,
         command=command,
-        scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
+        scan={name: scan.get(name) for name in shown} | {"file": scan.get("file") or "the surface"},
         understood=understood(scan),
         measures=statistics(dataset["heights"].values, prediction.spacing),
         shape=shape,
@@ -173,7 +173,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     )
 
 
-def written_page(name: str, **known: Any) -> str:
+def written_page(name: str, **values: Any) -> str:
     """Fill in a template, which knows the version and the date, too."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("asperity.figures", "templates"),
@@ -184,7 +184,7 @@ def written_page(name: str, **known: Any) -> str:
     )
     environment.filters["measured"] = quantity
     date = datetime.datetime.now(datetime.UTC).date().isoformat()
-    return environment.get_template(name).render(version=__version__, date=date, **known)
+    return environment.get_template(name).render(version=__version__, date=date, **values)
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
@@ -205,21 +205,21 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     rows = []
     low, high = prediction.band("contact_area_corrected")
     for row, resolved in zip(rows_of_maps(dataset), prediction.resolved, strict=True):
-        place, here = row - 1, dataset.isel(time=row)
-        corrected = float(here["contact_area_corrected"])
+        place, state = row - 1, dataset.isel(time=row)
+        corrected = float(state["contact_area_corrected"])
         rows.append(
             {
-                "time": float(here["time"]),
-                "counted": float(here["contact_area"]),
+                "time": float(state["time"]),
+                "counted": float(state["contact_area"]),
                 "corrected": corrected,
                 "band": (float(low[place]), float(high[place])),
-                "load": float(here["load"]),
+                "load": float(state["load"]),
                 "fraction": corrected / prediction.nominal_area,
                 "grown": corrected / first,
                 "effective": None if effective is None else float(effective[place] / effective[0]),
-                "contact_pressure": float(here["mean_contact_pressure"]),
-                "largest_pressure": float(here["largest_pressure"]),
-                "gap": float(here["mean_gap"]),
+                "contact_pressure": float(state["mean_contact_pressure"]),
+                "largest_pressure": float(state["largest_pressure"]),
+                "gap": float(state["mean_gap"]),
                 "friction": None if friction is None else float(friction[place]),
                 "friction_force": None if force is None else float(force[place]),
                 "resolved": resolved,
