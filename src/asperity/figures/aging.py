@@ -42,10 +42,6 @@ def aging_curve(
     measured
         A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError

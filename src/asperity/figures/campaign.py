@@ -73,7 +73,7 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.set_xscale("log")
         if logarithmic:
             axes.set_yscale("log")
-            style.few_ticks(axes)
+            style.few_ticks(axes.yaxis)
         axes.set_title(_said(dataset, panel))
         style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:

@@ -49,10 +49,6 @@ def html_of(thing: object) -> str:
     thing
         A contact, history, surface, solid, prediction or fit.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     TypeError

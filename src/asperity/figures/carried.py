@@ -45,10 +45,6 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     dataset
         The dataset of such a `History`, with two times or more.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError

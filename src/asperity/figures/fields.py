@@ -39,10 +39,6 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     dataset
         The dataset of a `History` that kept fields at two times or more.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
@@ -143,8 +139,9 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel(label)
         axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
         if "patch" in name:
-            axes.set_xscale("log")
-            axes.set_yscale("log")
+            axes.loglog()
+            style.few_ticks(axes.xaxis)
+            style.few_ticks(axes.yaxis)
         style.finish(axes)
     return figure
 

@@ -49,10 +49,6 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     measured
         A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
@@ -209,7 +205,7 @@ def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float | None) -> None:
         if per_site is not None and _sinks(table, column.row):
             before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
             parts.append(
-                f"area {before:.5g}\u00a0→\u00a0{lowest:.5g} at "
+                f"area {before:.5g} →\u00a0{lowest:.5g} at "
                 f"{say('time', float(f'{column.row.lowest_after:.2g}'))}, then grows"
             )
         if column is columns[-1]:
@@ -246,4 +242,4 @@ def jump(row: LegRow, say: Say) -> str:
     by_load = row.leg.jumps and row.leg.target in ("load", "pressure")
     name, ends = ("load", row.load) if by_load else ("separation", row.separation)
     before, after = (say(name, value).replace("-", "\u2212") for value in ends)
-    return f"{name} {before}\u00a0→\u00a0{after}"
+    return f"{name} {before} →\u00a0{after}"

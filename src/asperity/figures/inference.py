@@ -21,7 +21,6 @@ _BINS = 41
 _DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
 
 
-@style.drawn
 def curve_figure(inference: Inference) -> Figure:
     """Draw the data, and the curve to ten times the last; below, the deviations."""
     return style.figure_of(style.panels_of(inference).values())[0]
@@ -88,7 +87,8 @@ def parameters_figure(inference: Inference) -> Figure:
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])
-        style.finish(axes, legend=axes is panels[0])
+        style.finish(axes, legend=False)
+    style.legend_below(figure, panels[0], 3)
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
     return figure

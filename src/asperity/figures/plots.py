@@ -92,7 +92,7 @@ def plot_contact(
             colored = draw_pressure(axes, maps, shown, _norm(shown), side)
         draw_scale_bar(axes, maps)
     if colorbar and colored is not None:
-        axes.figure.colorbar(colored, ax=axes, label=label, extend="min", shrink=0.9)
+        style.bar_of_pressures(axes.figure, colored, axes, label)
     axes.set_title(_said(contact, maps))
     return axes
 
@@ -332,11 +332,9 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
     """What touches, and under which load."""
     force = "N/m" if contact.lattice.dimension == 1 else "N"
     load = style.spaced(written(contact.load, force if contact.si else "1"))
-    parts = "nominal area touches" if contact.si else "sites touch"
-    percent = f"{100 * contact.contact_fraction:.3g} % of the {parts}, load {load}"
     changes = [(word, maps.count(-1, state)) for state, word in _SINCE.items() if state != SiteState.KEPT]
-    counts = [f"{word} {count}" for word, count in changes if count]
-    return "\n".join([percent, *([", ".join(counts)] if counts else [])])
+    counts = ", ".join(f"{word} {count}" for word, count in changes if count)
+    return f"{100 * contact.contact_fraction:.3g} % touches, load {load}\n{counts}".rstrip()
 
 
 def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:

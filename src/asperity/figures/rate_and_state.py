@@ -75,7 +75,7 @@ def _draw_state(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
         if isinstance(fit, MachineFit):
             color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
-    style.few_ticks(axes)
+    style.few_ticks(axes.yaxis)
     axes.set_ylabel(rf"state $\theta$ [{'s' if laws.record.si else 'time'}]")
 
 
@@ -129,5 +129,6 @@ def _draw_peaks(axes: Axes, laws: StateLaws) -> None:
         order = np.argsort(of_law.duration)
         healed = (of_law.peak - of_law.before)[order]
         axes.plot(of_law.duration[order], healed, dashes, color=color, linewidth=1.5, label=f"{law} law")
+    style.few_ticks(axes.xaxis)
     axes.set_ylabel("static friction − friction before the hold")
     axes.legend(loc="best")

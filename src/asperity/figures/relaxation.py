@@ -27,10 +27,6 @@ def relaxation_figure(fit: Fit) -> Figure:
     ----------
     fit
         From `asperity.relaxation.fit`.
-
-    Returns
-    -------
-    Figure
     """
     checks.instance("fit", fit, Fit, "asperity.relaxation.fit(data)")
     figure, _ = style.figure_of(style.panels_of(fit).values())

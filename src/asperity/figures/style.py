@@ -18,8 +18,10 @@ import numpy as np
 import xarray as xr
 from matplotlib import font_manager, rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import Figure
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -170,6 +172,7 @@ def panels_of(thing: object) -> dict[str, Panel]:
     raise NotImplementedError(type(thing))
 
 
+@drawn
 def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
     """Make a figure of panels above a common axis, as wide as a column."""
     panels = list(panels)
@@ -178,7 +181,7 @@ def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
     for axes, panel in zip(grid, panels, strict=True):
         panel.draw(axes)
         finish(axes)
-    grid[-1].set_xlabel(panels[-1].along)
+    grid[-1].set_xlabel(panels[-1].along or grid[-1].get_xlabel())
     return figure, grid
 
 
@@ -253,12 +256,18 @@ def over_time(dataset: xr.Dataset, quantity: str) -> str:
     return quantity + units.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
 
 
-def few_ticks(axes: Axes) -> None:
-    """Label a logarithmic y axis with few plain numbers."""
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+def few_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis with few plain numbers."""
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def bar_of_pressures(figure: Figure | SubFigure, image: ScalarMappable, panels: Any, label: str) -> None:
+    """Explain the colors of pressures beside one panel or several."""
+    bar = figure.colorbar(image, ax=panels, label=label, extend="min", shrink=0.9)
+    few_ticks(bar.ax.yaxis)
 
 
 def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:
