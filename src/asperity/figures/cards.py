@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterable
 from functools import singledispatch
 from html import escape
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -80,10 +80,11 @@ def _(history: History) -> str:
 
 @html_of.register
 def _(surface: Surface) -> str:
-    measured = surface.describe()
-    lengths = "pixel" if surface.pixel_size is None else lateral_unit(surface.length_unit, surface.provenance)
-    rows = [("sites", " × ".join(map(str, surface.shape)))]
+    measured, origin = surface.describe(), surface.provenance.get("file") or surface.provenance.get("kind")
+    rows = [("from", str(origin))] if origin else []
+    rows.append(("sites", " × ".join(map(str, surface.shape))))
     if surface.pixel_size is not None:
+        lengths = lateral_unit(surface.length_unit, surface.provenance)
         rows.append(("pixels", " × ".join(_of(side, lengths) for side in surface.pixel_size)))
     ends = ", ".join(_of(height, measured.unit) for height in (measured.minimum, measured.maximum))
     rows += [
@@ -92,9 +93,6 @@ def _(surface: Surface) -> str:
         ("lowest, highest", ends),
         ("edges", surface.edges),
     ]
-    origin = surface.provenance.get("file") or surface.provenance.get("kind")
-    if origin:
-        rows.insert(0, ("from", str(origin)))
     return _card("Surface", rows, plot_surface(surface, _axes()), *surface.remarks)
 
 
@@ -211,15 +209,12 @@ def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes
         for name, value in rows
     )
     sentences = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
-    picture = "" if axes is None else f'<img alt="{escape(title)}" src="{_data_of(axes)}">'
+    picture = ""
+    if axes is not None:
+        figure: Any = axes.figure
+        axes.set_title("")
+        picture = f'<img alt="{escape(title)}" src="{pixels(figure, dpi=_DPI)}">'
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
         f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{sentences}</div></div>"
     )
-
-
-def _data_of(axes: Axes) -> str:
-    axes.set_title("")
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    return f"data:image/png;base64,{base64.b64encode(pixels(figure, dpi=_DPI)).decode()}"

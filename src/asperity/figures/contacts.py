@@ -39,6 +39,7 @@ _YIELDED = to_rgba(style.PURPLE)
 """Color of what the rough surface has lost where it yielded."""
 
 Region = tuple[slice, slice]
+_WHOLE: Region = np.s_[:, :]
 
 _STRIP, _TICK = 5.5, 0.4
 """Width of a whole profile, inches; least width of a tick, points."""
@@ -130,30 +131,28 @@ def _scales(maps: ContactMaps, side: int) -> list[str]:
 
 
 def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.object_]) -> None:
-    rows, columns = region = maps.close_up()
-    corner = columns.start - 0.5, rows.start - 0.5
-    sides = columns.stop - columns.start, rows.stop - rows.start
-    topography.add_patch(Rectangle(corner, *sides, fill=False, edgecolor="white", linewidth=1.2))
-    _draw_heights(below[0], maps, region)
-    for number, axes in enumerate(below[1 : 1 + len(maps.times)]):
-        draw_states(axes, maps, maps.states[number, rows, columns], region=region)
+    _draw_heights(below[0], maps, region := maps.close_up())
+    (left, right), (bottom, top) = below[0].get_xlim(), below[0].get_ylim()
+    frame: dict[str, Any] = {"fill": False, "edgecolor": "white", "linewidth": 1.2}
+    topography.add_patch(Rectangle((left, top), right - left, bottom - top, **frame))
+    for states, axes in zip(maps.states, below[1:], strict=False):
+        draw_states(axes, maps, states[region], region=region)
 
 
-def _draw_heights(axes: Axes, maps: ContactMaps, region: Region | None = None) -> AxesImage:
-    """Topography of a region, what of it has yielded, and below a scale bar where a pixel's size is known."""
-    part = region or _everywhere(maps)
+def _draw_heights(axes: Axes, maps: ContactMaps, region: Region = _WHOLE) -> AxesImage:
+    """Draw the topography of a region, where it has yielded, and a scale bar."""
     look: dict[str, Any] = {"cmap": style.HEIGHT_MAP, "clim": maps.height_range, "interpolation_stage": None}
-    image = _draw_cells(axes, maps, maps.heights[part], region=part, **look)
-    if (yielded := maps.indentation[part] > 0).any():
-        _draw_cells(axes, maps, np.array(_YIELDED) * yielded[..., np.newaxis], region=part)
+    image = _draw_cells(axes, maps, maps.heights[region], region=region, **look)
+    if (yielded := maps.indentation[region] > 0).any():
+        _draw_cells(axes, maps, np.array(_YIELDED) * yielded[..., np.newaxis], region=region)
     draw_scale_bar(axes, maps, region)
     return image
 
 
-def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region | None = None) -> None:
+def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region = _WHOLE) -> None:
     """Draw a round length below a map of a region, where the size of a pixel is known."""
-    _, columns = region or _everywhere(maps)
-    if bar := maps.scale_bar(columns.stop - columns.start):
+    columns = range(maps.heights.shape[1])[region[1]]
+    if bar := maps.scale_bar(len(columns)):
         sites, length, unit = bar
         start = columns.start - 0.5
         end, mixed = start + sites, axes.get_xaxis_transform()  # sites along, parts of the axes across
@@ -163,15 +162,10 @@ def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region | None = None) 
         axes.text(end, -0.04, text, transform=mixed, va="center")
 
 
-def _everywhere(maps: ContactMaps) -> Region:
-    rows, columns = maps.heights.shape
-    return slice(0, rows), slice(0, columns)
-
-
 def draw_states(
-    axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region | None = None
+    axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region = _WHOLE
 ) -> None:
-    """Color each cell of side x side sites of a region, by default of the whole map, by its state."""
+    """Color each cell of side x side sites of a region by its state."""
     palette = np.ones((len(SiteState), 3))
     for state, color in COLORS.items():
         palette[state] = to_rgb(color)
@@ -185,18 +179,13 @@ def draw_pressure(axes: Axes, maps: ContactMaps, pressure: Field, norm: Normaliz
 
 
 def _draw_cells(
-    axes: Axes,
-    maps: ContactMaps,
-    cells: Field,
-    side: int = 1,
-    region: Region | None = None,
-    **look: Any,
+    axes: Axes, maps: ContactMaps, cells: Field, side: int = 1, region: Region = _WHOLE, **look: Any
 ) -> AxesImage:
     """Draw cells of side x side sites, of which the last may reach beyond the region.
 
     The first axis runs downward. Colors of cells that share a pixel are mixed, rather than their values.
     """
-    rows, columns = region or _everywhere(maps)
+    rows, columns = (range(n)[part] for n, part in zip(maps.heights.shape, region, strict=True))
     top, start = rows.start - 0.5, columns.start - 0.5
     image = axes.imshow(
         cells,

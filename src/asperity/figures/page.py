@@ -7,7 +7,6 @@ import datetime
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -54,11 +53,6 @@ class Picture:
     caption: str
     figure: Figure
 
-    @cached_property
-    def png(self) -> bytes:
-        """Its pixels."""
-        return pixels(self.figure)
-
     @property
     def width(self) -> str:
         """Its width on a page whose letters are larger than those of a journal."""
@@ -67,7 +61,7 @@ class Picture:
     @property
     def data(self) -> str:
         """The pixels as text."""
-        return base64.b64encode(self.png).decode("ascii")
+        return pixels(self.figure)
 
 
 def prediction_pictures(
@@ -208,8 +202,8 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     ]
 
 
-def pixels(figure: Figure, **options: Any) -> bytes:
-    """Draw a figure as PNG, with options of its ``savefig``."""
+def pixels(figure: Figure, **options: Any) -> str:
+    """Draw a figure as PNG for a page, with options of its ``savefig``."""
     stream = BytesIO()
     figure.savefig(stream, format="png", **options)
-    return stream.getvalue()
+    return f"data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}"

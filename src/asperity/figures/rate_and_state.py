@@ -26,27 +26,21 @@ _MANY = 400
 def rate_and_state_figure(found: StateLaws) -> Figure:
     """Draw record, both laws, what they miss, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
-    peaks, fit = found.peaks(), found.fits[found.preferred]
-    holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
-    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8))
-    heights = [3.0, 1, 1.2][: 2 + of_machine]
-    widths = [1.7, 1][: 1 + holds]
-    grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)
-    upper = figure.add_subplot(grid[0, 0])
-    below = [figure.add_subplot(grid[n, 0], sharex=upper) for n in range(1, len(heights))]
-    for axes in (upper, *below[:-1]):
-        axes.tick_params(labelbottom=False)
     panels = style.panels_of(found)
-    healing = panels.pop("healing", None)
-    for axes, panel in zip((upper, *below), panels.values(), strict=True):
+    rows = [kind for kind in panels if kind != "healing"]
+    figure = style.Drawing(figsize=(style.PAGE, 2.2 + 0.8 * len(rows)))
+    heights, widths = [3.0, 1.0, 1.2][: len(rows)], [1.7, 1.0][: 1 + (len(panels) > len(rows))]
+    grid = figure.add_gridspec(len(rows), len(widths), height_ratios=heights, width_ratios=widths)
+    for row, (kind, panel) in enumerate(panels.items()):
+        place = grid[:, 1] if kind == "healing" else grid[row, 0]
+        axes = figure.add_subplot(place, sharex=figure.axes[0] if kind in rows[1:] else None)
         panel.draw(axes)
-    below[-1].set_xlabel(panel.along)
-    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
-    if healing is not None:
-        healing.draw(axes := figure.add_subplot(grid[:, 1]))
-        axes.set_xlabel(healing.along)
-    for axes in figure.axes:
         style.finish(axes, legend=False)
+        if kind in rows[:-1]:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel(panel.along)
+    figure.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
     return figure
 
 
