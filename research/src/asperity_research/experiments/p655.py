@@ -101,7 +101,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         x, over = np.arange(len(curve)) + 0.15 * (n - 1), curve["value"] / curve["published"]
         errors = [over - curve["low"] / curve["published"], curve["high"] / curve["published"] - over]
         ax.errorbar(
-            x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/um"
+            x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/µm"
         )
     ax.axhline(1, color=style.INK, linewidth=0.8)
     ax.set_xticks(range(len(NUMBERS)), NUMBERS)
