@@ -143,7 +143,7 @@ def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
             continue
         low, high = math.ceil(math.log10(column.first) - 1e-9), math.floor(math.log10(lasting) + 1e-9)
         decade = (column.right - column.left - _STRIP) / math.log10(lasting / column.first)
-        every = math.ceil(0.4 / decade)
+        every = min(math.ceil(0.4 / decade), max(high - low, 1))  # at least both ends
         ticks += [(float(column.place(10.0**n)), f"$10^{{{n}}}$") for n in range(low, high + 1, every)]
         fine = np.outer(10.0 ** np.arange(low - 1, high + 1), np.arange(1, 10)).ravel()
         fine = fine[(fine >= column.first) & (fine <= lasting)]
