@@ -156,7 +156,7 @@ def draw(found: dict[str, Any], threads: int, base: int, path: Path) -> None:
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, panels = plt.subplots(2, 3, figsize=(12, 7), sharey=True, layout="constrained")
+    figure, panels = plt.subplots(3, 2, figsize=(6.4, 8.4), sharey=True, layout="constrained")
     here = [point for point in found["points"] if point["threads"] == threads]
     limit = _sweep(found, threads)
     views = (
@@ -188,10 +188,10 @@ def draw(found: dict[str, Any], threads: int, base: int, path: Path) -> None:
             ticks = sorted({point[key] for point in points if point["sweep"] == sweep})
             axes.set_xticks(ticks, labels=map(str, ticks), minor=False)
             axes.set_xticks([], minor=True)
-    panels[0, 0].set_ylabel("ns per site and contact problem")
-    panels[1, 0].set_ylabel("ns per site and contact problem")
-    panels[1, 2].axis("off")
-    panels[1, 2].legend(*panels[0, 0].get_legend_handles_labels(), loc="center", frameon=False)
+    for row in panels:
+        row[0].set_ylabel("ns per site and contact problem")
+    panels[2, 1].axis("off")
+    panels[2, 1].legend(*panels[0, 0].get_legend_handles_labels(), loc="center", frameon=False)
     figure.savefig(path, dpi=150)
 
 

@@ -225,8 +225,8 @@ def test_the_figure_sets_the_compliance_beside_the_area(ramped):
     for ramp, ours in ramped.items():
         upper, *_, lower = growth_figure(ours).axes[:2]
         lines = {str(line.get_label()): np.asarray(line.get_ydata(), dtype=float) for line in upper.lines}
-        name = "effective load L(t)/L(first)" if ramp else "creep compliance J(t)/J(first)"
-        dotted, area = lines[f"first area × {name}"], lines["corrected for pixel rims"]
+        name = "effective load" if ramp else "creep compliance"
+        dotted, area = lines[f"as the {name} grows"], lines["corrected for pixel rims"]
         np.testing.assert_allclose(dotted, area[0] * ours.effective_load / ours.effective_load[0])
         assert ("since the loading began" in lower.get_xlabel()) == bool(ramp)
 

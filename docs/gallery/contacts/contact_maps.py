@@ -19,17 +19,19 @@ springs = asp.press(rough, asp.solids.spring_lattice(k0=1.0, k1=1.0, R=1.0), loa
 polymer = asp.solids.half_space(modulus=1.0, branches=[(0.4, 1.0), (0.3, 100.0)])
 body = asp.press(rough, polymer, load=20.0)
 
-fig, axes = plt.subplots(1, 3, figsize=(8.6, 3.5), layout="constrained")
+fig, grid = plt.subplot_mosaic("ab;c.", figsize=(5.4, 6.0), layout="constrained")
 lost = []
 for ax, (name, contact, time) in zip(
-    axes, [("springs", springs, 100.0), ("springs", springs, 1e4), ("half-space", body, 1e4)], strict=True
+    grid.values(),
+    [("springs", springs, 100.0), ("springs", springs, 1e4), ("half-space", body, 1e4)],
+    strict=True,
 ):
     aged = asp.age(contact, [time]).final
     lost.append(int((contact.in_contact & ~aged.in_contact).sum()))
     aged.plot(ax, since=contact, colorbar=False)
     ax.set_title(f"{name}, $t$ = {time:g}: {contact.area} → {aged.area}\n{lost[-1]} lost", fontsize=10)
 
-fig.suptitle("black: in contact from the start, orange: new, blue: lost", fontsize=11)
+fig.text(0.55, 0.25, "black: in contact from the start\norange: new\nblue: lost", fontsize=11)
 
 # %%
 # The verdict.

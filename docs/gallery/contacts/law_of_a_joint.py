@@ -30,19 +30,19 @@ law = asp.law(
 # %%
 # What the model asks for: pressure against approach, and conductance against pressure.
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.8), layout="constrained")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 for time, color in ((0.0, "tab:blue"), (3600.0, "tab:orange")):
     for direction, dashes in (("loading", "-"), ("unloading", "--")):
         one = law.sel(time=time, direction=direction)
-        left.plot(1e9 * one["approach"], 1e-6 * one["pressure"], dashes, color=color)
+        upper.plot(1e9 * one["approach"], 1e-6 * one["pressure"], dashes, color=color)
     one = law.sel(time=time, direction="loading")
-    right.loglog(1e-6 * one["pressure"], one["thermal_conductance"], color=color, label=f"age {time:g} s")
+    lower.loglog(1e-6 * one["pressure"], one["thermal_conductance"], color=color, label=f"age {time:g} s")
     ends = one["thermal_conductance_low"], one["thermal_conductance_high"]
-    right.fill_between(1e-6 * one["pressure"], *ends, color=color, alpha=0.2)
-left.set(xlabel="approach [nm]", ylabel="pressure [MPa]", title="dashed: the pressure falls again")
-right.set(xlabel="pressure [MPa]", ylabel="thermal conductance [W/m²/K]")
-right.set_title("bands: another scan of this size")
-right.legend()
+    lower.fill_between(1e-6 * one["pressure"], *ends, color=color, alpha=0.2)
+upper.set(xlabel="approach [nm]", ylabel="pressure [MPa]", title="dashed: the pressure falls again")
+lower.set(xlabel="pressure [MPa]", ylabel="thermal conductance [W/m²/K]")
+lower.set_title("bands: another scan of this size")
+lower.legend()
 
 # %%
 # The same in the words of CalculiX, in N, mm, s, MPa.

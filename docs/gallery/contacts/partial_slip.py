@@ -27,21 +27,23 @@ old = asp.age(young, ["1000 s"]).final
 # %%
 # Where it sticks under half of the limit, and how far it gives way up to nine tenths of it.
 
-fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.5, 3.7), layout="constrained")
+fig, grid = plt.subplot_mosaic("ab;cc", figsize=(5.4, 6.0), layout="constrained")
 sides = [0, 64, 0, 64]
-for ax, (name, contact) in zip((left, middle), {"young": young, "after 1000 s": old}.items(), strict=True):
+for ax, (name, contact) in zip(
+    (grid["a"], grid["b"]), {"young": young, "after 1000 s": old}.items(), strict=True
+):
     slip = contact.partial_slip(MU * LOAD / 2, MU)
     shown = np.where(slip.stick, 2.0, np.where(slip.slip, 1.0, 0.0))
     ax.imshow(shown, cmap=plt.matplotlib.colors.ListedColormap(["white", "#d55e00", "black"]), extent=sides)
-    ax.set(
-        title=f"{name}: {slip.stick_fraction:.0%} of the\ncontact sticks (black), the rest slips", xlabel="µm"
-    )
+    ax.set(title=f"{name}: {slip.stick_fraction:.0%} of the\ncontact sticks (black)", xlabel="x [µm]")
 for name, contact, style in (("young", young, "C0o-"), ("after 1000 s", old, "C1s-")):
     parts = np.linspace(0.1, 0.9, 7)
     ways = [contact.partial_slip(part * MU * LOAD, MU, NU).displacement for part in parts]
-    right.plot(1e9 * np.array([0, *ways]), [0, *parts], style, label=name)
-right.set(xlabel="displacement along the shear force [nm]", ylabel="shear force over its limit, $Q/(\\mu P)$")
-right.legend()
+    grid["c"].plot(1e9 * np.array([0, *ways]), [0, *parts], style, label=name)
+grid["c"].set(
+    xlabel="displacement along the shear force [nm]", ylabel="shear force over its limit, $Q/(\\mu P)$"
+)
+grid["c"].legend()
 
 # %%
 # The verdict.

@@ -31,7 +31,7 @@ bodies = {
 }
 parts = {"expansion": "tab:blue", "coalescence": "tab:cyan", "births": "tab:orange"}
 
-fig, grid = plt.subplots(2, 2, figsize=(8.0, 5.6), sharex=True, layout="constrained")
+fig, grid = plt.subplots(2, 2, figsize=(6.0, 5.4), sharex=True, layout="constrained")
 histories = {}
 for (name, (solid, load)), (above, below) in zip(bodies.items(), grid.T, strict=True):
     history = asp.age(asp.press(rough, solid, load=load), times, fields_at=[0.0, *times])

@@ -34,22 +34,22 @@ old = history.final.pull_off("100 mJ/m^2")
 # The retreat of the oldest contact, where it opened first, and the tack beside area and creep function.
 
 young = contact.pull_off("100 mJ/m^2")
-fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.5, 3.6), layout="constrained")
+fig, (upper, middle, lower) = plt.subplots(3, 1, figsize=(5.4, 9.0), layout="constrained")
 for pulled, name in ((young, "at once"), (old, "after 10 s")):
     path = pulled.path
-    left.plot(1e6 * path["approach"], 1e6 * path["force"], label=name)
-left.axhline(0, color="black", linewidth=0.8)
-left.set(xlabel="approach since the dwell [µm]", ylabel="normal force [µN]")
-left.legend()
+    upper.plot(1e6 * path["approach"], 1e6 * path["force"], label=name)
+upper.axhline(0, color="black", linewidth=0.8)
+upper.set(xlabel="approach since the dwell [µm]", ylabel="normal force [µN]")
+upper.legend()
 shown = middle.imshow(-1e6 * old.opened, cmap="viridis", extent=[0, 96, 0, 96])
 fig.colorbar(shown, ax=middle, label="opens after [µm]")
-middle.set(title="the contact after 10 s", xlabel="µm")
+middle.set(title="the contact after 10 s", xlabel="x [µm]")
 times = np.array([0.1, *dwells])
-right.semilogx(times, tack / tack[0], "o-", label="pull-off force")
-right.semilogx(times, area / area[0], "s--", label="area")
-right.semilogx(times, creep, ":", color="black", label="$E_0 J(t)$")
-right.set(xlabel="dwell [s], the first: none", ylabel="over that without a dwell")
-right.legend()
+lower.semilogx(times, tack / tack[0], "o-", label="pull-off force")
+lower.semilogx(times, area / area[0], "s--", label="area")
+lower.semilogx(times, creep, ":", color="black", label="$E_0 J(t)$")
+lower.set(xlabel="dwell [s], the first: none", ylabel="over that without a dwell")
+lower.legend()
 
 # %%
 # The verdict.

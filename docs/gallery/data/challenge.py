@@ -60,7 +60,7 @@ for every in (4, 2, 1):
         worst = 100 * np.abs(one.relative).max()
         print(f"{len(heights) // every}^2 sites, {one.column.name}: {one.verdict}, {worst:.2g} % at most")
 
-fig, axes = plt.subplots(1, 2, figsize=(8, 3.6), layout="constrained")
+fig, axes = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 for ax, quantity in zip(axes, ("contact area", "mean gap"), strict=True):
     for (every, score), style in zip(scores.items(), ("s:", "o--", "^-"), strict=True):
         one = score.quantities[axes.tolist().index(ax)]

@@ -31,8 +31,8 @@ times = np.geomspace(1e-2, 1e5, 8)
 stiffness = asp.press(scan, asp.solids.half_space(modulus=series.modulus), pressure="1 MPa").normal_stiffness
 rigs = {"infinitely stiff rig": math.inf, "rig as stiff as the contact": stiffness, "dead weight": None}
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
-left.semilogx(
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
+upper.semilogx(
     times, series.modulus_at(times) / series.modulus, "-", color="0.7", linewidth=5, label="$E(t)/E(0)$"
 )
 found = {}
@@ -41,12 +41,12 @@ for (name, apparatus), marker in zip(rigs.items(), "os^", strict=True):
     contact = asp.press(scan, solid, pressure="1 MPa")
     history = asp.age(contact, times, hold="load" if apparatus is None else "separation").dataset
     found[name] = history["load"].values[1:] / contact.load, history["area"].values[1:] / contact.area
-    for ax, values in zip((left, right), found[name], strict=True):
+    for ax, values in zip((upper, lower), found[name], strict=True):
         ax.semilogx(times, values, f"{marker}-", linewidth=0.7, label=name)
-left.set(xlabel="hold time [s]", ylabel="load over instantaneous load", ylim=(0, 1.05))
-right.set(xlabel="hold time [s]", ylabel="area over instantaneous area")
-right.legend(loc="upper left", fontsize=9)
-left.legend(*(entries[:1] for entries in left.get_legend_handles_labels()), loc="lower left")
+upper.set(xlabel="hold time [s]", ylabel="load over instantaneous load", ylim=(0, 1.05))
+lower.set(xlabel="hold time [s]", ylabel="area over instantaneous area")
+lower.legend(loc="upper left", fontsize=9)
+upper.legend(*(entries[:1] for entries in upper.get_legend_handles_labels()), loc="lower left")
 
 # %%
 # The verdict.

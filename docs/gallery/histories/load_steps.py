@@ -34,17 +34,15 @@ area = data["area"].values
 before, after = area[data["leg"] == 0], area[data["leg"] == 2]
 fresh = never.dataset["area"].values[1:]
 
-fig, (left, right) = plt.subplots(
-    1, 2, figsize=(8.0, 3.8), sharey=True, layout="constrained", width_ratios=(2, 3)
-)
-left.semilogx(times[times <= switch], before[1:], "o-", color="tab:blue", markersize=4)
-left.set(xlabel=r"hold time [$1/(k_0 R)$]", ylabel="contact area [sites]", title=f"load {high:g}")
-right.semilogx(since, after, "o-", color="tab:blue", markersize=4, label=f"had carried {high:g}")
-right.semilogx(since, fresh, "s-", color="tab:orange", markersize=4, label="had carried nothing")
-right.axhline(asp.relax(never.final).area, color="0.5", linestyle="--", label="relaxed state")
-right.set(xlabel=r"time since the load is 80 [$1/(k_0 R)$]", title=f"load {low:g}")
-left.set_ylim(0, None)
-right.legend()
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), sharey=True, layout="constrained")
+upper.semilogx(times[times <= switch], before[1:], "o-", color="tab:blue", markersize=4)
+upper.set(xlabel=r"hold time [$1/(k_0 R)$]", ylabel="contact area [sites]", title=f"load {high:g}")
+lower.semilogx(since, after, "o-", color="tab:blue", markersize=4, label=f"had carried {high:g}")
+lower.semilogx(since, fresh, "s-", color="tab:orange", markersize=4, label="had carried nothing")
+lower.axhline(asp.relax(never.final).area, color="0.5", linestyle="--", label="relaxed state")
+lower.set(xlabel=r"time since the load is 80 [$1/(k_0 R)$]", title=f"load {low:g}")
+upper.set_ylim(0, None)
+lower.legend()
 
 # %%
 # The verdict. The area remembers until the other contact has caught up, which takes about as long as the

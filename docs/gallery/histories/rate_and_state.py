@@ -26,16 +26,16 @@ history = asp.age(contact, times=[8.0], protocol=protocol, rtol=0.02)
 record = asp.friction.record_of(history, shear_strength=1.0)
 laws = asp.friction.compare_state_laws(record)
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
-left.plot(record.displacement, record.friction, "o", color="0.6", markersize=3, label="contact")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
+upper.plot(record.displacement, record.friction, "o", color="0.6", markersize=3, label="contact")
 for law, line in (("aging", "-"), ("slip", "--")):
-    left.plot(record.displacement, laws.fits[law].predict(record), line, label=f"{law} law")
-left.set(xlabel="slip [sites]", ylabel="friction coefficient")
-left.legend()
+    upper.plot(record.displacement, laws.fits[law].predict(record), line, label=f"{law} law")
+upper.set(xlabel="slip [sites]", ylabel="friction coefficient")
+upper.legend()
 for law, line, color in ((None, "o", "0.6"), ("aging", "-", "C0"), ("slip", "--", "C1")):
     peaks = laws.peaks(law)
-    right.semilogx(peaks.duration, peaks.peak - peaks.before, line, color=color)
-right.set(xlabel="hold time", ylabel="static friction − friction before")
+    lower.semilogx(peaks.duration, peaks.peak - peaks.before, line, color=color)
+lower.set(xlabel="hold time", ylabel="static friction − friction before")
 
 # %%
 # The verdict, and the same question to a record of which the law is known, with noise.

@@ -25,7 +25,7 @@ slope = np.sqrt(2) * np.std(np.roll(heights, 1, axis=1) - heights)
 unit = modulus * slope * heights.size  # of a load
 loads = unit * np.geomspace(1e-3, 0.1, 7)
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 areas = {}
 for hardness, marker in zip((None, 0.3, 0.1), "osv", strict=True):
     solid = asp.solids.half_space(
@@ -37,20 +37,20 @@ for hardness, marker in zip((None, 0.3, 0.1), "osv", strict=True):
     ]
     areas[hardness] = np.array([contact.contact_fraction for contact in up])
     along = loads[: len(up)] / unit
-    left.loglog(along, areas[hardness], f"{marker}-", linewidth=0.8, label=name)
+    upper.loglog(along, areas[hardness], f"{marker}-", linewidth=0.8, label=name)
     if hardness is not None:
-        left.loglog(along, along / hardness, "--", color="gray", linewidth=0.8)
+        upper.loglog(along, along / hardness, "--", color="gray", linewidth=0.8)
     if hardness == 0.3:
         down, contact = [], up[-1]
         for load in loads[len(up) - 1 :: -1]:
             contact = asp.press(contact, load=load)
             down.append(contact.contact_fraction)
-        right.plot(along, areas[hardness], "s-", color="tab:blue", linewidth=0.8, label="load rises")
-        right.plot(along[::-1], down, "s--", color="tab:orange", label="load falls")
-left.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction")
-left.legend()
-right.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction, H = 0.3 E* h'")
-right.legend()
+        lower.plot(along, areas[hardness], "s-", color="tab:blue", linewidth=0.8, label="load rises")
+        lower.plot(along[::-1], down, "s--", color="tab:orange", label="load falls")
+upper.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction")
+upper.legend()
+lower.set(xlabel="load over $E^* h' A_0$", ylabel="contact fraction, H = 0.3 E* h'")
+lower.legend()
 
 # %%
 # The verdict.

@@ -20,7 +20,7 @@ import asperity as asp
 
 R, E, pixel = 1e-3, 3.8e9, 1e-6
 solid = asp.solids.half_space(modulus=E)
-fig, (left, middle, right) = plt.subplots(1, 3, figsize=(10.0, 3.6), layout="constrained")
+fig, (upper, middle, lower) = plt.subplots(3, 1, figsize=(5.4, 9.0), layout="constrained")
 
 # Hertz: the pressure along a line through the middle.
 
@@ -30,10 +30,10 @@ for load in ("20 mN", "100 mN", "400 mN"):
     hertz = asp.press(ball, solid, load=load)
     a = np.cbrt(0.75 * R * hertz.load / E)
     law = 2 * E / (np.pi * R) * np.sqrt(np.maximum(a**2 - fine**2, 0))
-    left.plot(1e6 * fine, law / 1e6, "-", color="0.65", linewidth=4)
-    left.plot(1e6 * x, hertz.pressure[64] / 1e6, ".", markersize=3)
-    left.text(0, law.max() / 1e6, f"{load}\n", ha="center", va="center", fontsize=9)
-left.set(xlabel="x [µm]", ylabel="contact pressure [MPa]", title="one ball: Hertz", ylim=(0, 120))
+    upper.plot(1e6 * fine, law / 1e6, "-", color="0.65", linewidth=4)
+    upper.plot(1e6 * x, hertz.pressure[64] / 1e6, ".", markersize=3)
+    upper.text(0, law.max() / 1e6, f"{load}\n", ha="center", va="center", fontsize=9)
+upper.set(xlabel="x [µm]", ylabel="contact pressure [MPa]", title="one ball: Hertz", ylim=(0, 120))
 
 # Lee and Radok: a standard linear solid, which loses three quarters of its modulus, under 100 mN.
 
@@ -59,11 +59,11 @@ for d in near:
     alone, both = asp.press(one, solid, load=0.02), asp.press(two, solid, load=0.04)
     further.append(alone.separation - both.separation)
 far_field, d = 0.02 / (np.pi * E * near), np.linspace(70, 330, 200)
-right.plot(d, 1e15 * 0.02 / (np.pi * E * d), "-", color="0.65", linewidth=4, label=r"$F / (\pi E^* d)$")
-right.plot(1e6 * near, 1e9 * np.array(further), "o", markersize=4, label="computed")
-right.set(xlabel="distance d of two balls [µm]", ylabel="further approach [nm]", ylim=(0, None))
-right.set_title("two balls: they feel each other")
-right.legend()
+lower.plot(d, 1e15 * 0.02 / (np.pi * E * d), "-", color="0.65", linewidth=4, label=r"$F / (\pi E^* d)$")
+lower.plot(1e6 * near, 1e9 * np.array(further), "o", markersize=4, label="computed")
+lower.set(xlabel="distance d of two balls [µm]", ylabel="further approach [nm]", ylim=(0, None))
+lower.set_title("two balls: they feel each other")
+lower.legend()
 
 # %%
 # The verdict.

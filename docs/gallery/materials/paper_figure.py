@@ -34,7 +34,8 @@ measured = area[0] * compliance / compliance[0] * noise
 
 axes = prediction.plot("area")
 axes.errorbar(time, measured, 0.03 * measured, fmt="D", color="black", markersize=3, label="measured")
-axes.legend()
+axes.figure.set_figheight(3.4)
+axes.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
 
 # %%
 # The files: the text in the PDF stays text, and the table has all curves with their units.

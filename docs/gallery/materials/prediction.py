@@ -36,20 +36,20 @@ growth = prediction.growth
 low, high = growth.ratio_band
 print(f"{prediction.between('A')} = {growth.ratio:.3f}, 95 % band {low:.3f} to {high:.3f}")
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
-left.semilogx(prediction.time, prediction.friction, "o-", color="tab:blue", markersize=4)
-left.set(xlabel="hold time [s]", ylabel="coefficient of static friction", ylim=(0, None))
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
+upper.semilogx(prediction.time, prediction.friction, "o-", color="tab:blue", markersize=4)
+upper.set(xlabel="hold time [s]", ylabel="coefficient of static friction", ylim=(0, None))
 least, most = (100 * slope for slope in growth.range)
-left.set_title(f"contact grows by {least:.1f} to {most:.1f} % in each decade", fontsize=10)
+upper.set_title(f"contact grows by {least:.1f} to {most:.1f} % in each decade", fontsize=10)
 last = prediction.dataset.isel(field_time=-1)
-image = right.imshow(
+image = lower.imshow(
     last["pressure"].where(last["in_contact"]) / 1e6,
     cmap="plasma",
     extent=[0, 25.6, 25.6, 0],
     interpolation="nearest",
 )
-right.set(xlabel="x [µm]", title="where it touches after eleven days")
-fig.colorbar(image, ax=right, label="contact pressure [MPa]")
+lower.set(xlabel="x [µm]", title="where it touches after eleven days")
+fig.colorbar(image, ax=lower, label="contact pressure [MPa]")
 
 # %%
 # What of this does the scan resolve? Patches of a few pixels are not resolved.

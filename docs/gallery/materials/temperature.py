@@ -25,7 +25,7 @@ series = asp.relaxation.fractional_zener(
 times = np.geomspace(1.0, 1e4, 13)  # s
 reference = 296.15  # K
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), sharey=True, layout="constrained")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), sharey=True, layout="constrained")
 curves = {}
 for celsius, marker, color in ((3, "v", "tab:blue"), (23, "o", "black"), (43, "^", "tab:red")):
     factor = asp.relaxation.arrhenius(100e3, celsius + 273.15, reference)
@@ -34,11 +34,11 @@ for celsius, marker, color in ((3, "v", "tab:blue"), (23, "o", "black"), (43, "^
     area = asp.age(asp.press(scan, solid, pressure="1 MPa"), times).dataset["contact_fraction"].values[1:]
     curves[celsius] = factor, area
     style = {"color": color, "label": f"{celsius} °C"}
-    left.semilogx(times, 100 * area, f"{marker}-", linewidth=0.8, **style)
-    right.semilogx(times / factor, 100 * area, marker, **style)
-left.set(xlabel="hold time $t$ [s]", ylabel="real contact [% of nominal area]")
-right.set(xlabel="$t / a_T$ [s]", title="shifted: one curve")
-left.legend()
+    upper.semilogx(times, 100 * area, f"{marker}-", linewidth=0.8, **style)
+    lower.semilogx(times / factor, 100 * area, marker, **style)
+upper.set(xlabel="hold time $t$ [s]", ylabel="real contact [% of nominal area]")
+lower.set(xlabel="$t / a_T$ [s]", title="shifted: one curve")
+upper.legend()
 
 # %%
 # The verdict: how much sooner the same contact is reached, and another way to the same curve: a factor on

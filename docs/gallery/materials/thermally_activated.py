@@ -24,7 +24,7 @@ rough = asp.surfaces.gaussian((96, 96), rms=1.0, seed=0)
 times = np.geomspace(1.0, 1e3, 7)
 barrier, prefactor = 1.0, 1e3  # Q / Omega, a force; kT in its unit
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 warmth, slopes, theory = [0.01, 0.02, 0.03, 0.04, 0.06], [], []
 for thermal, marker in zip(warmth, "vos^D", strict=True):
     law = asp.solids.Eyring(rate=prefactor * np.exp(-barrier / thermal), stress=thermal)
@@ -33,13 +33,13 @@ for thermal, marker in zip(warmth, "vos^D", strict=True):
     area, load = history["area"].sel(time=times).values, history["load"].sel(time=times).values
     slopes.append(np.polyfit(np.log(times), area / area.mean(), 1)[0])
     theory.append(thermal / np.mean(load / area))
-    left.semilogx(times, area / area[0], f"{marker}-", linewidth=0.8, label=f"kT = {thermal}")
-left.set(xlabel="hold time $t$", ylabel="$A(t) / A(1)$")
-left.legend()
-right.plot(warmth, slopes, "o", color="tab:blue", label="$B$ found")
-right.plot([0, *warmth], [0, *theory], "--", color="gray", label="$s_0 / s$")
-right.set(xlabel="$kT$ over $Q$", ylabel="growth of the area per e-fold of time")
-right.legend()
+    upper.semilogx(times, area / area[0], f"{marker}-", linewidth=0.8, label=f"kT = {thermal}")
+upper.set(xlabel="hold time $t$", ylabel="$A(t) / A(1)$")
+upper.legend()
+lower.plot(warmth, slopes, "o", color="tab:blue", label="$B$ found")
+lower.plot([0, *warmth], [0, *theory], "--", color="gray", label="$s_0 / s$")
+lower.set(xlabel="$kT$ over $Q$", ylabel="growth of the area per e-fold of time")
+lower.legend()
 
 # %%
 # The verdict.

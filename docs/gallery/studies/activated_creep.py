@@ -29,7 +29,7 @@ law = asp.solids.Eyring(rate=s0 / 3.0, stress=s0)  # a creeping spring relaxes i
 
 waits, times = np.array([1e-2, 1.0]), np.append(0.0, np.geomspace(1e-2, 1e4, 25))
 lowest, when = {}, {}
-fig, axes = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
+fig, axes = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 for ax, k0 in zip(axes, (1.0, 0.0), strict=True):
     contact = asp.press(rough, asp.solids.spring_lattice(k0=k0, k1=3.0, R=0.0, creep=law), load=load)
     for wait, shade in zip(waits, ("tab:blue", "tab:orange"), strict=True):

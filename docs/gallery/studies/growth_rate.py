@@ -37,16 +37,16 @@ by_ratio = np.array([rates(loads[0], x1) for x1 in ratios])
 by_load = np.array([by_ratio[1], *(rates(load) for load in loads[1:])])
 viscous = rates(loads[0], viscous=0.1)
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.4), layout="constrained")
-for ax, at, B, label in ((left, ratios, by_ratio, r"$k_1/k_0$"), (right, loads, by_load, "load a site")):
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
+for ax, at, B, label in ((upper, ratios, by_ratio, r"$k_1/k_0$"), (lower, loads, by_load, "load a site")):
     ax.loglog(at, B[:, 0], "o", color="tab:blue", label="simulated")
     ax.loglog(at, B[:, 1], "-", color="black", linewidth=0.8, label="closed form")
     ax.set(xlabel=label, ylabel="$B$")
     ax.set_xticks(at, [f"{one:g}" for one in at])
     ax.tick_params(axis="x", which="minor", bottom=False, labelbottom=False)
-left.plot(3.0, viscous[0], "^", color="#D55E00", label=r"$\tilde R/R = 0.1$")
-left.plot(3.0, viscous[1], "_", color="#D55E00")
-left.legend()
+upper.plot(3.0, viscous[0], "^", color="#D55E00", label=r"$\tilde R/R = 0.1$")
+upper.plot(3.0, viscous[1], "_", color="#D55E00")
+upper.legend()
 
 # %%
 # B over that of the closed form.

@@ -18,13 +18,13 @@ heights = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, cutoff=4.0, 
 branches = [(0.25, 1.0), (0.25, 10.0), (0.25, 100.0)]
 half_space = asp.solids.half_space(modulus=1.0, branches=branches)
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6), layout="constrained")
+fig, (upper, lower) = plt.subplots(2, 1, figsize=(5.4, 7.0), layout="constrained")
 for pressure, look in ((0.01, "o"), (0.02, "^"), (0.04, "s")):
     contact = asp.press(heights, half_space, load=pressure * heights.size)
     sizes = asp.analysis.patches(contact.in_contact).sizes
-    left.loglog(sizes, np.arange(1, sizes.size + 1) / sizes.size, f"{look}-", markersize=3, label=pressure)
-left.set(xlabel="size (sites)", ylabel="share of patches of this size or larger")
-left.legend(title="load a site")
+    upper.loglog(sizes, np.arange(1, sizes.size + 1) / sizes.size, f"{look}-", markersize=3, label=pressure)
+upper.set(xlabel="size [sites]", ylabel="part of the patches\nof this size or larger")
+upper.legend(title="load a site")
 
 # Now the area is held, on this half-space and on a lattice of springs whose creep conserves the mean.
 
@@ -40,12 +40,12 @@ for name, start, mark in (
     before, net, born = growth(maps[0], maps[-1])
     small = before < 16
     ends[name] = net[small].sum() / before[small].sum(), net[~small].sum() / before[~small].sum()
-    right.semilogx(before, net / before, mark, markersize=4, label=name)
+    lower.semilogx(before, net / before, mark, markersize=4, label=name)
     # Origin: every site of the later map is of a patch before, or of a new one.
     assert abs(net.sum() + born - (maps[-1].sum() - maps[0].sum())) < 1e-9
-right.axhline(0.0, color="0.7")
-right.set(xlabel="initial size (sites)", ylabel="growth at constant area, over initial size")
-right.legend()
+lower.axhline(0.0, color="0.7")
+lower.set(xlabel="initial size [sites]", ylabel="growth at constant area,\nover initial size")
+lower.legend()
 
 # %%
 # The verdict: growth of patches of fewer than 16 sites, and of the others.

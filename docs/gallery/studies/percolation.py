@@ -40,7 +40,7 @@ mean, error = closing.mean(), closing.std(ddof=1) / np.sqrt(closing.size)
 fig, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
 axes.hist(closing, bins=12)
 axes.axvline(0.415, color="C3", label="0.415, arXiv:2010.13470")
-axes.set(xlabel="share in contact when the last channel closes", ylabel="surfaces of 32")
+axes.set(xlabel="part of the area in contact when the last channel closes", ylabel="surfaces of 32")
 axes.legend()
 
 # %%

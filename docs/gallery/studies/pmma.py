@@ -38,7 +38,7 @@ for hardness, color in ((0.3e9, "black"), (0.5e9, "#0072B2")):
     print(f"hardness {hardness / 1e9:g} GPa: B = {growth:.3f}, {share:.2f} of s0/s")
     # Origin: B = s0/s where contacts that flow bear all of the load, which is an upper bound.
     assert 0.4 < share < 1.15  # one surface of some 300 contacts
-ax.set(xlabel="time, s", ylabel="mean contact pressure, MPa")
+ax.set(xlabel="time [s]", ylabel="mean contact pressure [MPa]")
 ax.legend(title="hardness")
 
 # %%

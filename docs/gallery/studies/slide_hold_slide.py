@@ -36,7 +36,7 @@ fig, ax = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
 ax.plot(place, area, "-", color="0.6", linewidth=0.8)
 ax.plot(place[leg % 2 == 0], area[leg % 2 == 0], "o", color="tab:blue", markersize=3, label="sliding")
 ax.plot(place[leg % 2 == 1], area[leg % 2 == 1], "^", color="#D55E00", label="at the end of a rest")
-ax.set(xlabel="slip (sites)", ylabel="friction over that of steady sliding")
+ax.set(xlabel="slip [sites]", ylabel="friction over that of steady sliding")
 ax.legend()
 
 # %%

@@ -36,7 +36,7 @@ fig, axes = plt.subplots(figsize=(5.0, 3.2), layout="constrained")
 axes.semilogx(since, area[leg == 2][-since.size :], "o-", color="tab:blue", markersize=4)
 axes.axvline(0.171, color="0.6", linestyle="--")
 axes.set(
-    xlabel="time since the load has fallen", ylabel="contact area (sites)", yticks=[2, 3], ylim=(1.5, 3.5)
+    xlabel="time since the load has fallen", ylabel="contact area [sites]", yticks=[2, 3], ylim=(1.5, 3.5)
 )
 
 # %%

@@ -27,17 +27,21 @@ blurs = np.array([0.05, 0.1, 0.2, 0.4, 0.8, 1.6])  # um, full width at half maxi
 views = [asp.observe(contact, pixel="0.2 um", blur=f"{blur} um", threshold=0.5) for blur in blurs]
 part = np.array([view.area for view in views]) / contact.contact_area
 
-fig, axes = plt.subplots(1, 3, figsize=(8.0, 3.2), layout="constrained")
+fig, grid = plt.subplot_mosaic("ab;cc", figsize=(5.4, 5.6), layout="constrained")
 side = [0, 25.6, 25.6, 0]
 for ax, map_, title in (
-    (axes[0], contact.in_contact, f"the contact: {asp.analysis.patches(contact.in_contact).count} patches"),
-    (axes[1], views[4].seen, f"seen through {blurs[4]:g} µm: {views[4].patches.count} patches"),
+    (
+        grid["a"],
+        contact.in_contact,
+        f"the contact:\n{asp.analysis.patches(contact.in_contact).count} patches",
+    ),
+    (grid["b"], views[4].seen, f"seen through {blurs[4]:g} µm:\n{views[4].patches.count} patches"),
 ):
     ax.imshow(map_, cmap="Blues", extent=side, interpolation="nearest")
     ax.set_title(title, fontsize=10)
     ax.set(xlabel="x [µm]")
-axes[2].semilogx(blurs, 100 * part, "o-", color="tab:blue")
-axes[2].set(xlabel="full width at half maximum [µm]", ylabel="area seen [% of the contact]", ylim=(0, 105))
+grid["c"].semilogx(blurs, 100 * part, "o-", color="tab:blue")
+grid["c"].set(xlabel="full width at half maximum [µm]", ylabel="area seen [% of the contact]", ylim=(0, 105))
 print(f"through {blurs[4]:g} um, {part[4]:.0%} of the area is seen")
 
 # %%

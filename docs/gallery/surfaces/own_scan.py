@@ -49,10 +49,10 @@ truth = asp.press(
     pressure="20 MPa",
 )
 
-fig, axes = plt.subplots(1, 3, figsize=(8.0, 3.1), layout="constrained")
+fig, grid = plt.subplot_mosaic("ab;c.", figsize=(5.4, 5.0), layout="constrained")
 side = [0, pixel * shape[1], pixel * shape[0], 0]
 for ax, field, title in zip(
-    axes,
+    grid.values(),
     (
         np.ma.masked_invalid(measured),
         1e3 * np.asarray(scan),

@@ -42,10 +42,6 @@ def aging_curve(
     measured
         A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
@@ -69,16 +65,16 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        found = measured_area(measured, si=dataset.attrs["si"])
+        measurements = measured_area(measured, si=dataset.attrs["si"])
         first = float(dataset["contact_area" if dataset.attrs["si"] else "area"][0])
-        draw_measured(grid[:2], found, summary.time, summary.area_ratio, 1 / first)
+        draw_measured(grid[:2], measurements, summary.time, summary.area_ratio, 1 / first)
     if summary.load is not None:
         ratio = summary.load / summary.initial_load
         _draw_computed(grid[-1], summary.time, ratio)
         _draw_limit(grid[-1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)
         grid[-1].set_ylabel(r"load $F(t)\,/\,F(0)$")
-    for one in grid:
-        style.finish(one, legend=one is not axes)
+    for panel in grid:
+        style.finish(panel, legend=panel is not axes)
     style.legend_below(figure, axes)
     grid[-1].set_xlabel(style.over_time(dataset, "hold time $t$"))
     held = str(dataset.attrs["held"])
@@ -98,15 +94,15 @@ def _draw_law(axes: Axes, summary: AgingSummary) -> None:
         if summary.fit_note:
             axes.plot([], [], " ", label=_wrapped(summary.fit_note))
         return
-    known = summary.relaxed_ratio is not None
-    said = [
+    has_limit = summary.relaxed_ratio is not None
+    numbers = [
         r"fit $a - (a-1)\,/\,(1+t/t_0)^q$",
-        f"$a$ = {fit.a:.5g}, the relaxed limit" if known else f"$a$ = {fit.a:.3g}, extrapolated",
+        f"$a$ = {fit.a:.5g}, the relaxed limit" if has_limit else f"$a$ = {fit.a:.3g}, extrapolated",
         f"$q$ = {fit.q:.3g}, $t_0$ = {fit.t0:.3g}",
         f"misfit {100 * fit.rms_residual:.2g} % rms, {100 * summary.fit_worst:.2g} % at worst",
         *([_wrapped(summary.fit_note)] if summary.fit_note else []),
     ]
-    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.2, "label": "\n   ".join(said)}
+    look: dict[str, Any] = {"color": style.BLUE, "linewidth": 1.2, "label": "\n   ".join(numbers)}
     axes.plot(summary.curve_time, summary.fit_curve, "-", **look)
 
 

@@ -73,15 +73,15 @@ def campaign_figure(dataset: xr.Dataset) -> Figure:
             axes.set_xscale("log")
         if logarithmic:
             axes.set_yscale("log")
-            style.few_ticks(axes)
+            style.few_ticks(axes.yaxis)
         axes.set_title(_said(dataset, panel))
         style.finish(axes, legend=False)
     for axes in grid.flat[len(panels) :]:
         axes.set_axis_off()
     style.legend_below(figure, grid[0, 0], 1 + columns)
-    what = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
+    along_time = f"{'time' if 'leg' in dataset.coords else 'hold time'} $t$"
     for axes in grid.flat[max(len(panels) - columns, 0) : len(panels)]:
-        axes.set_xlabel(style.over_time(dataset, what))
+        axes.set_xlabel(style.over_time(dataset, along_time))
         axes.tick_params(labelbottom=True)
     figure.supylabel("real contact [% of nominal area]")
     style.entitle(figure, "", _title(dataset, others, along))
@@ -107,14 +107,14 @@ def _curve(
 
 def _said(dataset: xr.Dataset, where: Where) -> str:
     """Values of the parameters at a point; along zipped ones, of each of them."""
-    said = []
+    texts = []
     for dim, at in where.items():
         zipped = [str(name) for name in dataset.coords if dataset[name].dims == (dim,) and name != dim]
         for name in zipped if dim == "point" and zipped else [dim]:
             value = dataset[name].values[at]
             text = style.said(dataset, name, float(value)) if value.dtype.kind in "iuf" else str(value)
-            said.append(f"{name} = {text}")
-    return style.verbatim(", ".join(said))
+            texts.append(f"{name} = {text}")
+    return style.verbatim(", ".join(texts))
 
 
 def _title(dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str]:
@@ -123,9 +123,9 @@ def _title(dataset: xr.Dataset, others: list[str], along: list[str]) -> list[str
     if "contact_fraction_stderr" in dataset:
         seeds = dataset.sizes["seed"]
         parts.append(f"mean of {seeds} seeds ± standard error" if seeds > 1 else "one seed")
-    for dims, most, what in ((others, _MOST_PANELS, "panels"), (along, _MOST_CURVES, "curves a panel")):
+    for dims, most, plural in ((others, _MOST_PANELS, "panels"), (along, _MOST_CURVES, "curves a panel")):
         if (count := math.prod(dataset.sizes[dim] for dim in dims)) > most:
-            parts.append(f"{most} of {count} {what} drawn")
+            parts.append(f"{most} of {count} {plural} drawn")
     finished, runs = dataset.attrs.get("finished"), dataset.attrs.get("runs")
     if finished != runs:
         parts.append(f"{finished} of {runs} runs finished")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Iterable
 from functools import singledispatch
 from html import escape
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -49,10 +49,6 @@ def html_of(thing: object) -> str:
     thing
         A contact, history, surface, solid, prediction or fit.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     TypeError
@@ -84,10 +80,11 @@ def _(history: History) -> str:
 
 @html_of.register
 def _(surface: Surface) -> str:
-    measured = surface.describe()
-    lengths = "pixel" if surface.pixel_size is None else lateral_unit(surface.length_unit, surface.provenance)
-    rows = [("sites", " × ".join(map(str, surface.shape)))]
+    measured, origin = surface.describe(), surface.provenance.get("file") or surface.provenance.get("kind")
+    rows = [("from", str(origin))] if origin else []
+    rows.append(("sites", " × ".join(map(str, surface.shape))))
     if surface.pixel_size is not None:
+        lengths = lateral_unit(surface.length_unit, surface.provenance)
         rows.append(("pixels", " × ".join(_of(side, lengths) for side in surface.pixel_size)))
     ends = ", ".join(_of(height, measured.unit) for height in (measured.minimum, measured.maximum))
     rows += [
@@ -96,9 +93,6 @@ def _(surface: Surface) -> str:
         ("lowest, highest", ends),
         ("edges", surface.edges),
     ]
-    origin = surface.provenance.get("file") or surface.provenance.get("kind")
-    if origin:
-        rows.insert(0, ("from", str(origin)))
     return _card("Surface", rows, plot_surface(surface, _axes()), *surface.remarks)
 
 
@@ -152,7 +146,7 @@ def _(fit: Fit) -> str:
 @html_of.register
 def _(prediction: Prediction) -> str:
     area = prediction.series("contact_area_corrected"), *prediction.band("contact_area_corrected")
-    last, low, high = (quantity(float(one[-1]), "m^2") for one in area)
+    last, low, high = (quantity(float(values[-1]), "m^2") for values in area)
     rows = [("area at last", last), ("95 % band", f"{low} to {high}")]
     if (growth := prediction.growth) is not None:
         least, most = growth.range
@@ -189,8 +183,8 @@ def _line(solid: Solid) -> str:
 
 
 def _of(value: float, unit: str) -> str:
-    known = style.spaced(written(value, unit))
-    return known if unit == "1" or " " in known or "\u00a0" in known else f"{known} {style.spelled(unit)}"
+    text = style.spaced(written(value, unit))
+    return text if unit == "1" or " " in text or "\u00a0" in text else f"{text} {style.spelled(unit)}"
 
 
 def _number(value: object) -> str:
@@ -214,16 +208,13 @@ def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes
         f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
         for name, value in rows
     )
-    said = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
-    picture = "" if axes is None else f'<img alt="{escape(title)}" src="{_data_of(axes)}">'
+    sentences = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
+    picture = ""
+    if axes is not None:
+        figure: Any = axes.figure
+        axes.set_title("")
+        picture = f'<img alt="{escape(title)}" src="{pixels(figure, dpi=_DPI)}">'
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
-        f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{said}</div></div>"
+        f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{sentences}</div></div>"
     )
-
-
-def _data_of(axes: Axes) -> str:
-    axes.set_title("")
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    return f"data:image/png;base64,{base64.b64encode(pixels(figure, dpi=_DPI)).decode()}"

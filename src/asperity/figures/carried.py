@@ -45,21 +45,17 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     dataset
         The dataset of such a `History`, with two times or more.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
         Nothing was recorded, or at one time only.
     """
     check_dataset(dataset)
-    known = {name: one.label for name, one in select("series", of=["carried"]).items() if name in dataset}
-    if not known or dataset.sizes["time"] < 2:
+    labels = {name: row.label for name, row in select("series", of=["carried"]).items() if name in dataset}
+    if not labels or dataset.sizes["time"] < 2:
         expected, advice = "what a contact carries, at several times", "age(..., carried=asperity.Carried())"
         raise InputError("dataset", expected=expected, got="none", advice=advice)
-    panels = {label: [name for name in names if name in known] for label, names in _PANELS.items()}
+    panels = {label: [name for name in names if name in labels] for label, names in _PANELS.items()}
     panels = {label: names for label, names in panels.items() if names}
     time = time_axis(dataset, leg_table(dataset), style.PAGE)
     figure, grid = style.stacked((style.PAGE, 1.2 + 1.1 * len(panels)), *[1] * len(panels))
@@ -67,21 +63,21 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     load = dataset["load"].values
     first = end_of_loading(load)
     begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))
-    drawn = [f"{name}{end}" for name in known for end in ("", "_low", "_high") if f"{name}{end}" in dataset]
+    drawn = [f"{name}{end}" for name in labels for end in ("", "_low", "_high") if f"{name}{end}" in dataset]
     dataset = dataset.assign({name: dataset[name].where(load > 0) for name in drawn})
-    figure.table = series_table(dataset, known)
+    figure.table = series_table(dataset, labels)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
         unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
         ends = [f"{name}_high" for name in names if f"{name}_high" in dataset]
         highest = float(np.nanmax([most, *(dataset[end].max() for end in ends)]))
         least = float(dataset[names[0]].min())
-        said, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
-        axes.set_ylabel(said, multialignment="center")
+        axis_label, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
+        axes.set_ylabel(axis_label, multialignment="center")
         for name, (color, look) in zip(names, _LOOKS, strict=False):
             values = factor * dataset[name].values
             axes.axhline(values[first], color=color, linewidth=0.7, linestyle=":")
             shade(axes, time, dataset, name, values, color)
-            join(axes, time, values, color, look, known[name] if names[1:] else "")
+            join(axes, time, values, color, look, labels[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
         if label.endswith("resistance") and most > _WIDE * least:  # the first touch presses all else down
             axes.set_yscale("log")

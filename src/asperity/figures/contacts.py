@@ -39,6 +39,7 @@ _YIELDED = to_rgba(style.PURPLE)
 """Color of what the rough surface has lost where it yielded."""
 
 Region = tuple[slice, slice]
+_WHOLE: Region = np.s_[:, :]
 
 _STRIP, _TICK = 5.5, 0.4
 """Width of a whole profile, inches; least width of a tick, points."""
@@ -117,7 +118,7 @@ def _scales(maps: ContactMaps, side: int) -> list[str]:
         unit, factor = readable(maps.length_unit, maps.pixel_size)
         across = maps.pixel_size * factor
         sides = [across] if abs(maps.aspect - 1) < 0.01 else [across * maps.aspect, across]
-        size = f" of {' × '.join(f'{one:.4g}' for one in sides)} {style.spelled(unit)}"
+        size = f" of {' × '.join(f'{length:.4g}' for length in sides)} {style.spelled(unit)}"
     parts = [f"each map: {' × '.join(map(str, maps.heights.shape))} sites{size}"]
     if maps.copies > 1:
         parts.append(f"the scan is mirrored: one of {maps.copies} copies is shown")
@@ -130,48 +131,41 @@ def _scales(maps: ContactMaps, side: int) -> list[str]:
 
 
 def _draw_close_ups(maps: ContactMaps, topography: Axes, below: NDArray[np.object_]) -> None:
-    rows, columns = region = maps.close_up()
-    corner = columns.start - 0.5, rows.start - 0.5
-    sides = columns.stop - columns.start, rows.stop - rows.start
-    topography.add_patch(Rectangle(corner, *sides, fill=False, edgecolor="white", linewidth=1.2))
-    _draw_heights(below[0], maps, region)
-    for number, axes in enumerate(below[1 : 1 + len(maps.times)]):
-        draw_states(axes, maps, maps.states[number, rows, columns], region=region)
+    _draw_heights(below[0], maps, region := maps.close_up())
+    (left, right), (bottom, top) = below[0].get_xlim(), below[0].get_ylim()
+    frame: dict[str, Any] = {"fill": False, "edgecolor": "white", "linewidth": 1.2}
+    topography.add_patch(Rectangle((left, top), right - left, bottom - top, **frame))
+    for states, axes in zip(maps.states, below[1:], strict=False):
+        draw_states(axes, maps, states[region], region=region)
 
 
-def _draw_heights(axes: Axes, maps: ContactMaps, region: Region | None = None) -> AxesImage:
-    """Topography of a region, what of it has yielded, and below a scale bar where a pixel's size is known."""
-    here = region or _everywhere(maps)
+def _draw_heights(axes: Axes, maps: ContactMaps, region: Region = _WHOLE) -> AxesImage:
+    """Draw the topography of a region, where it has yielded, and a scale bar."""
     look: dict[str, Any] = {"cmap": style.HEIGHT_MAP, "clim": maps.height_range, "interpolation_stage": None}
-    image = _draw_cells(axes, maps, maps.heights[here], region=here, **look)
-    if (yielded := maps.indentation[here] > 0).any():
-        _draw_cells(axes, maps, np.array(_YIELDED) * yielded[..., np.newaxis], region=here)
+    image = _draw_cells(axes, maps, maps.heights[region], region=region, **look)
+    if (yielded := maps.indentation[region] > 0).any():
+        _draw_cells(axes, maps, np.array(_YIELDED) * yielded[..., np.newaxis], region=region)
     draw_scale_bar(axes, maps, region)
     return image
 
 
-def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region | None = None) -> None:
+def draw_scale_bar(axes: Axes, maps: ContactMaps, region: Region = _WHOLE) -> None:
     """Draw a round length below a map of a region, where the size of a pixel is known."""
-    _, columns = region or _everywhere(maps)
-    if bar := maps.scale_bar(columns.stop - columns.start):
+    columns = range(maps.heights.shape[1])[region[1]]
+    if bar := maps.scale_bar(len(columns)):
         sites, length, unit = bar
         start = columns.start - 0.5
         end, mixed = start + sites, axes.get_xaxis_transform()  # sites along, parts of the axes across
         look: dict[str, Any] = {"transform": mixed, "clip_on": False}
         axes.plot([start, end], [-0.04, -0.04], color=style.INK, linewidth=2.5, **look)
-        said = f"  {length:g} {style.spelled(unit)}"
-        axes.text(end, -0.04, said, transform=mixed, va="center")
-
-
-def _everywhere(maps: ContactMaps) -> Region:
-    rows, columns = maps.heights.shape
-    return slice(0, rows), slice(0, columns)
+        text = f"  {length:g} {style.spelled(unit)}"
+        axes.text(end, -0.04, text, transform=mixed, va="center")
 
 
 def draw_states(
-    axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region | None = None
+    axes: Axes, maps: ContactMaps, states: NDArray[np.int8], side: int = 1, region: Region = _WHOLE
 ) -> None:
-    """Color each cell of side x side sites of a region, by default of the whole map, by its state."""
+    """Color each cell of side x side sites of a region by its state."""
     palette = np.ones((len(SiteState), 3))
     for state, color in COLORS.items():
         palette[state] = to_rgb(color)
@@ -185,27 +179,22 @@ def draw_pressure(axes: Axes, maps: ContactMaps, pressure: Field, norm: Normaliz
 
 
 def _draw_cells(
-    axes: Axes,
-    maps: ContactMaps,
-    cells: Field,
-    side: int = 1,
-    region: Region | None = None,
-    **look: Any,
+    axes: Axes, maps: ContactMaps, cells: Field, side: int = 1, region: Region = _WHOLE, **look: Any
 ) -> AxesImage:
     """Draw cells of side x side sites, of which the last may reach beyond the region.
 
     The first axis runs downward. Colors of cells that share a pixel are mixed, rather than their values.
     """
-    rows, columns = region or _everywhere(maps)
-    top, left = rows.start - 0.5, columns.start - 0.5
+    rows, columns = (range(n)[part] for n, part in zip(maps.heights.shape, region, strict=True))
+    top, start = rows.start - 0.5, columns.start - 0.5
     image = axes.imshow(
         cells,
-        extent=(left, left + side * cells.shape[1], top + side * cells.shape[0], top),
+        extent=(start, start + side * cells.shape[1], top + side * cells.shape[0], top),
         aspect=maps.aspect,
         **style.PIXELS | {"interpolation_stage": "rgba"} | look,
     )
     axes.set_axis_on()
-    axes.set(xticks=[], yticks=[], xlim=(left, columns.stop - 0.5), ylim=(rows.stop - 0.5, top))
+    axes.set(xticks=[], yticks=[], xlim=(start, columns.stop - 0.5), ylim=(rows.stop - 0.5, top))
     return image
 
 
@@ -233,8 +222,8 @@ def legend(figure: Figure, maps: ContactMaps, *, topography: bool = False) -> No
 
 def swatches(states: NDArray[np.int8], words: Mapping[SiteState, str], size: float = 7) -> list[Line2D]:
     """Explain the colors of those states that occur."""
-    found = {state: color for state, color in COLORS.items() if (states == state).any()}
-    return [style.swatch(color, words[state], size) for state, color in found.items()]
+    colors = {state: color for state, color in COLORS.items() if (states == state).any()}
+    return [style.swatch(color, words[state], size) for state, color in colors.items()]
 
 
 def _moment(maps: ContactMaps, time: float) -> str:
@@ -275,19 +264,19 @@ def draw_profile(axes: Axes, maps: ContactMaps, labels: Mapping[int, str]) -> No
     """Draw the rough profile in the stretch with most contacts, and above it some of the elastic surfaces."""
     first, last = maps.window
     step, _ = positions(maps)
-    here = step * np.arange(first, last)
+    place = step * np.arange(first, last)
     heights, surfaces = maps.heights[first:last], maps.surfaces[list(labels), first:last]
     floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
     now = heights - maps.indentation[first:last]
-    axes.fill_between(here, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
+    axes.fill_between(place, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
     if (now < heights).any():
         label = "what has yielded"
-        axes.fill_between(here, heights, now, step="mid", color=style.PURPLE, linewidth=0, label=label)
+        axes.fill_between(place, heights, now, step="mid", color=style.PURPLE, linewidth=0, label=label)
     light, dark = np.array([0.62, 0.79, 0.93]), np.array([0.0, 0.20, 0.42])  # blue
     for number, (surface, label) in enumerate(zip(surfaces, labels.values(), strict=True)):
         shade = 1 - (len(labels) - 1 - number) / max(1, len(labels) - 1)
         color = tuple(light + shade * (dark - light))
-        axes.plot(here, surface, color=color, linewidth=1.1 + 0.7 * shade, label=label)
+        axes.plot(place, surface, color=color, linewidth=1.1 + 0.7 * shade, label=label)
     axes.set_xlim(step * (first - 0.5), step * (last - 0.5))
     axes.set_ylim(floor, None)
     axes.set_ylabel(style.with_unit("height", maps.unit))

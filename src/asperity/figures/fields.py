@@ -39,10 +39,6 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     dataset
         The dataset of a `History` that kept fields at two times or more.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
@@ -125,9 +121,9 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
     moments = [every[0], every[-1]][: len(every)]
     si, plane = bool(dataset.attrs.get("si")), dataset["heights"].ndim == 2
     cell = math.prod(json.loads(dataset.attrs["spacing"])) if si else 1
-    gaps = [(one.gap, one.sites) for one in moments]
-    sizes = [(cell * one.patch, one.patch.size) for one in moments]
-    pressures = [(one.pressure, one.pressure.size) for one in moments if one.pressure is not None]
+    gaps = [(moment.gap, moment.sites) for moment in moments]
+    sizes = [(cell * moment.patch, moment.patch.size) for moment in moments]
+    pressures = [(field, field.size) for moment in moments if (field := moment.pressure) is not None]
     panels: list[tuple[str, str, str, list[tuple[Field, int]]]] = [
         ("gap", "m", "surface", gaps),
         ("area of a patch" if si else "sites of a patch", "m^2" if plane else "m", "patches", sizes),
@@ -138,13 +134,14 @@ def distribution_figure(dataset: xr.Dataset) -> Figure:
         largest = max((float(values[-1]) for values, _ in samples if values.size), default=0.0)
         label, factor = style.scaled(name, unit if si else "1", largest)
         for moment, (values, whole), (color, dash) in zip(moments, samples, _LOOKS, strict=False):
-            said = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
-            _draw(axes, factor * values, whole, color=color, linestyle=dash, label=said)
+            legend = f"$t$ = ${power(moment.time)}${' s' if si else ''}"
+            _draw(axes, factor * values, whole, color=color, linestyle=dash, label=legend)
         axes.set_xlabel(label)
         axes.set_ylabel(f"part of the {of_what}\nwith as much or more")
         if "patch" in name:
-            axes.set_xscale("log")
-            axes.set_yscale("log")
+            axes.loglog()
+            style.few_ticks(axes.xaxis)
+            style.few_ticks(axes.yaxis)
         style.finish(axes)
     return figure
 

@@ -95,25 +95,25 @@ def animate_history(
     figure = shown_figure(_SIZE)
     import matplotlib.pyplot as plt  # as `shown_figure` does: it looks for a display
 
-    left, right = figure.subplots(1, 2, width_ratios=(1, 1.15))
-    entries = draw_series(right, dataset, quantity)
+    map_axes, curve_axes = figure.subplots(1, 2, width_ratios=(1, 1.15))
+    entries = draw_series(curve_axes, dataset, quantity)
     contacts.legend(figure, maps)
     figure.draw_without_rendering()  # the axes have their size from here on
-    show = _profiles(left, maps) if maps.heights.ndim == 1 else _maps(left, maps)
-    pointer = right.axvline(right.get_xlim()[0], color=style.VERMILION, linewidth=1.4, zorder=5)
-    places = _places(dataset, maps, entries, right)
+    show = _profiles(map_axes, maps) if maps.heights.ndim == 1 else _maps(map_axes, maps)
+    pointer = curve_axes.axvline(curve_axes.get_xlim()[0], color=style.VERMILION, linewidth=1.4, zorder=5)
+    places = _places(dataset, maps, entries, curve_axes)
 
     def update(number: int) -> list[Artist]:
-        left.clear()
+        map_axes.clear()
         show(number)
-        left.set_title(contacts.caption(maps, number), fontsize=9)
+        map_axes.set_title(contacts.caption(maps, number), fontsize=9)
         pointer.set_xdata([places[number]] * 2)
-        return [*left.get_children(), pointer]
+        return [*map_axes.get_children(), pointer]
 
     update(0)
     figure.draw_without_rendering()
-    if (told := right.get_legend()) is not None:
-        told.set_loc("upper left")  # the best place would change from frame to frame
+    if (legend := curve_axes.get_legend()) is not None:
+        legend.set_loc("upper left")  # the best place would change from frame to frame
     figure.set_layout_engine("none")  # to lay out each frame anew would take most of the time
     film = Film(figure, update, frames=len(maps.times), interval=1000 / rate, cache_frame_data=False)
     if target is not None and writer is not None:
@@ -155,17 +155,17 @@ def _places(dataset: xr.Dataset, maps: ContactMaps, entries: Field, axes: Axes) 
     """Where the maps are on the time axis; on a logarithmic one, time 0 is at its left end."""
     time, numbers = dataset["time"].values.astype(np.float64), numbers_of(dataset)
     legs = dataset["field_leg"].values if "field_leg" in dataset.coords else np.zeros(len(maps.times), int)
-    left, right = axes.get_xlim()
+    start, end = axes.get_xlim()
     places = []
     for number, moment in enumerate(maps.times.tolist()):
         if math.isinf(moment):
-            places.append(right)
+            places.append(end)
             continue
-        own = np.flatnonzero(numbers == legs[number])
+        rows = np.flatnonzero(numbers == legs[number])
         # The entry at the beginning of a leg is the last one of the leg before, but for the first leg.
-        own = own if own[0] == 0 else np.append(own[0] - 1, own)
-        places.append(float(np.interp(moment, time[own], entries[own])))
-    return np.maximum(places, left)
+        rows = rows if rows[0] == 0 else np.append(rows[0] - 1, rows)
+        places.append(float(np.interp(moment, time[rows], entries[rows])))
+    return np.maximum(places, start)
 
 
 def _writer(path: Path, rate: float, *, overwrite: bool) -> AbstractMovieWriter:

@@ -71,7 +71,7 @@ def _draw_growth(upper: Axes, growth: MeasuredGrowth, rate: GrowthRate | None, u
         label = _legend(law, fit, unit)
         upper.plot(times, fit.predict(times), dashes, color=color, linewidth=1.2, label=label)
     if rate is not None:
-        slope, error = (math.log(10) * one for one in (rate.slope, rate.slope_stderr))
+        slope, error = (math.log(10) * value for value in (rate.slope, rate.slope_stderr))
         label = f"straight line, {uncertain(slope, error)} per decade"
         ends = np.array([rate.first, rate.last])
         upper.plot(ends, rate.predict(ends), ":", color=style.INK, linewidth=1.2, label=label)

@@ -49,10 +49,6 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     measured
         A measured area against time, a table: drawn too, and below it the ratio to the computed one.
 
-    Returns
-    -------
-    Figure
-
     Raises
     ------
     InputError
@@ -76,11 +72,11 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         _mark_lowest(grid[last], time, per_site)
     figure.table = series_table(dataset, names)
     if measured is not None:
-        found = measured_area(measured, si=dataset.attrs["si"])
+        measurements = measured_area(measured, si=dataset.attrs["si"])
         sites = dataset["area"].values.astype(np.float64)
         site = float(dataset["contact_area"][-1]) / sites[-1] if dataset.attrs["si"] else 1.0
         times = dataset["time"].values
-        drawn = draw_measured(grid[last:], found, times, per_site * sites, per_site / site, time.at)
+        drawn = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
         figure.table |= drawn
     style.count_nominal_area(grid[last], 100.0 / (dataset["heights"].size * per_site))
     for axes in grid:
@@ -104,8 +100,8 @@ def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
 
 def head(grid: list[Axes], time: TimeAxis, dataset: xr.Dataset, per_site: float | None = None) -> None:
     """Label the times below panels, and say above them what happens; of the area, if a site is so much."""
-    what = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
-    grid[-1].set_xlabel(style.over_time(dataset, what))
+    along = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
+    grid[-1].set_xlabel(style.over_time(dataset, along))
     if time.columns:
         label_times(grid, time.columns)
         _head(grid[0], time, partial(style.said, dataset, digits=5), per_site)
@@ -130,8 +126,8 @@ def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     """Values as they are drawn, their label, and what one of the series (of the area: a site) is in them."""
-    known = select().get(name)
-    label = known.label if known else name.replace("_", " ")
+    quantity = select().get(name)
+    label = quantity.label if quantity else name.replace("_", " ")
     values = dataset[name].values.astype(np.float64)
     if not dataset.attrs.get("si"):
         continuum = "contact_area" in dataset and name != "area"
@@ -209,7 +205,7 @@ def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float | None) -> None:
         if per_site is not None and _sinks(table, column.row):
             before, lowest = (per_site * area for area in (column.row.area[0], column.row.lowest_area))
             parts.append(
-                f"area {before:.5g}\u00a0→\u00a0{lowest:.5g} at "
+                f"area {before:.5g} →\u00a0{lowest:.5g} at "
                 f"{say('time', float(f'{column.row.lowest_after:.2g}'))}, then grows"
             )
         if column is columns[-1]:
@@ -246,4 +242,4 @@ def jump(row: LegRow, say: Say) -> str:
     by_load = row.leg.jumps and row.leg.target in ("load", "pressure")
     name, ends = ("load", row.load) if by_load else ("separation", row.separation)
     before, after = (say(name, value).replace("-", "\u2212") for value in ends)
-    return f"{name} {before}\u00a0→\u00a0{after}"
+    return f"{name} {before} →\u00a0{after}"

@@ -21,10 +21,9 @@ _BINS = 41
 _DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
 
 
-@style.drawn
-def curve_figure(found: Inference) -> Figure:
+def curve_figure(inference: Inference) -> Figure:
     """Draw the data, and the curve to ten times the last; below, the deviations."""
-    return style.figure_of(style.panels_of(found).values())[0]
+    return style.figure_of(style.panels_of(inference).values())[0]
 
 
 @style.panels_of.register
@@ -36,75 +35,76 @@ def _(found: Inference) -> dict[str, style.Panel]:
     }
 
 
-def _draw_curve(upper: Axes, found: Inference) -> None:
+def _draw_curve(upper: Axes, inference: Inference) -> None:
     """Draw the data, and the curve to ten times the last."""
-    t, first = found.time, float(found.time[found.time > 0][0])
+    t, first = inference.time, float(inference.time[inference.time > 0][0])
     shown = t > 0
     at = np.geomspace(first, 10 * t[-1], 120)
-    low, middle, high = found.predicted(at)
+    low, middle, high = inference.predicted(at)
     upper.fill_between(at, low, high, color=style.SKY, alpha=0.5, label="95 % band of acceptable models")
-    upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"{found.rivals[0].name}, median")
+    upper.plot(at, middle, color=style.BLUE, linewidth=1.4, label=f"{inference.rivals[0].name}, median")
     upper.axvline(t[-1], color=style.GRAY, linewidth=0.8, linestyle=":")
-    measured = t[shown], found.value[shown], found.error[shown]
+    measured = t[shown], inference.value[shown], inference.error[shown]
     upper.errorbar(*measured, fmt="o", label="data", elinewidth=0.8, **_DATA)
     upper.set_xscale("log")
-    unit = f" [{style.spelled(found.unit)}]" if found.unit else ""
-    upper.set_ylabel(style.verbatim(f"{found.quantity}{unit}"))
+    unit = f" [{style.spelled(inference.unit)}]" if inference.unit else ""
+    upper.set_ylabel(style.verbatim(f"{inference.quantity}{unit}"))
 
 
-def _draw_deviations(axes: Axes, found: Inference) -> None:
+def _draw_deviations(axes: Axes, inference: Inference) -> None:
     """Draw by how many errors the data deviate."""
-    shown = found.time > 0
-    deviation = (found.value - found.predicted(found.time)[1]) / found.error
+    shown = inference.time > 0
+    deviation = (inference.value - inference.predicted(inference.time)[1]) / inference.error
     axes.axhline(0, color=style.INK, linewidth=0.8)
-    axes.plot(found.time[shown], deviation[shown], "o", **_DATA)
+    axes.plot(inference.time[shown], deviation[shown], "o", **_DATA)
     axes.set_xscale("log")
     axes.set_ylabel("deviation [errors]")
 
 
 @style.drawn
-def parameters_figure(found: Inference) -> Figure:
+def parameters_figure(inference: Inference) -> Figure:
     """Draw the posterior of each parameter of the curve over its prior, and its profile likelihood."""
-    shown = {name: found.verdicts[name] for name in found.profiles}
+    shown = {name: inference.verdicts[name] for name in inference.profiles}
     rows = -(-len(shown) // _COLUMNS)
     figure = style.Drawing(figsize=(style.PAGE, 1.7 * rows))
     panels = list(figure.subplots(rows, _COLUMNS, squeeze=False).ravel())
-    prior = found.problem.values(found.problem.of_prior(np.random.default_rng(0), 20_000))
+    prior = inference.problem.values(inference.problem.of_prior(np.random.default_rng(0), 20_000))
     for axes, (name, verdict) in zip(panels, shown.items(), strict=False):
-        one = found.model.priors[name]
-        values, before = found.values[name].ravel(), prior[name]
-        logarithmic = one.kind.startswith("log")
+        law = inference.model.priors[name]
+        values, before = inference.values[name].ravel(), prior[name]
+        logarithmic = law.kind.startswith("log")
         if logarithmic:
             axes.set_xscale("log")
-        low, high = (one.first, one.second) if one.bounded else one.at(np.array(one.reach))
+        low, high = (law.first, law.second) if law.bounded else law.at(np.array(law.reach))
         steps = np.geomspace(low, high, _BINS) if logarithmic else np.linspace(low, high, _BINS)
         for drawn, color, label in ((before, style.GRAY, "prior"), (values, style.BLUE, "posterior")):
             counts = np.histogram(drawn, steps)[0]
             look = {"color": color, "fill": color == style.BLUE, "alpha": 0.7}
             axes.stairs(counts / counts.max(), steps, label=label, **look)
-        at, deviance = found.profiles[name]
+        at, deviance = inference.profiles[name]
         axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
         axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])
-        style.finish(axes, legend=axes is panels[0])
+        style.finish(axes, legend=False)
+    style.legend_below(figure, panels[0], 3)
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
     return figure
 
 
 @style.drawn
-def corner_figure(found: Inference) -> Figure:
+def corner_figure(inference: Inference) -> Figure:
     """Draw the posterior of each pair of parameters that the curve contains, ln of what spans a decade."""
     drawn: dict[str, Floats] = {}
-    for name in found.profiles:
-        values = np.clip(found.values[name].ravel(), *np.quantile(found.values[name], (0.002, 0.998)))
-        wide = found.model.priors[name].logarithmic and values.max() > 10 * values.min()
+    for name in inference.profiles:
+        values = np.clip(inference.values[name].ravel(), *np.quantile(inference.values[name], (0.002, 0.998)))
+        wide = inference.model.priors[name].logarithmic and values.max() > 10 * values.min()
         drawn[f"ln {name}" if wide else name] = np.log(values) if wide else values
     side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
     figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),))
-    figure.table = {"quantile": shares} | {name: np.quantile(one, shares) for name, one in drawn.items()}
+    figure.table = {"quantile": shares} | {name: np.quantile(x, shares) for name, x in drawn.items()}
     figure.elsewhere = "the draws in posterior.nc"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):

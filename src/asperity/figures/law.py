@@ -9,7 +9,8 @@ import xarray as xr
 from matplotlib import colormaps
 
 from asperity.analysis.contact_law import check_law
-from asperity.analysis.scan import readable, written
+from asperity.analysis.scan import readable
+from asperity.base.words import duration
 from asperity.figures import style
 
 _PANELS = {
@@ -48,8 +49,8 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
             unit, scale = "%", 100.0
         for direction, age in itertools.product(dataset["direction"].values.tolist(), ages):
             values = dataset[name].sel(direction=direction, time=age).values * scale
-            said = f"age {written(age, 's')}" if direction == "loading" else None
-            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=said)
+            legend = f"age {duration(age)}" if direction == "loading" else None
+            axes.plot(pressure, values, dashes[direction], color=colors[age], linewidth=1.4, label=legend)
         last = dataset.sel(direction="loading", time=ages[-1])
         low, high = (last[f"{name}_{end}"].values * scale for end in ("low", "high"))
         axes.fill_between(pressure, low, high, color=colors[ages[-1]], alpha=0.2, linewidth=0)
@@ -57,13 +58,12 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
         axes.set_xscale("log")
         if name != "approach":
             axes.set_yscale("log")
-            style.few_ticks(axes)
+            style.few_ticks(axes.yaxis)
         style.finish(axes, legend=axes is grid[0])
     figure.align_ylabels(grid)
     grid[-1].xaxis.set_major_formatter("{x:g}")
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
-    parts = ["shaded: 95 % band for other such scans", "at the last age"]
-    if dataset.sizes["direction"] > 1:
-        parts += ["dashed: unloading without creep", "from the largest pressure"]
-    style.entitle(figure, "Law of the rough layer", parts)
+    title = "Law of the rough layer\nshaded: 95 % band for other such scans, last age"
+    title += "\ndashed: unloading, without creep" * (dataset.sizes["direction"] > 1)
+    figure.suptitle(title)
     return figure

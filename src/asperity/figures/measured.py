@@ -15,7 +15,7 @@ from asperity.lattice import Field
 
 def draw_measured(
     grid: Sequence[Axes],
-    found: Measurements,
+    series: Measurements,
     time: Field,
     computed: Field,
     factor: float,
@@ -29,10 +29,10 @@ def draw_measured(
     """
     upper, lower = grid
     positive = time > 0
-    later = np.log(np.maximum(found.time, 1e-300))
+    later = np.log(np.maximum(series.time, 1e-300))
     beside = np.interp(later, np.log(time[positive]), computed[positive], left=np.nan, right=np.nan)
-    at, value = place(found.time), factor * found.value
-    error = None if found.stderr is None else factor * found.stderr
+    at, value = place(series.time), factor * series.value
+    error = None if series.stderr is None else factor * series.stderr
     look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}
     look |= {"markersize": 3.5, "elinewidth": 0.8, "capsize": 1.5, "zorder": 5}
     upper.errorbar(at, value, error, label="measured", **look)
@@ -43,6 +43,6 @@ def draw_measured(
     lower.errorbar(at, value / beside, None if error is None else error / beside, **look)
     lower.axhline(1, color=style.INK, linewidth=0.8)
     lower.set_ylabel("measured /\ncomputed", multialignment="center")
-    columns: dict[str, object] = {style.with_unit("measured: time", found.time_unit): found.time}
+    columns: dict[str, object] = {style.with_unit("measured: time", series.time_unit): series.time}
     columns |= {f"measured: {upper.get_ylabel()}": value, "measured / computed": value / beside}
     return columns if error is None else columns | {f"standard error: {upper.get_ylabel()}": error}

@@ -7,7 +7,6 @@ import datetime
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -21,11 +20,28 @@ from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.version import __version__
 from asperity.figures import prediction as drawn
+from asperity.figures import style
 from asperity.figures.carried import carried_figure
 from asperity.figures.history import history_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.fits import Measurements
 from asperity.surfaces import statistics
+
+_GROWTH = (
+    "Real contact area against time, with its 95 % band; below, its growth in each decade and on average."
+)
+_LIGHT = (
+    "the area of light contacts grows so. Dashed: Persson's theory for a random surface of the same rms "
+    "slope [7], about a fifth below simulations of light contacts [8]: compare how it grows."
+)
+_CAPTIONS = {
+    "history": "Load and real contact area, leg by leg, with the 95 % band of the area.",
+    "contacts": "Where the scan touches, and the contact pressure there, at the first and the last time.",
+    "pressure": "How the contact pressure is distributed; dotted: means. The highest 2 % is beyond the axis.",
+    "carried": "Stiffness and resistance of the constrictions, from the contacts at each time.",
+    "relaxation": "The relaxation table, the fitted sum of exponentials, the deviations, and the branches.",
+    "observed": "The contact at the last time, its image in the instrument, and what counts as contact.",
+}
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -37,11 +53,6 @@ class Picture:
     caption: str
     figure: Figure
 
-    @cached_property
-    def png(self) -> bytes:
-        """Its pixels."""
-        return pixels(self.figure)
-
     @property
     def width(self) -> str:
         """Its width on a page whose letters are larger than those of a journal."""
@@ -50,7 +61,7 @@ class Picture:
     @property
     def data(self) -> str:
         """The pixels as text."""
-        return base64.b64encode(self.png).decode("ascii")
+        return pixels(self.figure)
 
 
 def prediction_pictures(
@@ -76,58 +87,35 @@ def prediction_pictures(
         What was measured is no area.
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
-    friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
-    beside, ratio = "", ""
-    if measured is not None:
-        ratio = " Diamonds: measured, and below them the ratio to what is computed."
-    if prediction.effective_load is not None:
-        name, symbol = prediction.beside
-        beside = (
-            f". Dotted: the first area times the {name} {symbol}(t)/{symbol}(first), as the area of light "
-            "contacts goes. "
-            "Dashed: Persson's theory for a random surface of the same rms slope [7], about a fifth below "
-            "simulations of light contacts [8]: compare how it grows"
-        )
-    elif prediction.theory is not None:
-        beside = ", beside that of contacts that flow and bear all of the load, d ln A/d ln t = s0/s"
-    captions: dict[str, tuple[Figure, str]] = {}
+    dataset, fit = prediction.dataset, prediction.fit
     if prediction.growth is None:
-        said = f"Load and real contact area, leg by leg, with the 95 % band of the area.{ratio}"
-        captions["history"] = history_figure(prediction.dataset, measured), said
+        figures = {"history": history_figure(dataset, measured)}
     else:
-        said = f"Real contact area against time, with its 95 % band{beside}.{ratio} Below: its growth in "
-        said += f"each decade, and the 95 % band of the mean over all.{friction}"
-        captions["growth"] = drawn.growth_figure(prediction, measured), said
-    captions |= {
-        "contacts": (
-            drawn.contact_maps_figure(prediction),
-            "Where the scan touches, on the scan as measured, and the contact pressure there, at the first "
-            "and the last time.",
-        ),
-        "pressure": (
-            drawn.pressure_figure(prediction),
-            "Distribution of the contact pressure over the contact area; dotted: means. The highest 2 % is "
-            "beyond the axis.",
-        ),
-    }
-    if "normal_stiffness" in prediction.dataset:
-        captions["carried"] = (
-            carried_figure(prediction.dataset),
-            "Stiffness and resistance of the constrictions, from the contacts at "
-            "each time (docs/carried.md).",
-        )
-    if prediction.fit is not None:
-        captions["relaxation"] = (
-            relaxation_figure(prediction.fit),
-            "The relaxation table, the sum of exponentials that stands for it, what that misses, and its "
-            "branches.",
-        )
+        figures = {"growth": drawn.growth_figure(prediction, measured)}
+    figures["contacts"] = drawn.contact_maps_figure(prediction)
+    figures["pressure"] = style.figure_of([style.panels_of(prediction)["pressure"]])[0]
+    if "normal_stiffness" in dataset:
+        figures["carried"] = carried_figure(dataset)
+    if fit is not None:
+        figures["relaxation"] = relaxation_figure(fit)
     if prediction.observed:
-        captions["observed"] = (
-            drawn.observed_figure(prediction),
-            "The contact at the last time, its image in the instrument, and what of it counts as contact.",
-        )
-    return {name: Picture(caption, figure) for name, (figure, caption) in captions.items()}
+        figures["observed"] = drawn.observed_figure(prediction)
+    captions = _CAPTIONS | {"growth": _of_growth(prediction)}
+    beside = " Diamonds: measured, and below them the ratio to what is computed." * (measured is not None)
+    first = next(iter(figures))
+    return {name: Picture(captions[name] + beside * (name == first), each) for name, each in figures.items()}
+
+
+def _of_growth(prediction: Prediction) -> str:
+    """The caption of the growth: its curves, from the top down."""
+    name, symbol = prediction.beside
+    theory = ""
+    if prediction.effective_load is not None:
+        theory = f" Dotted: the first area times the {name} {symbol}(t)/{symbol}(first); {_LIGHT}"
+    elif prediction.theory is not None:
+        theory = " Dashed: contacts that flow and bear all of the load, d ln A/d ln t = s0/s."
+    friction = "" if prediction.friction is None else " Bottom: the coefficient of static friction."
+    return f"{_GROWTH}{theory}{friction}"
 
 
 def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, command: str = "") -> str:
@@ -141,14 +129,10 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         From `prediction_pictures`.
     command
         The command line that made it; may be empty.
-
-    Returns
-    -------
-    str
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, scan, fit, relaxing = prediction.dataset, prediction.origin, prediction.fit, prediction.relaxing
-    known = (
+    shown = (
         *("file", "sha256", "reader", "undefined_pixels"),
         *("despiked_pixels", "tilt_rule", "periodic_rule", "lines_rule"),
     )
@@ -157,7 +141,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
         "prediction.html",
         p=prediction,
         command=command,
-        scan={name: scan.get(name) for name in known} | {"file": scan.get("file") or "the surface"},
+        scan={name: scan.get(name) for name in shown} | {"file": scan.get("file") or "the surface"},
         understood=understood(scan),
         measures=statistics(dataset["heights"].values, prediction.spacing),
         shape=shape,
@@ -173,7 +157,7 @@ def prediction_page(prediction: Prediction, pictures: Mapping[str, Picture], *, 
     )
 
 
-def written_page(name: str, **known: Any) -> str:
+def written_page(name: str, **values: Any) -> str:
     """Fill in a template, which knows the version and the date, too."""
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("asperity.figures", "templates"),
@@ -184,7 +168,7 @@ def written_page(name: str, **known: Any) -> str:
     )
     environment.filters["measured"] = quantity
     date = datetime.datetime.now(datetime.UTC).date().isoformat()
-    return environment.get_template(name).render(version=__version__, date=date, **known)
+    return environment.get_template(name).render(version=__version__, date=date, **values)
 
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
@@ -198,38 +182,28 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:
-    """What is known at the times of the maps; SI units."""
-    dataset, effective = prediction.dataset, prediction.effective_load
-    force, friction = prediction.friction_force, prediction.friction
-    first = prediction.series("contact_area_corrected")[0]
-    rows = []
+    """Numbers at the times of the maps, by their names in the dataset; SI units."""
+    names = ("time", "contact_area", "mean_contact_pressure", "largest_pressure", "mean_gap")
+    area, effective = prediction.series("contact_area_corrected"), prediction.effective_load
     low, high = prediction.band("contact_area_corrected")
-    for row, resolved in zip(rows_of_maps(dataset), prediction.resolved, strict=True):
-        place, here = row - 1, dataset.isel(time=row)
-        corrected = float(here["contact_area_corrected"])
-        rows.append(
-            {
-                "time": float(here["time"]),
-                "counted": float(here["contact_area"]),
-                "corrected": corrected,
-                "band": (float(low[place]), float(high[place])),
-                "load": float(here["load"]),
-                "fraction": corrected / prediction.nominal_area,
-                "grown": corrected / first,
-                "effective": None if effective is None else float(effective[place] / effective[0]),
-                "contact_pressure": float(here["mean_contact_pressure"]),
-                "largest_pressure": float(here["largest_pressure"]),
-                "gap": float(here["mean_gap"]),
-                "friction": None if friction is None else float(friction[place]),
-                "friction_force": None if force is None else float(force[place]),
-                "resolved": resolved,
-            }
-        )
-    return rows
+    series = {name: prediction.series(name) for name in names} | {
+        "contact_area_corrected": area,
+        "fraction": area / prediction.nominal_area,
+        "grown": area / area[0],
+        "effective": None if effective is None else effective / effective[0],
+        "friction": prediction.friction,
+        "friction_force": prediction.friction_force,
+    }
+    places = [row - 1 for row in rows_of_maps(prediction.dataset)]
+    return [
+        {name: None if values is None else float(values[place]) for name, values in series.items()}
+        | {"band": (float(low[place]), float(high[place])), "resolved": resolved}
+        for place, resolved in zip(places, prediction.resolved, strict=True)
+    ]
 
 
-def pixels(figure: Figure, **options: Any) -> bytes:
-    """Draw a figure as PNG, with options of its ``savefig``."""
+def pixels(figure: Figure, **options: Any) -> str:
+    """Draw a figure as PNG for a page, with options of its ``savefig``."""
     stream = BytesIO()
     figure.savefig(stream, format="png", **options)
-    return stream.getvalue()
+    return f"data:image/png;base64,{base64.b64encode(stream.getvalue()).decode()}"

@@ -78,7 +78,7 @@ def plot_contact(
     pressure, label = _pressure(contact, maps)
     colored: ScalarMappable | None = None
     if maps.heights.ndim == 1:
-        colored = _draw_line(axes, maps, pressure, told=since is not None)
+        colored = _draw_line(axes, maps, pressure, changed=since is not None)
         if colorbar:
             axes.legend(loc="lower left", framealpha=0.95)
     else:
@@ -92,7 +92,7 @@ def plot_contact(
             colored = draw_pressure(axes, maps, shown, _norm(shown), side)
         draw_scale_bar(axes, maps)
     if colorbar and colored is not None:
-        axes.figure.colorbar(colored, ax=axes, label=label, extend="min", shrink=0.9)
+        style.bar_of_pressures(axes.figure, colored, axes, label)
     axes.set_title(_said(contact, maps))
     return axes
 
@@ -187,9 +187,9 @@ def draw_series(
         axes.set_ylabel(name, multialignment="center")
         axes.set_xlabel(style.over_time(dataset, "hold time $t$"))
     if relaxed is not None:
-        own = f"{label}: " if label else ""
+        prefix = f"{label}: " if label else ""
         look: dict[str, Any] = {"color": color if label else style.INK, "linestyle": ":", "linewidth": 1.4}
-        axes.axhline(relaxed * factor, label=rf"{own}relaxed limit, $t \to \infty$", zorder=1, **look)
+        axes.axhline(relaxed * factor, label=rf"{prefix}relaxed limit, $t \to \infty$", zorder=1, **look)
     style.finish(axes, lines_along="y" if "protocol" in dataset.attrs else "both")
     return place
 
@@ -284,9 +284,9 @@ def shown_figure(size: tuple[float, float]) -> Figure:
 
 def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:
     """Pressure over the sites that are shown, NaN off contact, and the label of its axis."""
-    here = tuple(slice(0, n) for n in maps.heights.shape)
-    touching = contact.in_contact[here]
-    pressure = np.where(touching, contact.pressure[here], np.nan)
+    scan = tuple(slice(0, n) for n in maps.heights.shape)
+    touching = contact.in_contact[scan]
+    pressure = np.where(touching, contact.pressure[scan], np.nan)
     if not contact.solid.in_lengths:
         return pressure, r"contact force  [stiffness $\times$ height]"
     if not contact.si:
@@ -304,13 +304,13 @@ def _norm(pressure: Field) -> LogNorm:
     return LogNorm(low if low < high else high / 2, high)
 
 
-def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, told: bool) -> ScalarMappable | None:
-    """Draw a profile and where it touches: what changed if that is told, else in the colors of pressures."""
+def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, changed: bool) -> ScalarMappable | None:
+    """Draw a profile and where it touches: changes in the colors of maps, else pressures."""
     first, last = maps.window
     step, across = positions(maps)
     axes.set_xlabel(across)
-    draw_profile(axes, maps, {0: "then", 1: "now"} if told else {1: "elastic surface"})
-    if told:
+    draw_profile(axes, maps, {0: "then", 1: "now"} if changed else {1: "elastic surface"})
+    if changed:
         for state, word in _SINCE.items():
             draw_sites(axes, maps, [state], color=COLORS[state], label=word)
         return None
@@ -332,21 +332,19 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
     """What touches, and under which load."""
     force = "N/m" if contact.lattice.dimension == 1 else "N"
     load = style.spaced(written(contact.load, force if contact.si else "1"))
-    what = "nominal area touches" if contact.si else "sites touch"
-    percent = f"{100 * contact.contact_fraction:.3g} % of the {what}, load {load}"
     changes = [(word, maps.count(-1, state)) for state, word in _SINCE.items() if state != SiteState.KEPT]
-    told = [f"{word} {count}" for word, count in changes if count]
-    return "\n".join([percent, *([", ".join(told)] if told else [])])
+    counts = ", ".join(f"{word} {count}" for word, count in changes if count)
+    return f"{100 * contact.contact_fraction:.3g} % touches, load {load}\n{counts}".rstrip()
 
 
 def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:
     """The quantity in the relaxed state, where that is known."""
-    known = dataset.attrs.get(f"relaxed_{quantity}")
+    relaxed = dataset.attrs.get(f"relaxed_{quantity}")
     if limit is not None:
-        known = getattr(checks.instance("limit", limit, Contact, "asperity.relax(contact)"), quantity, None)
-        if known is None:
+        relaxed = getattr(checks.instance("limit", limit, Contact, "asperity.relax(contact)"), quantity, None)
+        if relaxed is None:
             raise InputError("limit", expected=f"none, as a contact alone has no {quantity}", got="a contact")
-    return None if known is None else float(known)
+    return None if relaxed is None else float(relaxed)
 
 
 def cells_in(axes: Axes, maps: ContactMaps) -> int:

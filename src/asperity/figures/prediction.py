@@ -65,7 +65,7 @@ def _(prediction: Prediction) -> dict[str, style.Panel]:
         kind: style.Panel(partial(draw, prediction=prediction), time, 3 if kind == "area" else 1.6)
         for kind, draw in draws.items()
     }
-    panels["pressure"] = style.Panel(partial(_draw_pressures, prediction=prediction), "")
+    panels["pressure"] = style.Panel(partial(_draw_pressures, prediction=prediction), "", 2.1)
     panels["contacts"] = style.Panel(partial(_draw_touching, prediction=prediction), "")
     data = prediction.dataset
     for name in select("series"):
@@ -109,8 +109,7 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
     draw_band(axes, prediction, "contact_area_corrected", square)
     if (effective := prediction.effective_load) is not None:
         followed = corrected[0] * effective / effective[0]
-        name, symbol = prediction.beside
-        label = f"first area × {name} {symbol}(t)/{symbol}(first)"
+        label = f"as the {prediction.beside[0]} grows"
         axes.plot(prediction.time, followed, ":", color=style.VERMILION, label=label)
     if prediction.theory is not None:
         name, area = prediction.theory
@@ -159,7 +158,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     for axes in grid[:, 0]:
         axes.set_ylabel(style.with_unit("y", unit))
     figure.colorbar(relief, ax=grid[0, :], label=height_label, shrink=0.9, extend="both")
-    figure.colorbar(image, ax=grid[1, :], label=pressure_label, shrink=0.9, extend="min")
+    style.bar_of_pressures(figure, image, grid[1, :], pressure_label)
     words = {
         SiteState.KEPT: "touches since the first time",
         SiteState.NEW: "touches at the last time only",
@@ -192,14 +191,6 @@ def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None
     axes.set_ylabel(style.with_unit("y", unit))
 
 
-@style.drawn
-def pressure_figure(prediction: Prediction) -> Figure:
-    """Draw the distribution of the contact pressure at the first and the last time."""
-    figure, (axes,) = style.stacked((style.COLUMN, 2.4), 1)
-    _draw_pressures(axes, prediction)
-    return figure
-
-
 def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
     """Draw the distribution of the contact pressure at the first and the last time."""
     times, touching, pressure = (_ends(prediction, name) for name in ("field_time", "in_contact", "pressure"))
@@ -213,11 +204,10 @@ def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
         axes.stairs(density, edges, color=color, linestyle=dash, linewidth=1.2, label=label)
         axes.axvline(values.mean(), color=color, linestyle=":", linewidth=1.2)
     axes.set_xlim(0, edges[-1])
-    axes.set_ylim(0, None)
+    axes.set_ylim(0, 1.35 * axes.get_ylim()[1])  # room for the legend
     axes.set_xlabel(f"contact pressure [{unit}]")
     axes.set_ylabel(f"part of the contact area\nper pressure [1/{unit}]")
-    style.finish(axes, legend=False)
-    axes.legend(loc="upper right", framealpha=0.95)
+    style.finish(axes)
 
 
 @style.drawn

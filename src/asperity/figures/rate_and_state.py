@@ -26,27 +26,21 @@ _MANY = 400
 def rate_and_state_figure(found: StateLaws) -> Figure:
     """Draw record, both laws, what they miss, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
-    peaks, fit = found.peaks(), found.fits[found.preferred]
-    holds, of_machine = peaks.duration.size > 1, isinstance(fit, MachineFit)
-    figure = style.Drawing(figsize=(style.PAGE, 4.6 if of_machine else 3.8))
-    heights = [3.0, 1, 1.2][: 2 + of_machine]
-    widths = [1.7, 1][: 1 + holds]
-    grid = figure.add_gridspec(len(heights), len(widths), height_ratios=heights, width_ratios=widths)
-    upper = figure.add_subplot(grid[0, 0])
-    below = [figure.add_subplot(grid[n, 0], sharex=upper) for n in range(1, len(heights))]
-    for axes in (upper, *below[:-1]):
-        axes.tick_params(labelbottom=False)
     panels = style.panels_of(found)
-    healing = panels.pop("healing", None)
-    for axes, panel in zip((upper, *below), panels.values(), strict=True):
+    rows = [kind for kind in panels if kind != "healing"]
+    figure = style.Drawing(figsize=(style.PAGE, 2.2 + 0.8 * len(rows)))
+    heights, widths = [3.0, 1.0, 1.2][: len(rows)], [1.7, 1.0][: 1 + (len(panels) > len(rows))]
+    grid = figure.add_gridspec(len(rows), len(widths), height_ratios=heights, width_ratios=widths)
+    for row, (kind, panel) in enumerate(panels.items()):
+        place = grid[:, 1] if kind == "healing" else grid[row, 0]
+        axes = figure.add_subplot(place, sharex=figure.axes[0] if kind in rows[1:] else None)
         panel.draw(axes)
-    below[-1].set_xlabel(panel.along)
-    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
-    if healing is not None:
-        healing.draw(axes := figure.add_subplot(grid[:, 1]))
-        axes.set_xlabel(healing.along)
-    for axes in figure.axes:
         style.finish(axes, legend=False)
+        if kind in rows[:-1]:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel(panel.along)
+    figure.axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), frameon=False)
     return figure
 
 
@@ -62,72 +56,73 @@ def _(found: StateLaws) -> dict[str, style.Panel]:
     draws = {"record": _draw_record, "residuals": _draw_residuals}
     if isinstance(fit, MachineFit):
         draws["state"] = _draw_state
-    panels = {kind: style.Panel(partial(draw, found=found, slip=slip), label) for kind, draw in draws.items()}
+    panels = {kind: style.Panel(partial(draw, laws=found, slip=slip), label) for kind, draw in draws.items()}
     if found.peaks().duration.size > 1:
         held = f"hold time [{'s' if found.record.si else 'time of the record'}]"
-        panels["healing"] = style.Panel(partial(_draw_peaks, found=found), held)
+        panels["healing"] = style.Panel(partial(_draw_peaks, laws=found), held)
     return panels
 
 
-def _draw_state(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
+def _draw_state(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     for law in STATE_LAWS:
-        fit = found.fits[law]
+        fit = laws.fits[law]
         if isinstance(fit, MachineFit):
             color, dashes = _LINES[law]
             axes.semilogy(slip, fit.state, dashes, color=color, linewidth=1.5)
-    style.few_ticks(axes)
-    axes.set_ylabel(rf"state $\theta$ [{'s' if found.record.si else 'time'}]")
+    style.few_ticks(axes.yaxis)
+    axes.set_ylabel(rf"state $\theta$ [{'s' if laws.record.si else 'time'}]")
 
 
-def _draw_record(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
-    record, surfaces = found.record, f", mean of {found.runs} surfaces" if found.runs > 1 else ""
-    shown = found.fits["aging"].used
+def _draw_record(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
+    record, surfaces = laws.record, f", mean of {laws.runs} surfaces" if laws.runs > 1 else ""
+    shown = laws.fits["aging"].used
     small = record.time.size > _MANY
     dots: dict[str, Any] = {"markersize": 2, "markeredgewidth": 0} if small else _RINGS
     label = f"record{surfaces}"
     axes.plot(slip[shown], record.friction[shown], "o", color=style.GRAY, label=label, **dots)
     for law in STATE_LAWS:
         color, dashes = _LINES[law]
-        friction = np.where(shown, found.fits[law].predict(record), np.nan)
-        axes.plot(slip, friction, dashes, color=color, linewidth=1.2, label=_legend(found, law))
+        friction = np.where(shown, laws.fits[law].predict(record), np.nan)
+        axes.plot(slip, friction, dashes, color=color, linewidth=1.2, label=_legend(laws, law))
     axes.set_ylabel(r"friction coefficient $\mu$")
 
 
-def _legend(found: StateLaws, law: StateLaw) -> str:
-    estimates = found.estimates[law]
-    unit, scale = readable("m", float(estimates["D_c"].value)) if found.record.si else ("", 1.0)
+def _legend(laws: StateLaws, law: StateLaw) -> str:
+    estimates = laws.estimates[law]
+    unit, scale = readable("m", float(estimates["D_c"].value)) if laws.record.si else ("", 1.0)
     numbers = []
     length = f" {style.spelled(unit)}".rstrip()
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", scale, length)):
         value, stderr = float(estimates[name].value), float(estimates[name].stderr)
-        if (name == "D_c" and not found.fits[law].determined) or stderr > 100 * abs(value):
+        if (name == "D_c" and not laws.fits[law].determined) or stderr > 100 * abs(value):
             numbers.append(f"${name}$ not determined")
         else:
             numbers.append(f"${name}$ = {uncertain(factor * value, factor * stderr)}{end}")
-    mark = "  (preferred)" if found.verdict == law else ""
+    mark = "  (preferred)" if laws.verdict == law else ""
     return f"{law} law{mark}\n   {', '.join(numbers)}"
 
 
-def _draw_residuals(axes: Axes, found: StateLaws, slip: np.ndarray) -> None:
+def _draw_residuals(axes: Axes, laws: StateLaws, slip: np.ndarray) -> None:
     axes.axhline(0, color=style.INK, linewidth=0.8)
     look: dict[str, Any] = {"markersize": 2.5, "markerfacecolor": "none"}
-    if found.record.time.size > _MANY:
+    if laws.record.time.size > _MANY:
         look = {"markersize": 1.5, "markeredgewidth": 0, "alpha": 0.5}
     for law, marker in zip(STATE_LAWS, "os", strict=True):
-        fit = found.fits[law]
+        fit = laws.fits[law]
         axes.plot(slip[fit.used], fit.residual, marker, color=_LINES[law][0], **look)
     axes.set_ylabel(r"$\mu$ − law")
 
 
-def _draw_peaks(axes: Axes, found: StateLaws) -> None:
-    peaks = found.peaks()
+def _draw_peaks(axes: Axes, laws: StateLaws) -> None:
+    peaks = laws.peaks()
     look: dict[str, Any] = {"color": style.GRAY, "markerfacecolor": "white", "label": "record"}
     axes.semilogx(peaks.duration, peaks.peak - peaks.before, "o", **look)
     for law in STATE_LAWS:
         color, dashes = _LINES[law]
-        of_law = found.peaks(law)
+        of_law = laws.peaks(law)
         order = np.argsort(of_law.duration)
         healed = (of_law.peak - of_law.before)[order]
         axes.plot(of_law.duration[order], healed, dashes, color=color, linewidth=1.5, label=f"{law} law")
+    style.few_ticks(axes.xaxis)
     axes.set_ylabel("static friction − friction before the hold")
     axes.legend(loc="best")

@@ -27,16 +27,12 @@ def relaxation_figure(fit: Fit) -> Figure:
     ----------
     fit
         From `asperity.relaxation.fit`.
-
-    Returns
-    -------
-    Figure
     """
     checks.instance("fit", fit, Fit, "asperity.relaxation.fit(data)")
     figure, _ = style.figure_of(style.panels_of(fit).values())
-    found = counted(len(fit.series.branches), "branch", "branches")
+    branches = counted(len(fit.series.branches), "branch", "branches")
     missed = f"{100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
-    style.entitle(figure, "", [f"{found} over {fit.decades:.1f} decades", f"fit error {missed}"])
+    style.entitle(figure, "", [f"{branches} over {fit.decades:.1f} decades", f"fit error {missed}"])
     return figure
 
 
@@ -92,9 +88,9 @@ def _draw_branches(axes: Axes, fit: Fit) -> None:
     axes.set_ylim(0, 150 * max(branches[:, 0], default=1.0))
     axes.set_ylabel("share of each\nbranch [%]")
     axes.set_xscale("log")
-    said = f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
+    text = f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5}
-    axes.text(0.015, 0.93, said, transform=axes.transAxes, va="top", bbox=box)
+    axes.text(0.015, 0.93, text, transform=axes.transAxes, va="top", bbox=box)
 
 
 def _unit(fit: Fit) -> tuple[float, str]:

@@ -45,18 +45,20 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     speeds: dict[float, str] = {}
     resting: str | None = "at rest"
     for row in leg_table(dataset):
-        own = np.flatnonzero(numbers == row.number)
-        own = np.insert(own, 0, own[:1] - 1) if own.size and own[0] > 0 else own
+        entries = np.flatnonzero(numbers == row.number)
+        entries = np.insert(entries, 0, entries[:1] - 1) if entries.size and entries[0] > 0 else entries
         if not row.leg.speed:
-            axes.plot(way[own], values[own], "o-", color=style.INK, markersize=3, label=resting)
+            axes.plot(way[entries], values[entries], "o-", color=style.INK, markersize=3, label=resting)
             resting = None
             continue
         speed = row.leg.speed
-        said = f"slides at {style.said(dataset, 'velocity', speed)}" if row.leg.duration else "slides at once"
+        words = (
+            f"slides at {style.said(dataset, 'velocity', speed)}" if row.leg.duration else "slides at once"
+        )
         color = speeds.setdefault(speed, _COLORS[len(speeds) % len(_COLORS)])
-        place, first = np.unique(way[own], return_index=True)
-        after, before = values[own[first]], values[own[np.append(first[1:], own.size) - 1]]
-        named = None if said in axes.get_legend_handles_labels()[1] else said
+        place, first = np.unique(way[entries], return_index=True)
+        after, before = values[entries[first]], values[entries[np.append(first[1:], entries.size) - 1]]
+        named = None if words in axes.get_legend_handles_labels()[1] else words
         style.curve(axes, place, before, "o-", color, named, linewidth=1.5, markersize=3)
         axes.fill_between(place, after, before, color=color, alpha=0.2, linewidth=0)
         shaded |= bool((after != before).any())
@@ -69,7 +71,8 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":
         style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * per_site))
-    style.finish(axes)
-    what = "Friction" if name == "friction" else "Contact area"
-    style.entitle(figure, f"{what} against displacement", style.conditions(dataset))
+    style.finish(axes, legend=False)
+    style.legend_below(figure, axes, 2)
+    subject = "Friction" if name == "friction" else "Contact area"
+    style.entitle(figure, f"{subject} against displacement", style.conditions(dataset))
     return figure

@@ -18,8 +18,10 @@ import numpy as np
 import xarray as xr
 from matplotlib import font_manager, rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
-from matplotlib.figure import Figure
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -116,8 +118,8 @@ def drawn(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @functools.wraps(function)
     def within(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        own = not any(isinstance(one, Axes) for one in (*args, *kwargs.values()))
-        with rc_context(LOOK if own else {}):
+        new_figure = not any(isinstance(argument, Axes) for argument in (*args, *kwargs.values()))
+        with rc_context(LOOK if new_figure else {}):
             return function(*args, **kwargs)
 
     return within
@@ -129,12 +131,12 @@ def fitted(text: str, width: float, size: float = 8) -> str:
     Width and font size are in points. Write the result with `verbatim`.
     """
     font = font_manager.get_font(font_manager.findfont(font_manager.FontProperties()))
-    known = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
-    if _width(known, size) > width:
-        while known and _width(f"{known}…", size) > width:
-            known = known[:-1]
-        known = f"{known.rstrip()}…"
-    return known
+    letters = "".join(c if font.get_char_index(ord(c)) else "?" for c in " ".join(text.split()))
+    if _width(letters, size) > width:
+        while letters and _width(f"{letters}…", size) > width:
+            letters = letters[:-1]
+        letters = f"{letters.rstrip()}…"
+    return letters
 
 
 def lines(parts: list[str], width: float, size: float = 8, between: str = ", ") -> str:
@@ -170,6 +172,7 @@ def panels_of(thing: object) -> dict[str, Panel]:
     raise NotImplementedError(type(thing))
 
 
+@drawn
 def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
     """Make a figure of panels above a common axis, as wide as a column."""
     panels = list(panels)
@@ -178,7 +181,7 @@ def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
     for axes, panel in zip(grid, panels, strict=True):
         panel.draw(axes)
         finish(axes)
-    grid[-1].set_xlabel(panels[-1].along)
+    grid[-1].set_xlabel(panels[-1].along or grid[-1].get_xlabel())
     return figure, grid
 
 
@@ -204,7 +207,7 @@ def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
     springs += ["R_viscous"] * (float(attrs.get("R_viscous", 0)) > 0)
     parts += [f"{name} = {float(attrs[name]):g}" for name in springs]
     laws = PARAMETERS_OF_LAWS.items()
-    parts += [f"{what.symbol} = {say(name, what.unit)}" for name, what in laws if name in attrs]
+    parts += [f"{row.symbol} = {say(name, row.unit)}" for name, row in laws if name in attrs]
     if "permanent" in attrs:
         parts.append(f"permanent share {float(attrs['permanent']):g}")
     if "hardness" in attrs:
@@ -246,19 +249,25 @@ def spaced(text: str) -> str:
     return f"{number}\u00a0{spelled(unit)}" if unit else number
 
 
-def over_time(dataset: xr.Dataset, what: str) -> str:
+def over_time(dataset: xr.Dataset, quantity: str) -> str:
     """Label an axis of times."""
     unit = dataset["time"].attrs.get("units", "")
-    known = {"s": "  [s]", "time unit": ""}
-    return what + known.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
+    units = {"s": "  [s]", "time unit": ""}
+    return quantity + units.get(unit, r"  [1 / (stiffness $\times$ mobility)]")
 
 
-def few_ticks(axes: Axes) -> None:
-    """Label a logarithmic y axis with few plain numbers."""
-    low, high = axes.get_ylim()
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+def few_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis with few plain numbers."""
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 100 * low else (1.0,), numticks=7))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def bar_of_pressures(figure: Figure | SubFigure, image: ScalarMappable, panels: Any, label: str) -> None:
+    """Explain the colors of pressures beside one panel or several."""
+    bar = figure.colorbar(image, ax=panels, label=label, extend="min", shrink=0.9)
+    few_ticks(bar.ax.yaxis)
 
 
 def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | None, **more: Any) -> None:
@@ -277,8 +286,8 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
 
     One unit of the left axis, of the contact area, is so many percent.
     """
-    there, back = (lambda area: np.multiply(area, percent)), (lambda share: np.divide(share, percent))
-    right = axes.secondary_yaxis("right", functions=(there, back))
+    to_percent, to_area = (lambda area: np.multiply(area, percent)), (lambda part: np.divide(part, percent))
+    right = axes.secondary_yaxis("right", functions=(to_percent, to_area))
     right.set_ylabel("real contact [% of nominal area]")
     right.yaxis.set_major_formatter("{x:g}")
     axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
@@ -312,8 +321,8 @@ def spelled(unit: str) -> str:
     """Spell a unit as it is printed; a power of ten stands for numbers that have none."""
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
-    known = {"angstrom": "Å", "rms": "rms height"}
+    names = {"angstrom": "Å", "rms": "rms height"}
     unit = unit.replace("ohm", "Ω")
     if re.fullmatch(r"[pnumkMGT]?(Ω|m|m\^2|m\^3|N|J|Pa|Pa/m|S/m\^2|W/m\^2/K|N/m|J/m|m/s|s)", unit):
         return re.sub(r"^u(?=[mNJPsΩ])", "µ", unit).replace("^2", "²").replace("^3", "³")
-    return known.get(unit, verbatim(unit))
+    return names.get(unit, verbatim(unit))

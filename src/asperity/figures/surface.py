@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -31,21 +30,22 @@ class SurfaceView:
     """A surface as it is shown: the measured part of it, not its mirror images, in readable units.
 
     `unit` is that of the `heights`, "1" or a power of ten such as "1e-06" if unknown; `length_unit` that of
-    the axes and of the `pixel_size` along each, "pixel" if unknown. `height_range` is what colors tell apart.
+    the axes and of the `pixel_size` along each, "pixel" if unknown; `factor` and `across` lead to them.
+    `height_range` is what colors tell apart.
     """
 
     def __init__(self, surface: Surface) -> None:
         heights = surface.scan.heights
-        self.unit, self._factor = readable(surface.unit, float(np.ptp(heights)))
-        self.heights = heights * self._factor
+        self.unit, self.factor = readable(surface.unit, float(np.ptp(heights)))
+        self.heights = heights * self.factor
         self.height_range = color_range(self.heights)
-        self.length_unit, self._across = "pixel", 1.0
+        self.length_unit, self.across = "pixel", 1.0
         self.pixel_size = (1.0,) * heights.ndim
         if surface.pixel_size is not None:
             longest = max(n * s for n, s in zip(heights.shape, surface.pixel_size, strict=True))
             unit = lateral_unit(surface.length_unit, surface.provenance)
-            self.length_unit, self._across = readable(unit, longest)
-            self.pixel_size = tuple(s * self._across for s in surface.pixel_size)
+            self.length_unit, self.across = readable(unit, longest)
+            self.pixel_size = tuple(s * self.across for s in surface.pixel_size)
 
     def along(self, axis: int, site: float | Field) -> Field:
         """Where sites along an axis are, in `length_unit`."""
@@ -71,27 +71,6 @@ class SurfaceView:
         normal = np.exp(-0.5 * ((middles - heights.mean()) / rms) ** 2) / (rms * np.sqrt(2 * np.pi))
         return edges, density, normal
 
-    def in_units(self, spectrum: PowerSpectrum) -> PowerSpectrum:
-        """The spectrum of the surface in `unit`, where that is a length, and in `length_unit`."""
-        unit, up = (self.unit, self._factor) if is_length(self.unit) else (spectrum.unit, 1.0)
-        across, axes, fit = self._across, len(spectrum.along), spectrum.fit
-        if fit is not None:
-            fit = dataclasses.replace(
-                fit,
-                longest=fit.longest * across,
-                shortest=fit.shortest * across,
-                middle=(fit.middle[0] / across, fit.middle[1] * up**2 * across**axes),
-            )
-        return dataclasses.replace(
-            spectrum,
-            wave_number=spectrum.wave_number / across,
-            power=spectrum.power * up**2 * across**axes,
-            along=tuple((q / across, power * up**2 * across) for q, power in spectrum.along),
-            fit=fit,
-            unit=unit,
-            length_unit=self.length_unit,
-        )
-
 
 @style.drawn
 def surface_figure(
@@ -109,10 +88,6 @@ def surface_figure(
         What must be said about it, such as how many pixels were undefined; may be empty.
     spectrum
         Its power spectrum, if it has been measured already.
-
-    Returns
-    -------
-    Figure
 
     Raises
     ------
@@ -138,7 +113,7 @@ def surface_figure(
     draw_heights(panels["profile"], view)
     _draw_histogram(panels["heights"], view)
     measured = power_spectrum(surface) if spectrum is None else spectrum
-    draw_spectrum(panels["waves"], view.in_units(measured))
+    draw_spectrum(panels["waves"], measured, view)
     figure.elsewhere = "the surface itself" * flat
     style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure
@@ -184,40 +159,43 @@ def _draw_histogram(axes: Axes, view: SurfaceView) -> None:
     axes.set_title("heights")
 
 
-def draw_spectrum(axes: Axes, spectrum: PowerSpectrum) -> None:
-    """Draw a power spectrum, with the power law of its self-affine range."""
-    flat = len(spectrum.along) == 2
+def draw_spectrum(axes: Axes, spectrum: PowerSpectrum, view: SurfaceView | None = None) -> None:
+    """Draw a power spectrum, with the power law of its self-affine range; of a view, in its units."""
+    dimensions, up, across = len(spectrum.along), 1.0, 1.0
+    unit, length_unit = spectrum.unit, spectrum.length_unit
+    if view is not None:
+        across, length_unit = view.across, view.length_unit
+        if is_length(view.unit):
+            up, unit = view.factor, view.unit
+    scale = up**2 * across**dimensions
     # What a surface of smooth waves has beyond the shortest of them is rounding.
     shown = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)
-    label = "mean over directions" if flat else "mean over bins"
+    label = "mean over directions" if dimensions == 2 else "mean over bins"
     look: dict[str, Any] = {"color": style.BLUE, "markersize": 3.5, "label": label}
-    axes.loglog(spectrum.wave_number[shown], spectrum.power[shown], "o", **look)
+    axes.loglog(spectrum.wave_number[shown] / across, scale * spectrum.power[shown], "o", **look)
     fit = spectrum.fit
     if fit is not None:
         q = 2 * np.pi / np.array([fit.longest, fit.shortest])
         label = f"H = {uncertain(fit.hurst, fit.interval[1] - fit.hurst)} (95 %)"
-        axes.loglog(q, fit.power(q), color=style.VERMILION, linewidth=1.5, label=label)
+        axes.loglog(q / across, scale * fit.power(q), color=style.VERMILION, linewidth=1.5, label=label)
     if shown.any():
         axes.legend(loc="lower left", framealpha=0.9)
     else:
         axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center")
-    across = style.spelled(spectrum.length_unit)
-    axes.set_xlabel(f"wave number q [1/{across}]")
-    axes.set_ylabel(f"power spectrum C(q) [{_power_unit(spectrum)}]")
+    axes.set_xlabel(f"wave number q [1/{style.spelled(length_unit)}]")
+    axes.set_ylabel(f"power spectrum C(q) [{_power_unit(unit, length_unit, dimensions)}]")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
-    window = "" if spectrum.window == "none" else f", {spectrum.window} window"
-    axes.set_title(f"power spectrum{window}")
+    axes.set_title("power spectrum" + f", {spectrum.window} window" * (spectrum.window != "none"))
 
 
-def _power_unit(spectrum: PowerSpectrum) -> str:
+def _power_unit(unit: str, length_unit: str, dimensions: int) -> str:
     """Unit of C(q): that of the heights squared, times that of the lengths, for each axis."""
-    height, length = style.spelled(spectrum.unit), style.spelled(spectrum.length_unit)
-    power = "²" if len(spectrum.along) == 2 else ""
-    if spectrum.unit == spectrum.length_unit:
-        return f"{height}{'⁴' if power else '³'}"
-    across = f"({length}){power}" if " " in length and power else f"{length}{power}"
-    if spectrum.unit == "1":
-        return across
-    return f"{f'({height})²' if ' ' in height else f'{height}²'} {across}"
+    height, length = (
+        f"({name})" if " " in name else name for name in map(style.spelled, (unit, length_unit))
+    )
+    if unit == length_unit:
+        return f"{style.spelled(unit)}{'³⁴'[dimensions - 1]}"
+    across = f"{length}²" if dimensions == 2 else style.spelled(length_unit)
+    return across if unit == "1" else f"{height}² {across}"

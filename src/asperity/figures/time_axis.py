@@ -117,15 +117,15 @@ def time_axis(dataset: xr.Dataset, table: list[LegRow], width: float) -> TimeAxi
     for row in table if columns else []:
         # The state after a jump is the beginning of the next column.
         column = next((c for c in columns if c.row.number >= row.number), None)
-        here = numbers == row.number
+        entries = numbers == row.number
         if column is None:
-            place[here] = columns[-1].right
+            place[entries] = columns[-1].right
         elif column.row is row:
-            place[here] = column.place(time[here] - row.begin)
-            first = np.flatnonzero(here)[:1]
+            place[entries] = column.place(time[entries] - row.begin)
+            first = np.flatnonzero(entries)[:1]
             start[first[time[first - 1] == row.begin]] = column.left
         else:
-            place[here] = column.left
+            place[entries] = column.left
     return TimeAxis(table, columns, place, after, start)
 
 
@@ -143,7 +143,7 @@ def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
             continue
         low, high = math.ceil(math.log10(column.first) - 1e-9), math.floor(math.log10(lasting) + 1e-9)
         decade = (column.right - column.left - _STRIP) / math.log10(lasting / column.first)
-        every = math.ceil(0.4 / decade)
+        every = min(math.ceil(0.4 / decade), max(high - low, 1))  # at least both ends
         ticks += [(float(column.place(10.0**n)), f"$10^{{{n}}}$") for n in range(low, high + 1, every)]
         fine = np.outer(10.0 ** np.arange(low - 1, high + 1), np.arange(1, 10)).ravel()
         fine = fine[(fine >= column.first) & (fine <= lasting)]
@@ -153,8 +153,8 @@ def label_times(grid: Iterable[Axes], columns: list[Column]) -> None:
         mark |= {"transform": lowest.get_xaxis_transform(), "clip_on": False}
         lowest.plot(breaks, [0, 0], color=style.INK, **mark)
     for axes in grid:
-        for left, right in pairwise(columns):
-            axes.axvspan(left.right, right.left, color="0.93", linewidth=0, zorder=0)
+        for before, after in pairwise(columns):
+            axes.axvspan(before.right, after.left, color="0.93", linewidth=0, zorder=0)
     lowest.set_xticks(*zip(*ticks, strict=True))
     lowest.set_xticks(minor, minor=True)
     lowest.set_xlim(-0.1, columns[-1].right + 0.1)

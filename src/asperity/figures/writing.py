@@ -56,10 +56,10 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     if formats is None:
         formats = [path.suffix.removeprefix(".")]  # type: ignore[list-item]
     suffixes = [formats] if isinstance(formats, str) else list(formats)
-    for one in suffixes:
-        if one not in FORMATS:
-            raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=one or "none")
-    files = [path.with_name(f"{path.stem}.{one}") for one in suffixes]
+    for suffix in suffixes:
+        if suffix not in FORMATS:
+            raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=suffix or "none")
+    files = [path.with_name(f"{path.stem}.{suffix}") for suffix in suffixes]
     files += [table_beside(path)] * bool(files)
     for file in files:
         write_one(figure, file)
@@ -114,7 +114,9 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
             continue
         shared = axes.get_shared_x_axes().get_siblings(axes)
         title = axes.get_title().partition("\n")[0]
-        across = next((one.get_xlabel() for one in (axes, *shared[::-1]) if one.get_xlabel()), title or "x")
+        across = next(
+            (each.get_xlabel() for each in (axes, *shared[::-1]) if each.get_xlabel()), title or "x"
+        )
         along = axes.get_ylabel() or title or "y"
         for label, x, series in _curves(axes):
             if (across, tuple(x)) != place:
@@ -128,8 +130,10 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
 
 def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
     """Name, places and values of what is drawn by its data: curves, error bars, histograms and bands."""
-    bars = [one for one in axes.containers if isinstance(one, ErrorbarContainer) and one.lines[0] is not None]
-    taken = {id(line) for one in bars for line in (one.lines[0], *one.lines[1])}
+    bars = [
+        item for item in axes.containers if isinstance(item, ErrorbarContainer) and item.lines[0] is not None
+    ]
+    taken = {id(line) for item in bars for line in (item.lines[0], *item.lines[1])}
     for line in axes.lines:
         if id(line) not in taken and line.get_transform() == axes.transData and np.size(line.get_xdata()) > 0:
             yield str(line.get_label()), line.get_xdata(orig=False), {"": line.get_ydata(orig=False)}
@@ -137,8 +141,8 @@ def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
         x, y = bar.lines[0].get_data(orig=False)
         series = {"": y}
         if bar.lines[2]:
-            segments = [np.asarray(one) for one in bar.lines[2][0].get_segments()]
-            ends = np.array([one[:, 1] if one.shape == (2, 2) else np.full(2, np.nan) for one in segments])
+            segments = [np.asarray(item) for item in bar.lines[2][0].get_segments()]
+            ends = np.array([item[:, 1] if item.shape == (2, 2) else np.full(2, np.nan) for item in segments])
             series |= {" low": ends[:, 0], " high": ends[:, 1]}
         yield str(bar.get_label()), x, series
     for patch in axes.patches:

@@ -208,7 +208,7 @@ def _quantiles(name: str, aperture: Aperture) -> Iterator[Measurement]:
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw stress against closure, a panel a specimen: bands of what is computed, and what was measured."""
-    figure, axes = style.panels(7.2, 3.6, len(SPECIMENS))
+    figure, axes = style.panels(5.4, 8.6, rows=len(SPECIMENS))
     for ax, name in zip(axes, SPECIMENS, strict=True):
         ax.set_title(f"{name}, fitted" if name == SPECIMENS[0] else name, fontsize=9)
         stress, measured = 1e-6 * table(name)[0], 1e3 * table(name)[1]
@@ -221,7 +221,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             for way in (slice(top + 1), slice(top, None)):
                 ends = closure.min(axis=1)[way], closure.max(axis=1)[way]
                 ax.fill_betweenx(stress[way], *ends, color=color, alpha=0.2, linewidth=0)
-        for mark, words, way in (("^", "up", slice(top + 1)), ("v", "down", slice(top + 1, None))):
+        for mark, words, way in (("^", "loading", slice(top + 1)), ("v", "unloading", slice(top + 1, None))):
             look = {"color": style.INK, "markersize": 3.5, "label": f"measured, {words}"}
             ax.plot(measured[way], stress[way], mark, **look)
     WORDS.dress(*axes)

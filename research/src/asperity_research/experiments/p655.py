@@ -101,10 +101,10 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         x, over = np.arange(len(curve)) + 0.15 * (n - 1), curve["value"] / curve["published"]
         errors = [over - curve["low"] / curve["published"], curve["high"] / curve["published"] - over]
         ax.errorbar(
-            x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/um"
+            x, over, errors, fmt="o", markersize=3.5, color=color, label=f"{law} law, k = {k * 1e-6:g}/µm"
         )
     ax.axhline(1, color=style.INK, linewidth=0.8)
-    ax.set_xticks(range(len(NUMBERS)), NUMBERS)
+    ax.set_xticks(range(len(NUMBERS)), [r"$\mu_0$", "$a$", "$b$", "$D_c$"])
     WORDS.dress(ax)
     return figure
 

@@ -197,22 +197,22 @@ _LOOKS = {"fit": (style.INK, "-"), "longer": (style.BLUE, "--"), "eyring": (styl
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw growth under the load, and the area after the drop, beside what was measured."""
-    figure, (left, right) = style.panels(7.2, 3.8, 2)
+    figure, (upper, lower) = style.panels(5.4, 7.0, rows=2)
     areas, measured = tables["areas"], tables["measured"]
     for name, words in HYPOTHESES.items():
         color, line = _LOOKS[name]
         curve = areas[areas["solid"] == name]
         held, later = curve[curve["leg"] <= 1], curve[curve["leg"] >= 2]
-        for ax, part, time in ((left, held, held["time"]), (right, later, later["time"] - _DROP + 1)):
+        for ax, part, time in ((upper, held, held["time"]), (lower, later, later["time"] - _DROP + 1)):
             ax.plot(time, part["area"], line, color=color, linewidth=1.2, label=words.removeprefix("a "))
             ax.fill_between(time, part["low"], part["high"], color=color, alpha=0.15, linewidth=0)
-    for ax, series, shift in ((left, "growth", 0.0), (right, "drop", _DROP - 1)):
+    for ax, series, shift in ((upper, "growth", 0.0), (lower, "drop", _DROP - 1)):
         rows = measured[measured["series"] == series]
         style.points(
             ax, rows.assign(time=rows["time"] - shift), "time", "area", "o", style.VERMILION, label="measured"
         )
-    WORDS.dress(left, right)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
+    WORDS.dress(upper, lower)
+    figure.legend(*upper.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=8)
     return figure
 
 

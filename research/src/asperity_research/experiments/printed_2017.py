@@ -92,19 +92,19 @@ def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[F
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw area against pressure, and the ratio of both solids."""
-    figure, (left, right) = style.panels(7.2, 3.3, 2)
+    figure, (upper, lower) = style.panels(5.4, 6.6, rows=2)
     rows = tables["areas"]
     for kind, look, color in (("half_space", "s-", style.GRAY), ("layer", "o-", style.INK)):
         words = SOLIDS[kind].removeprefix("a ").removeprefix("the ")
-        style.points(left, rows, "pressure", kind, look, color, label=words)
+        style.points(upper, rows, "pressure", kind, look, color, label=words)
     ends = MEASURED.series["area"]
     known = {"s": 60, "color": style.VERMILION, "zorder": 3}
-    left.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
-    left.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
+    upper.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
+    upper.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
     error = MEASURED["gap_error"]
-    style.points(right, rows, "pressure", "ratio", "o-", style.INK)
-    right.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="a tenth")
-    WORDS.dress(left, right)
+    style.points(lower, rows, "pressure", "ratio", "o-", style.INK)
+    lower.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="within a tenth")
+    WORDS.dress(upper, lower)
     return figure
 
 

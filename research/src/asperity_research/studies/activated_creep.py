@@ -309,7 +309,7 @@ _LINES = {"0.2": ("-", True), "0.5": ("--", False), "0.8": (":", False)}
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the area after the step, the times of minimum and growth, and the growth at rest."""
-    figure, (curve, minimum, growth, rest) = style.panels(9.6, 6.0, 2, 2)
+    figure, (curve, minimum, growth, rest) = style.panels(6.4, 6.4, 2, 2)
     curves, steps, rests = tables["curves"], tables["steps"], tables["rests"]
     shown = curves[(curves["solid"] == "lattice") & (curves["time"] > 0)].groupby("waiting_time")
     shades = colormaps["viridis"](np.linspace(0.9, 0, len(shown)))
@@ -328,7 +328,7 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
             look["markerfacecolor"] = color if filled or mark in "x+*" else "white"
             style.points(axis, part, "waiting_time", name, mark + line, color, **look)
         axis.set(xscale="log", yscale="log")
-        axis.set_ylim(top=axis.get_ylim()[1] * (1e3 if name == "growth" else 1))
+        axis.set_ylim(top=axis.get_ylim()[1] * (1e5 if name == "growth" else 1))
     shared = {"linewidth": None}
     style.points(rest, rests, "kT", "rest", "o", style.INK, label="at rest, B", **shared)
     style.points(rest, rests, "kT", "steady", "s", style.BLUE, label="in steady sliding, b", **shared)

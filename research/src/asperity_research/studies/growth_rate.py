@@ -228,7 +228,7 @@ def _lines() -> pd.DataFrame:
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw B against everything, with the closed forms, and where they end."""
-    figure, (viscous, ratio, load, wave, side, over) = style.panels(8.6, 5.6, 3, 2)
+    figure, (viscous, ratio, load, wave, side, over) = style.panels(6.0, 8.0, 2, 3)
     rows, lines = tables["points"], tables["lines"]
     rows = rows.assign(at=rows["at"].where(rows["at"] > 0, ZERO))
 

@@ -221,20 +221,20 @@ _KINDS = {"compliance": ("o", style.INK, "compliance"), "modulus": ("s", style.B
 
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
-    """Draw growth against time, and B against the share of a decade."""
-    figure, (left, right) = style.panels(7.2, 3.3, 2)
+    """Draw growth against time, and B against the part that relaxes in a decade."""
+    figure, (upper, lower) = style.panels(5.4, 6.6, rows=2)
     curves, numbers = tables["curves"], tables["numbers"]
     for name, (words, mark, color) in _LOOKS.items():
         curve = curves[(curves["relaxation"] == name) & (curves["time"] > 0)]
-        left.plot(curve["time"], curve["growth"], mark, color=color, markersize=3, label=words)
-        left.plot(curve["time"], curve["predicted"], "-", color=color, linewidth=0.8)
+        upper.plot(curve["time"], curve["growth"], mark, color=color, markersize=3, label=words)
+        upper.plot(curve["time"], curve["predicted"], "-", color=color, linewidth=0.8)
     rates = numbers[numbers["number"] == "B"]
     rates = rates.assign(kind=rates["relaxation"].str.partition("_")[0])
-    style.families(right, rates, "kind", "at", "value", _KINDS, linewidth=None)
+    style.families(lower, rates, "kind", "at", "value", _KINDS, linewidth=None)
     shares = np.geomspace(0.008, 0.12, 20)
-    right.plot(shares, shares / math.log(10), ":", color="0.5", label=r"share$\,/\ln 10$")
-    right.axhline(WANTED, color="0.7", linewidth=0.8)
-    WORDS.dress(left, right)
+    lower.plot(shares, shares / math.log(10), ":", color="0.5", label=r"that part$\,/\ln 10$")
+    lower.axhline(WANTED, color="0.7", linewidth=0.8)
+    WORDS.dress(upper, lower)
     return figure
 
 

@@ -299,7 +299,7 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the sizes, their exponent, and the growth at constant area."""
-    figure, (sizes, exponent, held) = style.panels(8.6, 3.1, 3)
+    figure, (sizes, exponent, held) = style.panels(5.4, 8.6, rows=3)
     shares = tables["sizes"]
     shown = shares[(shares["of"] == "contact") & (shares["hurst"] == HURST[-1])]
     for (pressure, rows), look in zip(shown.groupby("pressure"), "o^sD", strict=False):

@@ -158,21 +158,21 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw areas against time, and B against s0/s."""
-    figure, (left, right) = style.panels(7.2, 3.3, 2)
+    figure, (upper, lower) = style.panels(5.4, 6.6, rows=2)
     curves, numbers = tables["curves"], tables["numbers"]
     selected = curves[(curves["family"] == "hardness") & (curves["time"] > 0)]
     marks = zip(_HARDNESSES, selected.groupby("at"), ("^", "o", "s", "D"), strict=True)
     for hardness, (_, course), mark in marks:
         words = f"{1e-9 * hardness:g} GPa"
-        left.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)
+        upper.plot(course["time"], 100 * course["area"], f"{mark}-", markersize=3, linewidth=0.8, label=words)
     numbers = numbers.assign(x=numbers["s0"] / numbers["pressure"])
-    style.families(right, numbers, "family", "x", "B", _LOOKS, linewidth=None)
+    style.families(lower, numbers, "family", "x", "B", _LOOKS, linewidth=None)
     ends = np.array([0.0, 1.1 * numbers["x"].max()])
-    right.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
-    right.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")
-    WORDS.dress(left, right)
-    left.yaxis.set_major_formatter("{x:g}")
-    left.yaxis.set_minor_formatter("{x:g}")
+    lower.plot(ends, ends, ":", color="0.5", label=r"$B = s_0/s$")
+    lower.axhspan(*WANTED, color="0.9", zorder=0, label="friction of PMMA")
+    WORDS.dress(upper, lower)
+    upper.yaxis.set_major_formatter("{x:g}")
+    upper.yaxis.set_minor_formatter("{x:g}")
     return figure
 
 

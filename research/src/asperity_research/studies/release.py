@@ -203,13 +203,13 @@ _LOOKS = {
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw the force after the release, and the times of its maxima."""
-    figure, (left, right) = style.panels(7.2, 3.3, 2)
+    figure, (upper, lower) = style.panels(5.4, 6.6, rows=2)
     forces, ratios = tables["forces"], tables["ratios"]
     for _, part in forces.groupby("waiting"):
         greatest = part.iloc[int(part["force"].to_numpy().argmax())]
-        left.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
-        left.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
-        left.annotate(
+        upper.plot(part["time"], part["force"], "-", color=style.INK, linewidth=0.9)
+        upper.plot(greatest["time"], greatest["force"], "o", color=style.INK, markersize=4)
+        upper.annotate(
             rf"$t_\mathrm{{w}}={power(float(part['waiting'].iloc[0]))}$",
             (part["time"].iloc[0], part["force"].iloc[0]),
             xytext=(0, -9),
@@ -222,10 +222,10 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         mark, color = _LOOKS[str(name)]
         look = {"label": f"{str(name).replace('_', ', ')}, {move:g}"}
         look["markerfacecolor"] = color if move == _SOLIDS[str(name)].steps[0] else "white"
-        style.points(right, part, "waiting", "ratio", f"{mark}-", color, **look)
+        style.points(lower, part, "waiting", "ratio", f"{mark}-", color, **look)
         if not part["superposed_ratio"].isna().any():
-            right.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
-    WORDS.dress(left, right)
+            lower.plot(part["waiting"], part["superposed_ratio"], ":", color=color, linewidth=1.2)
+    WORDS.dress(upper, lower)
     return figure
 
 

@@ -250,7 +250,7 @@ _MARKS = {"lattice": "o", "half_space": "s", "waves_lattice": "o", "longest": "^
 
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw static and steady friction, and the slip that forgets a rest."""
-    figure, (rest, steady, memory, resolved) = style.panels(7.6, 6.0, 2, 2)
+    figure, (rest, steady, memory, resolved) = style.panels(6.4, 6.0, 2, 2)
     values, slips = tables["points"], tables["slips"]
     for axis, quantity in ((rest, "rest"), (steady, "steady")):
         shown = values[values["what"] == quantity].sort_values("at", kind="stable")

@@ -20,6 +20,7 @@ from asperity_research.studies.evidence import Around, Evidence
 from asperity_research.studies.ledger import Finding, estimate, proportion
 from asperity_research.studies.numbers import mean, slope
 from asperity_research.studies.study import Outcome, Study, Words
+from asperity_research.style import panels
 
 WORDS = Words.beside(__file__)
 WAIT, LOAD = "protocol.0.duration", "protocol.1.load"
@@ -124,15 +125,15 @@ def _exponent(times: Mapping[float, Field]) -> Estimate:
 def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
     """Draw area after the step, depth of the dip and time of the minimum."""
     dips, curves = tables["dips"], tables["curves"]
-    figure = Figure(figsize=(9.0, 3.4), layout="constrained")
-    area, depth, time = figure.subplots(1, 3)
+    figure, (area, depth, time) = panels(5.4, 8.6, rows=3)
     ratio = min(RATIOS)
     for (name, solid), mark, shade in zip(SOLIDS.items(), "sD^o", ("0.6", "0.4", "0.2", "0.0"), strict=True):
         shown = (curves["waiting_time"] == solid.waits[-1]) & (curves["load_ratio"] == ratio)
         curve = curves[shown & (curves["time"] > 0) & (curves["solid"] == name)]
         line = "--" if name in SEPARABLE else "-"
         style = {"marker": mark, "color": shade, "markersize": 4, "linestyle": line}
-        area.errorbar(curve["time"], curve["area"], curve["area_stderr"], label=name, **style)
+        label = name.replace("_", "-")
+        area.errorbar(curve["time"], curve["area"], curve["area_stderr"], label=label, **style)
         for part, fill in zip(RATIOS, (None, "white"), strict=True):
             selected = dips[(dips["solid"] == name) & (dips["load_ratio"] == part)]
             at, lowest = selected["waiting_time"], selected["time_of_minimum"]
