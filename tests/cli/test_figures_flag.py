@@ -38,8 +38,18 @@ def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
     assert suffixes(Path("out")) == found
     table = Path("out", "growth.csv" if command == "predict" else "aging_data.csv").read_text("utf-8")
     assert "measured / computed" in table
+    assert "measured times" not in Path("out/summary.txt").read_text("utf-8")
     assert main([command, str(asked), "--quiet", "--figures", "", "--out", "bare"]) == 0
     assert not suffixes(Path("bare"))
+
+
+@pytest.mark.parametrize("command", ["run", "predict"])
+def test_measured_times_outside_the_computed_ones_are_remarked(asked, command):
+    Path("late.csv").write_text("time_s,area_um2\n0,0.2\n0.5,0.3\n20,0.4\n")
+    assert main([command, str(asked), "--quiet", "--measured", "late.csv", "--out", "out"]) == 0
+    text = "2 of 3 measured times are outside the computed ones, 100 ms to 10 s"
+    for name in ("summary.txt", *["prediction.html"] * (command == "predict")):
+        assert text in Path("out", name).read_text("utf-8")
 
 
 def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken):

@@ -109,6 +109,22 @@ def test_a_file_with_legs_is_refused(mistaken, scan):
     assert mistaken("law", "area.toml", *scan, *RANGE, "-q").startswith("[output] measured: expected none")
 
 
+def test_what_a_law_does_not_use_is_remarked(asperity, scan):
+    solid = '[solid]\nkind = "half_space"\nmodulus = 3e9\nbranches = [[0.3, 1.0]]\n'
+    solid += "draws = [[[0.3, 1.0]], [[0.2, 1.0]]]\n"
+    Path("run.toml").write_text(
+        f'{solid}[contact]\npressure = 1e6\n[aging]\nhold = "load"\ntimes = [0.0]\n[friction]\n'
+        'shear_strength = 1e7\n[output]\npixel = "0.1 um"\nfigures = []\n'
+    )
+    unused = "a law does not use [solid] draws, [contact] pressure, [aging] hold, "
+    unused += "[friction] shear_strength, [output] pixel"
+    assert asperity("law", "run.toml", *scan, *RANGE, "-q") == (0, "", "")
+    assert f"  {unused}\n" in Path("law/summary.txt").read_text()
+    # What was written has no key that a law ignores.
+    assert asperity("law", "law/config.toml", *RANGE, "--out", "again", "-q") == (0, "", "")
+    assert "not use" not in Path("again/summary.txt").read_text()
+
+
 @pytest.mark.parametrize(
     ("flags", "said"),
     [

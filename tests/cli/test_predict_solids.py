@@ -382,7 +382,7 @@ def test_a_prediction_of_a_file_says_what_its_band_holds(undrawn, asperity):
 
 def test_a_run_does_not_use_draws_and_says_so_once(says):
     toml = write(solid=DRAWN)
-    unused = "a run does not use [solid] draws; asperity predict does"
+    unused = "a run does not use [solid] draws"
     said = says("run", toml)
     assert said.count("[solid] draws") == said.count(unused) == 1
     assert "draws =" not in Path("asperity-out/config.toml").read_text()

@@ -149,7 +149,7 @@ UNKNOWN = {
     f"{STIFF}branches = [[0.5, 1.0]]\nflow = [1.0, 2.0]": "[solid] flow: expected no branches beside it, got",
     "[contact]\nload = 1\nseparation = 1": "[contact] expected load or separation, got both",
     "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0": "[contact] expected load, pressure or",
-    "[aging]\nfirst = 10.0\nlast = 1.0": "[aging] expected first < last, got 10 and 1",
+    "[aging]\nfirst = 10.0\nlast = 1.0": "[aging] last: expected more than first, 10, got 1",
     "[aging]\ntimes = [1.0, 2.0]\nlast = 3.0": "[aging] expected times or last, got both",
     "[[protocol]]\nkind = 'hold'\nduration = 1.0\nmobilty = 2.0": "protocol[0] mobilty: no such key; did you",
 }

@@ -18,6 +18,7 @@ from asperity.app.campaign.store import Store
 from asperity.app.campaign.worker import Report, run_task
 from asperity.app.config import to_tables
 from asperity.app.runs.loops import compile_loops
+from asperity.app.runs.pipeline import unused
 from asperity.base import checks
 from asperity.base.calls import remark
 from asperity.base.files import expanded
@@ -125,8 +126,8 @@ def sweep(
         raise SystemExit(1)
     with checks.extra("campaign", "running a campaign"):  # before anything is written
         import distributed  # noqa: F401
-    for unused in dict.fromkeys(run.config.solid.unused for run in plan.runs if run.config.solid.unused):
-        remark(unused)
+    for text in dict.fromkeys(text for run in plan.runs for text in unused(run.config, "a run")):
+        remark(text)
     store = Store(expanded(directory).resolve())
     try:
         store.directory.mkdir(parents=True, exist_ok=True)

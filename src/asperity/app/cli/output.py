@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
 from asperity.app.config.reading import to_toml
+from asperity.app.runs.words import outside
 from asperity.base.files import Standing
 from asperity.base.tables import with_unit
 from asperity.figures import (
@@ -63,11 +64,11 @@ def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = Tru
 
 def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
     """Draw; numbers that cannot be drawn are no reason to lose them."""
+    summary, measured = outcome.summary, outcome.config.output.measured
     if not outcome.config.output.figures:
         return []
-    remarks = []
+    remarks = [] if measured is None else outside(measured, outcome.dataset)
     drawings: dict[str, Callable[[], Figure]] = {}
-    summary, measured = outcome.summary, outcome.config.output.measured
     if summary is None:
         drawings["history"] = lambda: history_figure(outcome.dataset, measured)
     elif summary.time.size:

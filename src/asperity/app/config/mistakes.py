@@ -68,7 +68,7 @@ def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | 
         if detail["type"] == "extra_forbidden":
             return _where(path, _outside(home, detail["input"], path))
         if detail["type"] == "value_error":
-            return _of_section(home, expected, flags, path) if home else _where(path, expected)
+            return _of_section(home, expected, flags, path) if home else _of_all(expected, flags, path)
         return _where(path, f"{home}: expected a section [{home}], got {_shown(detail['input'])}")
     key, given = str(place[1]), flags.get(home, {})
     if detail["type"] == "missing" and "kind" in given:
@@ -137,6 +137,16 @@ def _of_section(section: str, sentence: str, flags: Sections, path: Path | None)
     head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, sentence).partition("; try ")
     sentence = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
     return sentence if sentence.startswith("--") else _where(path, f"[{section}] {sentence}")
+
+
+def _of_all(sentence: str, flags: Sections, path: Path | None) -> str:
+    """One line for a mistake of the whole configuration: a key or a leg that came as a flag is named so."""
+    place, mark, rest = sentence.partition(": ")
+    if "protocol" in flags and (leg := place.removeprefix("protocol")) != place:
+        return f"--leg {leg}{mark}{rest}"
+    if match := re.fullmatch(r"\[(\w+)\] (\w+)", place):
+        return f"{_named(match[1], match[2], flags, path)}{mark}{rest}"
+    return _where(path, sentence)
 
 
 def _of_leg(place: list[Any], expected: str, flags: Sections, path: Path | None) -> str:

@@ -286,7 +286,7 @@ class RunConfig(Section):
         if self.protocol and "last" in self.aging.model_fields_set:
             raise ValueError("[aging] last: expected none beside a protocol, which says when it ends")
         if self.aging.times is None and not self.protocol and not self.span[0] < self.span[1]:
-            raise ValueError("[aging] expected first < last, got {:g} and {:g}".format(*self.span))
+            raise ValueError("[aging] last: expected more than first, {:g}, got {:g}".format(*self.span))
         if self.protocol and self.aging.hold is not None:
             raise ValueError("[aging] hold: expected none beside a protocol, whose legs say what they hold")
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):

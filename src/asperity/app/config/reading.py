@@ -73,8 +73,9 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
             tables["aging"].pop(rival, None)
     if not config.protocol:
         del tables["protocol"]
-    if not tables["friction"]:
-        del tables["friction"]
+    for name in ("contact", "friction"):
+        if not tables[name]:
+            del tables[name]
     if config.carries is None:
         del tables["carried"]
     return tables

@@ -184,11 +184,6 @@ class SolidSection(Section):
         """What is assumed of the solid beyond what is known; empty where nothing is."""
         return ""
 
-    @property
-    def unused(self) -> str:
-        """What a run does not use; empty where it uses all."""
-        return ""
-
     def resolved(self) -> Self:
         """The same solid without files: with the numbers that they give."""
         return self
@@ -401,11 +396,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
         if table is not None:
             return replace(table, solid=self.build())
         return replace(material(self.build(), draws=self.draws), span=self.known or (0.0, math.inf))
-
-    @property
-    def unused(self) -> str:
-        """See `SolidSection`."""
-        return "" if self.draws is None else "a run does not use [solid] draws; asperity predict does"
 
 
 SOLIDS: dict[str, type[SolidSection]] = {

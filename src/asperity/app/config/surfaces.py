@@ -65,6 +65,11 @@ class SurfaceSection(Section):
         return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
 
     @property
+    def scan(self) -> Self:
+        """The same without mirrored copies of itself."""
+        return self
+
+    @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
         """What `make` takes: the lattice or the file, and what has a name."""
         first, *facts = arguments_of(self.make, self).items()
@@ -116,6 +121,11 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
         if self.edges == "periodic":
             return "wrap" if self.periodic in ("reflect", "free") else self.periodic
         return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
+
+    @property
+    def scan(self) -> Self:
+        """The same, with reflecting edges in place of mirrored copies."""
+        return self.model_copy(update={"periodic": "reflect"}) if self.rule == "mirror" else self
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:

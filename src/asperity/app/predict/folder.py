@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
 from asperity.analysis.prediction import Prediction
 from asperity.app.config.models import Output
+from asperity.app.runs.words import outside
 from asperity.base.words import tables_to_toml
 from asperity.figures import write
 from asperity.figures.page import prediction_page, prediction_pictures
@@ -16,8 +18,10 @@ from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 
 
-def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> None:
-    """Write all but history and summary to a folder; the page tells the command that made it."""
+def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> list[str]:
+    """Write all but history and summary to a folder, with the command on the page; return more remarks."""
+    remarks = [] if output.measured is None else outside(output.measured, prediction.dataset)
+    prediction = replace(prediction, remarks=(*prediction.remarks, *remarks))
     pictures = prediction_pictures(prediction, measured=output.measured)
     page = prediction_page(prediction, pictures, command=command)
     (folder / "prediction.html").write_text(page, encoding="utf-8")
@@ -38,6 +42,7 @@ def write_files(prediction: Prediction, folder: Path, *, output: Output, command
         (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
     for name, picture in pictures.items() if output.figures else ():
         write(picture.figure, folder / name, output.figures)
+    return remarks
 
 
 def _solid(prediction: Prediction, fit: Fit) -> str:

@@ -14,10 +14,10 @@ from asperity.analysis.predicting import (
     predicted,
 )
 from asperity.analysis.prediction import Prediction
-from asperity.app.config import MeasuredSurface, RunConfig
+from asperity.app.config import RunConfig
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import HalfSpace
-from asperity.app.runs.pipeline import carried_by, check_units, completed, recorded_times
+from asperity.app.runs.pipeline import carried_by, check_units, completed, recorded_times, unused
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress
@@ -50,31 +50,27 @@ def predict_config(
     legs = config.written_out
     if legs:
         check_legs("protocol", legs, ramp=ramp)
-    section, chosen = config.solid, config.surface
+    section, surface = config.solid, config.surface.scan
     if not isinstance(section, HalfSpace):
         raise no_half_space("[solid] kind", section.kind)
-    if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
-        if config.contact.load is not None:
-            expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
-            advice = "periodic = 'reflect', or a pressure"
-            raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice=advice)
-        chosen = chosen.model_copy(update={"periodic": "reflect"})
+    if surface is not config.surface and config.contact.load is not None:
+        expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
+        advice = "periodic = 'reflect', or a pressure"
+        raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice=advice)
     aging = config.aging
     if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
         config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
     progress.stage("reading the scan")
-    scan, material = chosen.build(), section.material
+    scan, material = surface.build(), section.material
     check_units(config, material.solid, scan)
-    maps_asked = config.output.maps_at
-    config, remarks = completed(config.model_copy(update={"surface": chosen}), material.solid, scan)
+    idle = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
+    not_used = unused(config, "a prediction", idle)
+    config, remarks = completed(config.model_copy(update={"surface": surface}), material.solid, scan)
     times = recorded_times(config)
     times = times[times > 0]
     if not legs:
         _check_times(config, times)
         check_ramp(loading, times[-1])
-    idle = {"[friction] rate_coefficient": config.friction.rate_coefficient, "[output] maps_at": maps_asked}
-    if unused := [name for name, value in idle.items() if value is not None]:
-        remarks = (*remarks, f"a prediction does not use {' and '.join(unused)}")
     prediction = predicted(
         material,
         scan,
@@ -90,7 +86,7 @@ def predict_config(
         checkpoint=checkpoint,
         rtol=config.aging.rtol,
     )
-    return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *prediction.remarks))))
+    return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *not_used, *prediction.remarks))))
 
 
 def _check_times(config: RunConfig, times: Field) -> None:

@@ -5,36 +5,47 @@ from __future__ import annotations
 from typing import Any
 
 from asperity.analysis import law
-from asperity.app.config import MeasuredSurface, RunConfig
-from asperity.app.config.models import Contact
-from asperity.app.runs.pipeline import Outcome, check_units, completed
-from asperity.carried import Carried
+from asperity.app.config import RunConfig
+from asperity.app.config.models import Aging, Contact, Friction, Output
+from asperity.app.runs.pipeline import Outcome, carried_by, check_units, completed, unused
 from asperity.errors import InputError
 from asperity.progress import Progress
 
+_UNUSED = {
+    "solid": ("draws",),
+    "contact": tuple(Contact.model_fields),
+    "aging": ("first", "last", "per_decade", "hold"),
+    "friction": tuple(Friction.model_fields),
+    "output": ("maps_at", "pixel", "blur", "threshold"),
+}
+"""Keys that a law does not use, by section."""
+
 
 def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcome:
-    """The law of a configuration's surface and solid at its times; see `asperity.law` for what is asked.
+    """Tabulate the law of a configuration's surface and solid at its times, with arguments of `asperity.law`.
 
-    Where the solid is a half-space of one Poisson's ratio, the tangential stiffness is tabulated.
+    A half-space of one Poisson's ratio has a tangential stiffness, too. The outcome's configuration gives
+    the same law.
     """
-    for name, put in (("[[protocol]]", config.protocol), ("[output] measured", config.output.measured)):
-        if put:
+    for name, value in (("[[protocol]]", config.protocol), ("[output] measured", config.output.measured)):
+        if value:
             expected, advice = "none for a law, whose pressures are held", "asperity run"
             raise InputError(name, expected=expected, got="some", advice=advice)
-    solid, chosen = config.solid.build(), config.surface
-    if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
-        chosen = chosen.model_copy(update={"periodic": "reflect"})
+    solid, surface = config.solid.build(), config.surface.scan
     progress.stage("reading the scan")
-    scan = chosen.build()
+    scan = surface.build()
     if solid.in_lengths:
         scan.in_meters()
     check_units(config, solid, scan)
     carried = config.carried.model_copy(update={"stiffness": True} if solid.half_space else {})
-    facts = carried.asked(getattr(config.solid, "poisson", None))
-    of_law = {"times": config.aging.times, "carried": facts and Carried(**facts), "rtol": config.aging.rtol}
-    dataset = law(solid, scan, **of_law, progress=progress, **asked)  # type: ignore[arg-type]
-    held = Contact(pressure=float(dataset["pressure"][-1]))
-    used = config.model_copy(update={"surface": chosen, "carried": carried, "contact": held})
-    used, remarks = completed(used, solid, scan)
-    return Outcome(used, dataset, None, (*remarks, *[config.solid.unused] * bool(config.solid.unused)))
+    config = config.model_copy(update={"surface": surface, "carried": carried})
+    times, rtol = config.aging.times, config.aging.rtol
+    dataset = law(solid, scan, times=times, carried=carried_by(config), rtol=rtol, progress=progress, **asked)
+    pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
+    used, remarks = completed(config.model_copy(update={"contact": pressed}), solid, scan)
+    update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}
+    update |= {
+        "output": Output(figures=config.output.figures),
+        "aging": Aging(times=dataset["time"].values.tolist(), rtol=rtol),
+    }
+    return Outcome(used.model_copy(update=update), dataset, None, remarks + unused(config, "a law", _UNUSED))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,6 +42,9 @@ _MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
 """Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
 least hardness and shear strength."""
 
+_DRAWS = {"solid": ("draws",)}
+"""Keys that only a prediction uses, by section."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -74,7 +77,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     if config.carries is not None:
         check_half_space("carried", solid, bodies.lattice)
     config, remarks = completed(config, solid, rough)
-    remarks += (config.solid.unused,) if config.solid.unused else ()
+    remarks += unused(config, "a run")
     progress.completed(config)
     for remark in remarks:
         progress.remark(remark)
@@ -222,6 +225,17 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
         "output": config.output.model_copy(update={"maps_at": maps_at}),
     }
     return config.model_copy(update=completed), remarks
+
+
+def unused(config: RunConfig, name: str, keys: Mapping[str, Iterable[str]] = _DRAWS) -> tuple[str, ...]:
+    """Remark on the keys of a configuration, among these of each section, that a computation does not use."""
+    idle = [
+        f"[{section}] {key}"
+        for section, unused_keys in keys.items()
+        for key, value in getattr(config, section)
+        if key in unused_keys and key in getattr(config, section).model_fields_set and value is not None
+    ]
+    return (f"{name} does not use {', '.join(idle)}",) if idle else ()
 
 
 def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[ContactSection, str]:
