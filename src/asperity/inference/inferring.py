@@ -37,7 +37,7 @@ from asperity.inference.rivals import (
     with_draws,
 )
 from asperity.inference.sampling import Draws, Problem, libraries, sample
-from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
+from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, distinguishable
 from asperity.progress import Progress, listener
 
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
@@ -151,7 +151,7 @@ class Inference(views.Brief, views.Pictured):
         lines = parting(self.rivals)
         lines += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
         for combination in self.combinations:
-            low, high = told_apart(combination.low, combination.high)
+            low, high = distinguishable(combination.low, combination.high)
             better = f"{combination.tighter:.2g} times better known than any of these alone"
             lines.append(f"{combination.name} lies between {low} and {high}, {better}")
         useless = []

@@ -84,7 +84,7 @@ class Verdict:
         if self.verdict.startswith("bounded "):
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
-        low, median, high = told_apart(self.low, self.median, self.high)
+        low, median, high = distinguishable(self.low, self.median, self.high)
         within = f" within a factor of {self.factor:.2g}" if self.verdict == "bounded" else ""
         return f"{self.parameter} = {median} [{low}, {high}]{unit}{within}"
 
@@ -332,7 +332,7 @@ def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def told_apart(*values: float) -> list[str]:
+def distinguishable(*values: float) -> list[str]:
     """Write rising numbers with three digits or more, such that their difference has two."""
     size = max(abs(values[0]), abs(values[-1]))
     digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3

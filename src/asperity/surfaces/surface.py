@@ -294,8 +294,8 @@ def combined(first: Surface, second: Surface) -> Surface:
     across = 1.0 if other_unit == unit else prepare.conversion(other_unit, unit) or math.nan
     pixels = second.pixel_size and [across * side for side in second.pixel_size]
     if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
-        expected = f"the pixel size of the first, {_told_size(first)}"
-        raise InputError("second", expected=expected, got=_told_size(second))
+        expected = f"the pixel size of the first, {_pixel_words(first)}"
+        raise InputError("second", expected=expected, got=_pixel_words(second))
     if first.unit == second.unit == "rms":
         got = "heights in units of the rms of each"
         raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
@@ -336,7 +336,7 @@ def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> t
     return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
 
 
-def _told_size(surface: Surface) -> str:
+def _pixel_words(surface: Surface) -> str:
     if surface.pixel_size is None:
         return "unknown"
     return f"{_sides(surface.pixel_size)} {surface.length_unit or '(no unit)'}"
