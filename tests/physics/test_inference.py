@@ -251,6 +251,13 @@ def test_of_very_many_points_some_are_taken_evenly_in_the_logarithm_of_time():
     np.testing.assert_allclose(np.diff(np.log(late)), np.diff(np.log(late)).mean(), rtol=0.2)
 
 
+def test_times_may_be_in_any_order():
+    series, *_ = inferring._data([3.0, 0.0, 1.0], [4.0, 2.0, 3.0], [0.3, 0.1, 0.2], "power", None)
+    np.testing.assert_array_equal(
+        [series.x, series.y, series.stderr], [[0, 1, 3], [2, 3, 4], [0.1, 0.2, 0.3]]
+    )
+
+
 # -- The verdicts --------------------------------------------------------------------------------------------
 
 
@@ -493,8 +500,9 @@ def test_a_ball_under_a_held_load_gives_the_modulus_and_the_relaxation(quantity)
 @pytest.mark.parametrize(
     ("given", "name", "got"),
     [
-        ({"time": [1.0, 3.0, 2.0, 4.0]}, "time", "3 before 2"),
-        ({"area": [1.0, 1.1, 1.2]}, "area", "3 values"),
+        ({"time": [-1.0, 2.0, 3.0, 4.0]}, "time", "-1"),
+        ({"area": [1.0, 1.1, 1.2]}, "area", "3"),
+        ({"error": [0.01, 0.01]}, "error", "2"),
         ({"error": 0.0}, "error", "0.0"),
         ({"area": [4.0, 3.0, 2.0, 1.0]}, "area", "4"),
         ({"branches": 2}, "time", "4"),
@@ -547,7 +555,7 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
     rounds: list[str] = []
     for _ in range(3):  # the third time with the whole weight of the data
         with pytest.raises(ConvergenceError, match="ensembles"):
-            sample(Problem(T, value, error, made), told=rounds.append, **how)
+            sample(Problem(T, value, error, made), report=rounds.append, **how)
     assert "R-hat" in rounds[-1]
 
 

@@ -409,7 +409,7 @@ def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path: Path) -> None:
     assert configured(tmp_path, text).span == pytest.approx((0.01, 100.0))
     config = configured(tmp_path, f"{text}[aging]\nlast = 500.0\nper_decade = 1\n[surface]\nshape = [16, 16]")
     outcome = execute(config, Progress())
-    assert "beyond the last time of the table, 100 s, the modulus is assumed to stay" in outcome.remarks
+    assert "the modulus is assumed to stay after the last time of the table, 100 s" in outcome.remarks
     assert "extrapolate" not in to_toml(outcome.config)  # the branches hold it
     with pytest.raises(ConfigError, match=r"got 0.01 to inf s$"):
         configured(tmp_path, f"{text}[aging]\nfirst = 0.001\nlast = 500.0")

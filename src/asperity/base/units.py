@@ -165,7 +165,8 @@ def factor(unit: str, target: str) -> float | None:
 
 def _converted(amount: float, unit: str, target: str) -> float | None:
     unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
-    unit = _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm")
+    unit = re.sub(r"\s*/\s*", "/", _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm"))
+    unit = f"1{unit}" if unit.startswith("/") else unit
     if len(unit) > 40 or not _UNIT.fullmatch(unit):
         return None
     import pint

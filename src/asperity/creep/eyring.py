@@ -16,10 +16,10 @@ from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
 from asperity.errors import InputError
 
 _BOLTZMANN, _AVOGADRO = 1.380649e-23, 6.02214076e23
-"""J/K and 1/mol, exact in the SI. Written out, because the help of commands does not wait for scipy."""
+"""J/K and 1/mol, exact in the SI; without scipy, whose import would delay the help of commands."""
 
 _BLOCK = 2**13
-"""Stresses taken at a time, which stay in the cache."""
+"""Number of stresses that stay in the cache."""
 
 _SMALLEST_RATE = 1e-290
 """Rate below which double precision loses digits."""
@@ -31,7 +31,7 @@ _Energy = Annotated[
     Quantity(
         "energy of activation",
         "J",
-        more=" Q; with the next three it gives Eyring's v0 = prefactor exp(-Q/kT) and s0 = kT/volume.",
+        more=" Q; with the next three keys v0 = prefactor exp(-Q/kT) and s0 = kT/volume.",
     ),
 ]
 _Volume = Annotated[float | str, Gt(0), Quantity("volume of activation", "m^3")]
@@ -131,7 +131,7 @@ class Eyring(LocalCreep):
         return self.stress
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
-        """See `LocalCreep`. Beyond `LARGEST_EXPONENT`, which is refused, it is that at it."""
+        """See `LocalCreep`; constant beyond `greatest_stress`, which is refused."""
         stress = np.ascontiguousarray(stress)
         rate, slope = np.empty_like(stress), np.empty_like(stress)
         flat = [field.reshape(-1) for field in (stress, rate, slope)]
@@ -146,7 +146,7 @@ class Eyring(LocalCreep):
 
 
 def joules(energy: float | str) -> float:
-    """An energy of activation in joules, from one for each mole where the text says so."""
+    """Convert an energy of activation, also one per mole, to joules."""
     if isinstance(energy, str) and "mol" in energy:
         return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
     return units.number("energy", energy, "J", above=0)

@@ -60,7 +60,7 @@ class Garofalo(LocalCreep):
         return np.asarray(self.stress * rise / (self.exponent - 1.0 + rise))
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
-        """See `LocalCreep`. Beyond `greatest_stress`, which is refused, it is that at it."""
+        """See `LocalCreep`; constant beyond `greatest_stress`, which is refused."""
         x = np.minimum(np.abs(stress) / self.stress, LARGEST_EXPONENT / self.exponent)
         sine = np.sinh(x)
         power = sine ** (self.exponent - 1.0)

@@ -1,4 +1,4 @@
-"""A law of creep that is given by functions."""
+"""A law of creep of two functions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from asperity.errors import InputError
 
 @dataclass(frozen=True)
 class CreepLaw(LocalCreep):
-    """A law of your own.
+    """A law of creep from its velocity and derivative.
 
     Parameters
     ----------
@@ -25,12 +25,12 @@ class CreepLaw(LocalCreep):
     derivative
         v': stresses -> derivatives >= 0, arrays.
 
-    A class derived from `LocalCreep` says both in one method, ``velocity``.
+    A class derived from `LocalCreep` has both in one method, ``velocity``.
 
     Raises
     ------
     InputError
-        The functions give something else at stresses up to 1; or, when it is used, up to those of a contact.
+        The functions are wrong at stresses up to 1; or, in use, up to the greatest one of the contact.
     """
 
     rate: Callable[[Floats], Floats]
@@ -48,10 +48,9 @@ class CreepLaw(LocalCreep):
 
     def velocity(self, stress: Floats) -> tuple[Floats, Floats]:
         """See `LocalCreep`."""
-        found = []
-        for name, function in (("rate", self.rate), ("derivative", self.derivative)):
-            values = checks.floats(name, function(stress))
+        velocity, slope = checks.floats("rate", self.rate(stress)), self.derivative(stress)
+        slope = checks.floats("derivative", slope)
+        for name, values in (("rate", velocity), ("derivative", slope)):
             if values.shape != stress.shape:
                 raise InputError(name, expected=f"an array of shape {stress.shape}", got=values.shape)
-            found.append(values)
-        return found[0], found[1]
+        return velocity, slope

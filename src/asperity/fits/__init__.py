@@ -1,4 +1,4 @@
-"""Laws of the growth of the contact area, fitted with uncertainties; to simulated or measured data."""
+"""Fits of laws of growth, with uncertainties, to simulated or measured areas."""
 
 from asperity.base.calls import answered as _answered
 from asperity.fits.comparison import Comparison, compare

@@ -1,23 +1,22 @@
-r"""Which law the data prefer, and how far to trust that.
+r"""Which law the data prefer, and how far to trust this.
 
 Akaike's information criterion with the correction for few points (N. Sugiura, Commun. Stat. A 7, 13 (1978),
 doi:10.1080/03610927808827599) for n values and k parameters, the variance among them:
 
     AICc = n ln(squares/n) + 2 k + 2 k (k + 1)/(n - k - 1),
 
-or, with standard errors given, chi-squared in place of the logarithm's term. It assumes independent errors.
-Along a run of a simulation they are correlated, and the likelihood counts the same evidence many times. So
-the verdict rests on a second difference, in which the likelihood counts
+or, with standard errors, chi-squared in place of the first term. AICc assumes independent errors, but errors
+along a run of a simulation are correlated, and count the same evidence many times. So the verdict rests on a
+second difference, with the likelihood of
 
     n_eff = n (1 - rho)/(1 + rho)
 
-values, rho being the correlation of neighboring residuals (of the law that saturates, which contains the
-other). This is the number of independent values for the mean of an autoregressive series of first order: a
-rough measure, but a cautious one.
+values, where rho is the correlation of neighboring residuals of the saturating law. This is the number of
+independent values for the mean of an autoregressive series of first order: a rough, cautious measure.
 
-The logarithm is the limit q -> 0 of the law that saturates. So it never fits better, and the criterion favors
-it by the price of one parameter at most. For the verdict ``"logarithm"`` the data must also exclude a
-saturation that halves the slope within them.
+The logarithm is the limit q -> 0 of the saturating law. So it never fits better, and AICc favors it by the
+price of one parameter at most. The verdict ``"logarithm"`` also requires that the data exclude a saturation
+that halves the slope within them.
 """
 
 from __future__ import annotations
@@ -39,26 +38,26 @@ from asperity.fits.result import student
 Verdict = Literal["logarithm", "saturation", "undecided"]
 
 UNLIKELY = 0.05
-"""Relative likelihood below which a law is given up."""
+"""Relative likelihood below which a law is excluded."""
 
 ROUNDING = 8 * np.finfo(np.float64).eps
-"""Relative residual below which two fits are both exact."""
+"""Relative residual below which a fit is exact."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Comparison(views.Brief):
-    """The two laws beside each other.
+    """Comparison of the two laws.
 
     Attributes
     ----------
     verdict
-        ``"saturation"`` if the logarithm's relative likelihood is below 0.05; ``"logarithm"`` if the other
-        law does not pay for its parameter, and its 95 % interval excludes a slope that halves within the
-        data; else ``"undecided"``. All with `effective_points`.
+        ``"saturation"`` if the relative likelihood of the logarithm is below 0.05; ``"logarithm"`` if AICc
+        prefers it, and the 95 % interval of q excludes a slope that halves within the data; else
+        ``"undecided"``. All with `effective_points`.
     logarithm, saturation
         The fits.
     delta_aicc
-        AICc of the logarithm less that of the law that saturates, as if all values were independent.
+        AICc of the logarithm less that of the saturating law, as if all values were independent.
     autocorrelation, effective_points
         Correlation rho of neighboring residuals; number of independent values, n (1 - rho)/(1 + rho) or n.
     delta_effective, relative_likelihood
@@ -84,7 +83,7 @@ def compare(time: ArrayLike, area: ArrayLike | None = None, stderr: ArrayLike | 
 def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Comparison:
     """Say which of two fits of this curve the data prefer."""
     weighted = curve.points.stderr is not None
-    # Parameters besides C and t0 of both: q of one, A(0) if it is fitted, the variance if it is not given.
+    # Further parameters of both laws: A(0) if it is fitted, and the variance without standard errors.
     n, extra = curve.points.x.size, (not curve.initial_known) + (not weighted)
     if n < extra + 5:
         raise InputError("time", expected=f"at least {extra + 5} values to compare the laws by", got=n)
@@ -92,8 +91,8 @@ def compared(curve: Curve, log: LogarithmFit, power: SaturationFit) -> Compariso
     rho, worth = neighbors(of_power)
     effective = n * worth
     penalty = price_of(n, 2 + extra) - price_of(n, 3 + extra)
-    # One law contains the other; less than 0 is what the search leaves of an exact logarithm.
-    evidence = max(0.0, lack_of(of_log, given=weighted) - lack_of(of_power, given=weighted))
+    # One law contains the other: less than 0 is an error of the search.
+    evidence = max(0.0, lack_of(of_log, weighted=weighted) - lack_of(of_power, weighted=weighted))
     delta = effective * evidence + penalty
     return Comparison(
         verdict=_verdict(delta, power, float(curve.points.x[-1]) * curve.time_unit, 1 / worth),
@@ -113,21 +112,21 @@ def _residual(curve: Curve, fit: GrowthFit) -> Floats:
     return np.asarray(residual if points.stderr is None else residual / points.stderr)
 
 
-def lack_of(misfit: Floats, *, given: bool, rounding: float = ROUNDING) -> float:
-    """Minus twice the logarithm of the likelihood, a value, with standard errors given or fitted."""
+def lack_of(misfit: Floats, *, weighted: bool, rounding: float = ROUNDING) -> float:
+    """-2 ln(likelihood) per value, of misfits in standard errors, or with a fitted variance."""
     square = float(np.mean(misfit**2))
-    return square if given else math.log(max(square, rounding**2))
+    return square if weighted else math.log(max(square, rounding**2))
 
 
 def price_of(n: int, k: int) -> float:
-    """What AICc adds for k parameters of n values."""
+    """Penalty of AICc for k parameters of n values."""
     return 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
 
 def neighbors(residual: Floats) -> tuple[float, float]:
-    """Correlation of neighboring residuals, below 1, and the part of the values that is independent."""
+    """Correlation of neighboring residuals, below 1, and the share of independent values."""
     squares = float(residual @ residual)
-    # Smooth residuals of many points would come out as 1, and be worth no point at all.
+    # Smooth residuals of many points would have 1, and no independent value.
     most = 1 - 2 / (residual.size + 1)
     rho = min(float(residual[1:] @ residual[:-1]) / squares, most) if squares > 0 else 0.0
     return rho, min(1.0, (1 - rho) / (1 + rho))

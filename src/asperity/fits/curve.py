@@ -16,15 +16,12 @@ MANY = 2000
 """Points above which a search for starting points works on means over bins."""
 
 BINS = 300
-"""Bins of equal width in the logarithm of time that many points are gathered in."""
+"""Number of these bins, of equal width in ln x."""
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Values y against a variable x, which is in order, shape (n,); several values may have the same x.
-
-    Standard errors of y are None where they are not known, and all values weigh the same.
-    """
+    """Values y against x, which does not fall, shape (n,); without standard errors all have one weight."""
 
     x: Floats
     y: Floats
@@ -32,13 +29,17 @@ class Series:
 
     @classmethod
     def checked(
-        cls, x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None, names: Sequence[str] = ("time", "area")
+        cls,
+        x: ArrayLike,
+        y: ArrayLike | None,
+        stderr: ArrayLike | None,
+        names: Sequence[str] = ("time", "area", "stderr"),
     ) -> Series:
-        """Check and sort; x not below 0, y and stderr above 0. The names are for the error messages."""
-        of_x, of_y = names
+        """Check and sort; x not below 0, y and stderr above 0. The names are for messages."""
+        of_x, of_y, of_errors = names
         xs, ys = line(of_x, x), line(of_y, y)
-        sigmas = None if stderr is None else line("stderr", stderr)
-        for name, values in ((of_y, ys), ("stderr", sigmas)):
+        sigmas = None if stderr is None else line(of_errors, stderr)
+        for name, values in ((of_y, ys), (of_errors, sigmas)):
             if values is None:
                 continue
             if values.size != xs.size:
@@ -51,15 +52,14 @@ class Series:
         order = np.argsort(xs, kind="stable")
         return cls(xs[order], ys[order], None if sigmas is None else sigmas[order])
 
-    def where(self, chosen: NDArray[np.bool_]) -> Series:
+    def where(self, chosen: NDArray[np.bool_ | np.intp]) -> Series:
         """Some of the points."""
         return Series(self.x[chosen], self.y[chosen], None if self.stderr is None else self.stderr[chosen])
 
     def binned(self, bins: int = BINS) -> Series:
-        """Weighted means over bins of equal width in ln x, with relative or true standard errors.
+        """Weighted means over bins of equal width in ln x; points at x = 0 are another bin.
 
-        Points at x = 0 are a bin of their own. Where no standard errors are known, those of the means are
-        in units of the common one of the values.
+        Without standard errors, those of the means are in units of the common one of the values.
         """
         weight = np.ones_like(self.y) if self.stderr is None else self.stderr**-2
         zeros = int(np.searchsorted(self.x, 0.0, side="right"))
@@ -78,7 +78,7 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """The points to fit a law of growth to, in units of the data: the first time above 0, A(0) or first area.
+    """Points of a fit in units of the first time above 0 and of A(0), or else of the first area.
 
     If A(0) is known, it is 1 and no point. Else it is a parameter, and areas at time 0 are points.
     """
@@ -92,7 +92,7 @@ class Curve:
     def checked(
         cls, time: ArrayLike, area: ArrayLike | None, stderr: ArrayLike | None, parameters: int
     ) -> Curve:
-        """Check what was given; `parameters` does not count A(0). A DataArray alone knows its times."""
+        """Check areas and times, or one DataArray with both; `parameters` does not count A(0)."""
         if area is None:
             area, labels = time, getattr(time, "coords", {})
             if "time" not in labels or getattr(area, "name", "") == "time":
@@ -103,7 +103,7 @@ class Curve:
             time = labels["time"]
         series = Series.checked(time, area, stderr)
         for name, values in (("time", series.x), ("area", series.y), ("stderr", series.stderr)):
-            # Squares and ratios of others would leave the range of numbers.
+            # Squares and ratios must not overflow.
             numbers = np.zeros(0) if values is None else values
             beyond = numbers[(numbers > LARGEST) | ((numbers > 0) & (numbers < 1 / LARGEST))]
             if len(beyond):
@@ -128,12 +128,12 @@ class Curve:
         return cls(points, time_unit, area_unit, exact_start)
 
     def time_scales(self) -> Floats:
-        """Values of t0 to start from."""
+        """Starting values of t0."""
         return np.geomspace(0.1, 10 * self.points.x[-1], 20)
 
 
 def refuse_decline(series: Series, name: str = "area") -> None:
-    """Raise `InputError` for values that do not grow with time on the whole (rank correlation)."""
+    """Raise `InputError` unless values grow with time, by their rank correlation."""
     constant = bool((series.y == series.y[0]).all())
     rank = 0.0 if constant or not np.ptp(series.x) else float(spearmanr(series.x, series.y).statistic)
     if not rank > 0:
@@ -144,5 +144,5 @@ def refuse_decline(series: Series, name: str = "area") -> None:
 
 
 def sketch(values: Floats) -> str:
-    """First and last of some numbers."""
+    """First and last number, for messages."""
     return f"{values[0]:g} ... {values[-1]:g}" if values.size else "none"

@@ -9,23 +9,20 @@ the first is fitted as
 
     A(t) = A(0) + K [1 - (1 + t/t0)^(-q)] / q,
 
-in ln K, ln t0, ln q, which is regular there; C = K/A(0) and a = 1 + C/q come after, by the delta method. A(0)
-is not fitted as a logarithm. Where no time lies below t0, the fit hardly changes along dA(0) = K d ln t0, and
-this valley is straight in A(0). Where A(0) and the final area are known, K = (a - 1) q A(0), and ln t0 and ln
-q are fitted. The q of these laws is an exponent of time; the paper has the same letter for a wave vector and
-for an exponent of the area.
+in ln K, ln t0, ln q, which is regular there; C = K/A(0) and a = 1 + C/q follow by the delta method. A(0) is
+not fitted as a logarithm: if no time lies below t0, the fit hardly changes along dA(0) = K d ln t0, and this
+valley is straight in A(0). If A(0) and the final area are known, K = (a - 1) q A(0), and ln t0 and ln q are
+fitted. The exponent q of time is neither the wave vector nor the exponent of the area, which have the same
+letter in the paper.
 
 Compare C with the dilute theory of exponential heights, whose late slope is dA/A(0)/d ln t = k_eff/(8 pi k0),
 with k_eff/k0 from `asperity.theory.site_stiffness`. The paper's Eq. (ndet2) puts k1 for k_eff.
 
-Least squares of the residuals of the area, all of one weight, or weighted with standard errors that are
-given. The covariance is the inverse of J^T J times the variance of the residuals. With standard errors this
-factor is 1, and `reduced_chi_squared` has the variance. Errors of A(t) along one run of a simulation are
-correlated. The standard errors then say how well this curve determines the law. For the scatter from surface
-to surface, take `asperity.fits.ensemble`.
-
-Measured data can be areas or coefficients of static friction, against hold times in any order, any number of
-values at a time.
+Least squares of the residuals of the area, all of one weight or weighted by standard errors. The covariance
+is the inverse of J^T J times the variance of the residuals. With standard errors this factor is 1, and
+`reduced_chi_squared` has the variance. Errors of A(t) along one run of a simulation are correlated; then the
+standard errors describe how well this curve determines the law. For the scatter from surface to surface, take
+`asperity.fits.ensemble`.
 """
 
 from __future__ import annotations
@@ -46,7 +43,7 @@ from asperity.fits.search import EXPONENT_RANGE, Optimum, fit_law
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class GrowthFit(FitResult):
-    """What the two laws share; see `LogarithmFit` for the meaning of each field."""
+    """Base of the two laws; `LogarithmFit` describes the fields."""
 
     C: float
     C_stderr: float
@@ -69,7 +66,7 @@ class GrowthFit(FitResult):
         return self.C * age
 
     def predict(self, time: ArrayLike) -> Floats:
-        """A(t) at times not below 0, in the unit of the areas given; any shape."""
+        """A(t) at times not below 0, in the unit of the areas; any shape."""
         return np.asarray(self.initial_area * self.area_ratio(time))[()]
 
     __call__ = predict
@@ -82,13 +79,13 @@ class LogarithmFit(GrowthFit):
     Attributes
     ----------
     C, t0
-        Slope in ln t, and time scale (unit of the times given). Where no time lies below t0 and A(0) was not
-        given, only A(0) C and one combination of A(0) and t0 are determined: standard errors are huge then.
+        Slope in ln t, and time scale (unit of the times). If no time lies below t0 and A(0) is fitted, the
+        data determine only A(0) C and one combination of A(0) and t0: standard errors are huge then.
     initial_area
-        A(0); its standard error is 0 where it was given (see `saturation`).
+        A(0); its standard error is 0 if it was not fitted (see `saturation`).
     slope
-        A(0) C, the slope dA/d ln t for t0 << t, in the unit of the areas; times ln 10, per decade. It is
-        determined even where A(0) is not.
+        A(0) C, the slope dA/d ln t for t0 << t, in the unit of the areas; times ln 10, per decade. The data
+        determine it even if they do not determine A(0).
     """
 
 
@@ -99,10 +96,10 @@ class SaturationFit(GrowthFit):
     Attributes
     ----------
     a, q, t0
-        Final area ratio, exponent, and time scale (unit of the times given).
+        Final area ratio, exponent, and time scale (unit of the times).
     C
-        (a - 1) q, the slope in ln t of the logarithm that the law follows until t is about t0 exp(1/q). Where
-        q_stderr is not small beside q the data are those of the logarithm: trust C, and neither a nor q. At
+        (a - 1) q, the slope in ln t of the logarithm that the law follows until t is about t0 exp(1/q). If
+        q_stderr is not small beside q, the data are those of the logarithm: trust C, and neither a nor q. At
         the least q searched, 1e-8, a_stderr is infinite.
     initial_area, slope
         As for `LogarithmFit`; A(t) follows that slope for t0 << t << t0 exp(1/q).
@@ -132,27 +129,27 @@ def saturation(
         Times since the contact was made, shape (n,), not below 0, in any order, repeated or not.
     area
         Areas, shape (n,), above 0, in any unit: fraction, sites or square meters; or any other measure of
-        the contact, such as the coefficient of static friction. An xarray DataArray serves for both; one of
-        areas with a coordinate ``time`` needs no other argument: ``saturation(history.area)``.
+        the contact, such as the coefficient of static friction. An xarray DataArray of areas with a
+        coordinate ``time`` needs no other argument: ``saturation(history.area)``.
     stderr
         Standard errors of the areas, shape (n,), above 0, if they are known.
     limit
-        A(infinity), in the unit of the areas, where it is known, as from `asperity.relax`: a is
-        limit/A(0) then, without an error, and q and t0 are fitted. It takes one area at time 0, below it, and
-        no standard errors.
+        A(infinity), in the unit of the areas, if it is known, as from `asperity.relax`. Then a = limit/A(0),
+        without an error, and q and t0 are fitted. It requires one area at time 0, below it, and no standard
+        errors.
 
     Returns
     -------
     SaturationFit
-        Law and parameters. If one area is given at time 0, and no standard errors, it is A(0) and takes no
-        part in the fit. Otherwise A(0) is a parameter, between 1e-3 and 10 first areas, and areas at time 0
-        are measurements like others.
+        Law and parameters. With one area at time 0, and no standard errors, this area is A(0), and no point
+        of the fit. Otherwise A(0) is a parameter, between 1e-3 and 10 first areas, and areas at time 0 are
+        points like others.
 
     Raises
     ------
     InputError, ConvergenceError
-        The data do not grow (by their rank correlation with time), or are too few: the values fitted must
-        outnumber the parameters (C, t0, q, and A(0) where it is one); no start led to a minimum.
+        The data do not grow (by their rank correlation with time), or are not more than the parameters (C,
+        t0, q, and A(0) if it is fitted); no start led to a minimum.
     """
     curve = Curve.checked(time, area, stderr, parameters=3 if limit is None else 2)
     exponents = (1e-3, 0.03, 0.1, 0.3, 1.0, 3.0)
@@ -194,8 +191,7 @@ def logarithm(
 ) -> LogarithmFit:
     """Fit Eq. (log), a logarithm without end, to a curve A(t).
 
-    Arguments and errors are those of `saturation`; the parameters are C, t0, and A(0) where it is one.
-
+    Arguments and errors are those of `saturation`; the parameters are C, t0, and A(0) if it is fitted.
     """
     curve = Curve.checked(time, area, stderr, parameters=2)
     best = fit_law(_logarithmic, curve, [np.log([1.0, t0]) for t0 in curve.time_scales()], [])
@@ -203,7 +199,7 @@ def logarithm(
 
 
 def _shared(best: Optimum) -> dict[str, Any]:
-    """Fields of both laws, in the units of what was given."""
+    """Fields of both laws, in the units of the data."""
     time_unit, area_unit = best.curve.time_unit, best.curve.area_unit
     t0, slope = float(np.exp(best.theta[1])) * time_unit, best.C * best.initial * area_unit
     return {

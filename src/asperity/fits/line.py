@@ -1,4 +1,4 @@
-"""Least squares with polynomials of low degree: the straight lines behind exponents and growth rates."""
+"""Least squares with polynomials of low degree, for exponents and growth rates."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from asperity.fits.result import quality
 class Polynomial:
     """A polynomial y = sum_k c_k z^k in z = (x - center)/scale, from -1 to 1, and how well it fits.
 
-    The covariance is (J^T J)^-1, times the variance of the residuals of y unless standard errors were given.
+    The covariance is (J^T J)^-1, times the variance of the residuals of y without standard errors.
     """
 
     coefficients: Floats
@@ -40,7 +40,7 @@ class Polynomial:
 def polynomial(
     x: Floats, y: Floats, stderr: Floats | None, *, degree: int = 1, name: str = "time"
 ) -> Polynomial:
-    """Fit; the points must outnumber the coefficients, and the different x be as many."""
+    """Fit; there must be more points than coefficients, and as many different x."""
     coefficients = degree + 1
     if x.size <= coefficients:
         raise InputError(name, expected=f"at least {coefficients + 1} points to fit", got=x.size)

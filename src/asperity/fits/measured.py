@@ -1,7 +1,7 @@
 """The growth of a measured quantity with hold time: laws, rates, and which law the data prefer.
 
-Contact area or static friction, of a laboratory or of a simulation: all that is known is the table. Compare
-`asperity.analysis.aging`, which knows the whole history of a simulation.
+The quantity is contact area or static friction, in a table. For the history of a simulation, take
+`asperity.analysis.aging`.
 """
 
 from __future__ import annotations
@@ -21,32 +21,31 @@ from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturatio
 from asperity.fits.rate import GrowthRate, growth_rate
 
 Law = Literal["saturation", "logarithm"]
-_FEW_ENOUGH = 1000  # points that are shown one by one; of more, means over bins
-_WORTH = 0.5  # independent values a value, below which standard errors deserve a remark
+_FEW_ENOUGH = 1000  # points above which means over bins are shown
+_WORTH = 0.5  # share of independent values below which standard errors get a remark
 _SHOWN_BINS = 100
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredGrowth(views.Brief, views.Pictured):
-    """What a table of values against hold time says.
+    """Fits to a table of values against hold time.
 
     Attributes
     ----------
     points, initial_points
-        Number of values, and how many of them at time 0.
+        Number of values, and of values at time 0.
     fits, comparison
         The laws that could be fitted, by name; which of two the data prefer, or None.
     rate
-        Slopes over the window; None if it holds too few points.
+        Slopes over the window; None if it has too few points.
     initial_from
-        Where the rate's A(0) comes from: ``"time 0"`` or the name of the law that gave it; "" where the times
-        do not determine that law's t0, so that `rate.B` means nothing.
+        Origin of A(0) of the rate: ``"time 0"``, or the name of a law; "" if the times do not determine the
+        t0 of this law, so that `rate.B` has no meaning.
     notes
-        What went wrong, or must be said.
-    shown
-        Values above time 0 to draw, with their standard errors, if these are known.
-    shown_are_means
-        Whether they are means over bins of equal width in ln t.
+        Failures and remarks.
+    shown, shown_are_means
+        Values after time 0 for figures, with their standard errors if these are known; whether they are means
+        over bins of equal width in ln t.
     """
 
     points: int
@@ -81,26 +80,26 @@ def measured_growth(
     first, last
         Window for the straight line in ln t; the laws are fitted to all values.
     name
-        What the values are, for messages.
+        Name of the values in messages.
 
     Raises
     ------
     InputError, ConvergenceError
-        No law could be fitted, and why.
+        No law could be fitted.
     """
-    series = Series.checked(time, value, stderr, ("time", name))
+    series = Series.checked(time, value, stderr, ("time", name, "stderr"))
     first, last = (None if t is None else checks.number(n, t) for n, t in (("first", first), ("last", last)))
-    if series.x.size > 2:  # the fits would call the values areas
+    if series.x.size > 2:  # messages of the fits would call the values areas
         refuse_decline(series, name)
     fits, comparison, notes = _fits(series, laws)
     zeros = int(np.searchsorted(series.x, 0.0, side="right"))
     later = series.where(series.x > 0)
-    rate, initial_from, remark = _rate(series, fits, known=zeros > 0, first=first, last=last)
+    rate, initial_from, remark = _rate(series, fits, initial_measured=zeros > 0, first=first, last=last)
     notes += [remark] if remark else []
     if comparison is not None and (worth := comparison.effective_points / series.x.size) < _WORTH:
         notes.append(
-            "what the laws miss is no random scatter: the standard errors take it for that, "
-            f"and are too small by a factor of about {worth**-0.5:.2g}"
+            "the misfit of the laws is systematic, but the standard errors assume random scatter: "
+            f"they are too small by a factor of about {worth**-0.5:.2g}"
         )
     means = later.x.size > _FEW_ENOUGH
     shown = later.binned(_SHOWN_BINS) if means else later
@@ -122,7 +121,7 @@ def measured_growth(
 def _fits(
     series: Series, laws: Sequence[Law]
 ) -> tuple[dict[Law, SaturationFit | LogarithmFit], Comparison | None, list[str]]:
-    """Fit the laws; of several, those that can be fitted, with a note on each of the others."""
+    """Fit the laws, with a note on each that fails unless all do."""
     data = (series.x, series.y, series.stderr)
     fits: dict[Law, SaturationFit | LogarithmFit] = {}
     comparison, notes = None, []
@@ -146,14 +145,14 @@ def _rate(
     series: Series,
     fits: Mapping[Law, SaturationFit | LogarithmFit],
     *,
-    known: bool,
+    initial_measured: bool,
     first: float | None,
     last: float | None,
 ) -> tuple[GrowthRate | None, str, str]:
-    """Slopes over the window, where their A(0) comes from, and what must be said."""
+    """Slopes over the window, the origin of their A(0), and a remark or ""."""
     law: Law = "logarithm" if "logarithm" in fits else "saturation"
     fit = fits[law]
-    initial, error_of_it = (None, 0.0) if known else (fit.initial_area, fit.initial_area_stderr)
+    initial, error_of_it = (None, 0.0) if initial_measured else (fit.initial_area, fit.initial_area_stderr)
     how: dict[str, Any] = {"stderr": series.stderr, "initial": initial, "initial_stderr": error_of_it}
     try:
         rate = growth_rate(series.x, series.y, first, last, **how)
@@ -161,6 +160,6 @@ def _rate(
         return None, "", f"no straight line: {error}"
     low, _ = rate.interval("slope")
     remark = "" if low > 0 else "the growth is not significant: the 95 % interval of the slope contains 0"
-    # Where t0 is open, A(0) is too: along the valley of t0 it moves farther than its linear standard error.
+    # If t0 is undetermined, so is A(0): in the valley of t0 its standard error is too small.
     source = law if fit.t0_stderr < fit.t0 else ""
-    return rate, "time 0" if known else source, remark
+    return rate, "time 0" if initial_measured else source, remark

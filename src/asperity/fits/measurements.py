@@ -35,13 +35,13 @@ class Measurements(views.Brief):
     stderr
         Standard errors of the values, above 0, shape (n,); or None.
     time_name, value_name
-        Names of the columns in the file's header, or "" where it has none.
+        Names of the columns in the file's header, or "" without any.
     remarks
-        What was decided about the table.
+        Decisions about the table.
     time_unit, value_unit
-        Units of times and values as the table or the user states them, or "".
+        Units of times and values in the table or by the user, or "".
     source
-        What was read of which file.
+        File and columns.
     """
 
     time: Floats
@@ -68,8 +68,8 @@ def read_measurements(
 
     Lines that begin with #, % or ; are comments; semicolons, tabs, commas or blanks separate columns; numbers
     may have decimal commas. The last line before the numbers that has as many cells is the header; a row of
-    units may follow it, and metadata may stand above. Numbers stay in the units of the table; of a column
-    such as ``log10(t/s)`` the antilogarithms are read.
+    units may follow it, and metadata may precede it. Numbers stay in the units of the table; a column such as
+    ``log10(t/s)`` becomes its antilogarithms.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def read_measurements(
     Raises
     ------
     InputError
-        There is no such column, or a cell is not a finite number, a time below 0, a value or standard error
-        not above 0; with the number of its line.
+        There is no such column; a cell is not a finite number, a time is below 0, a value or standard error
+        not above 0. The message names the line.
     """
     columns_read = Columns(path, _ROLES, columns, units)
     table, indexed = columns_read.table, _begins_with_index(columns_read.table)
@@ -129,31 +129,31 @@ def read_measurements(
 
 
 def measured(source: Path | str | Measurements, *, time: str = "s", value: str = "m^2") -> Measurements:
-    """Read measurements with the column of their errors, if there is one, in the units that are asked for.
+    """Read measurements, with the column of their errors if there is one, in other units.
 
     Parameters
     ----------
     source
-        A table, as for `read_measurements`, or what that has read.
+        A table, as for `read_measurements`, or its result.
     time, value
-        Units of times and values, in Pint's spelling; "1" for numbers without.
+        Units of times and values, in Pint's spelling; "1" for none.
 
     Raises
     ------
     InputError
-        As there; or the table has other units, or none.
+        As for `read_measurements`; or the units of the table do not convert.
     """
     name = "measured"
     if not isinstance(source, Measurements):
         name = str(source)
         source = read_measurements(source, stderr=errors_beside(read_table(Path(source)).names))
     factors = []
-    for what, unit, target in (("times", source.time_unit, time), ("values", source.value_unit, value)):
+    for quantity, unit, target in (("times", source.time_unit, time), ("values", source.value_unit, value)):
         written = units.spelled(unit or "1") or ""
         factor = 1.0 if written == target else units.factor(written, target)
         if factor is None:
             expected, advice = _EXPECTED[target]
-            raise InputError(name, expected=f"{what} {expected}", got=unit or "none", advice=advice)
+            raise InputError(name, expected=f"{quantity} {expected}", got=unit or "none", advice=advice)
         factors.append(factor)
     by, up = factors
     stderr = None if source.stderr is None else up * source.stderr
@@ -162,23 +162,23 @@ def measured(source: Path | str | Measurements, *, time: str = "s", value: str =
 
 
 def measured_area(source: Path | str | Measurements, *, si: bool) -> Measurements:
-    """What was measured of an area, in SI, or without units where nothing has any."""
+    """Measured areas in SI, or without units."""
     return measured(source) if si else measured(source, time="1", value="1")
 
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
-    """The column whose name says that it has standard errors; `InputError` where that is not clear."""
+    """Name of the column of standard errors, or None; `InputError` if that is not clear."""
     error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
-    found = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
-    if len(found) > 1 or any(re.search("%|percent|rel", name, re.I) for name in found):
+    matching = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
+    if len(matching) > 1 or any(re.search("%|percent|rel", name, re.I) for name in matching):
         expected = "one column of standard errors, in the unit of the values"
-        got = ", ".join(map(repr, found))
+        got = ", ".join(map(repr, matching))
         raise InputError("stderr", expected=expected, got=got, advice=advice)
-    return found[0] if found else None
+    return matching[0] if matching else None
 
 
 def _begins_with_index(table: Table) -> bool:
-    """Whether the first column is what pandas writes: 0, 1, 2, ..., without a name among named columns."""
+    """Whether the first column is an index of pandas: 0, 1, 2, ..., without a name among named columns."""
     name, *others = table.names
     counting = np.arange(len(table.lines))
     return (
@@ -189,10 +189,10 @@ def _begins_with_index(table: Table) -> bool:
     )
 
 
-def _checked(found: Columns, column: int, name: str) -> Floats:
-    values = found.values(name, column, convert=False)
+def _checked(columns: Columns, column: int, name: str) -> Floats:
+    values = columns.values(name, column, convert=False)
     bad = values < 0 if name == "time" else values <= 0
     if bad.any():
         expected = "not below 0" if name == "time" else "above 0"
-        raise in_line(found.table, int(np.argmax(bad)), column, name, expected)
+        raise in_line(columns.table, int(np.argmax(bad)), column, name, expected)
     return values

@@ -57,8 +57,8 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
     x, y
         Values above 0, shape (n,), n at least 3, in any order and unit.
     stderr
-        Standard errors of y, shape (n,), if they are known; small beside y, for ln y has stderr/y then.
-        Without them all relative errors of y are taken to be alike.
+        Standard errors of y, shape (n,), if they are known, and small beside y: those of ln y are stderr/y.
+        Without them all relative errors of y are equal.
     """
     series = _positive(x, y, stderr)
     sigma = None if series.stderr is None else series.stderr / series.y
@@ -79,8 +79,8 @@ def power_law(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None = None) -> Po
 def local_exponent(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
     """Running exponent d ln y/d ln x between neighbors.
 
-    Values are above 0, shape (n,), in any order; values of y at one x count as their geometric mean. Returned
-    are geometric middles of neighboring x, increasing, and the exponents there: shape (m - 1,) for m
+    Values are above 0, shape (n,), in any order; y of equal x are replaced by their geometric mean. Returns
+    the geometric middles of neighboring x, increasing, and the exponents there: shape (m - 1,) for m
     different x.
     """
     series = _positive(x, y, None)
@@ -92,7 +92,7 @@ def local_exponent(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats]:
 
 
 def _positive(x: ArrayLike, y: ArrayLike, stderr: ArrayLike | None) -> Series:
-    series = Series.checked(x, y, stderr, names=("x", "y"))
+    series = Series.checked(x, y, stderr, names=("x", "y", "stderr"))
     if series.x[0] <= 0:
         raise InputError("x", expected="values of x above 0", got=sketch(series.x))
     return series

@@ -1,11 +1,10 @@
-"""The rate of growth: slope of the area, or of friction, against the logarithm of time over a stated window.
+"""The rate of growth: slope of the area, or of friction, against the logarithm of time over a window.
 
     B        = d(A/A(0)) / d ln t
     relative = d ln A / d ln t
 
-both by straight lines in ln t. Friction experiments quote d mu / d log10 t, which is ``slope * ln 10``
-here. Whether the window is straight at all is told by a cubic: `curvature` is how much its slope changes
-over the window, in units of the slope.
+both by straight lines in ln t. Friction experiments quote d mu / d log10 t = ``slope * ln 10``. A cubic shows
+whether the window is straight: `curvature` is the change of its slope over the window, in units of the slope.
 """
 
 from __future__ import annotations
@@ -38,14 +37,13 @@ class GrowthRate(FitResult):
         d(A/A(0))/d ln t, its standard error with that of A(0); d ln A/d ln t, the local exponent of A(t);
         dA/d ln t, in the unit of the areas.
     curvature, curvature_reach
-        Change of the slope within the window, over the slope: of a cubic (with few times, a parabola), from
-        the beginning to the end, or from or to the middle, whichever is largest. Below 0 where the growth
-        slows down. NaN for fewer than four points or three different times. And half the width of its 95 %
-        interval, by Student's t with the cubic's degrees of freedom.
+        Largest change of the slope of a cubic (with few times, a parabola) between beginning, middle and end
+        of the window, over the slope; below 0 if the growth slows down, NaN for fewer than four points or
+        three different times. Half the width of its 95 % interval, by Student's t.
     initial_area
-        A(0): the mean of the areas at time 0, or what was given.
+        A(0): the argument `initial`, or the mean of the areas at time 0.
     first, last, middle
-        Earliest and latest time in the window, and the area on the line in its geometric middle.
+        Earliest and latest time in the window, and the area on the line at its geometric middle.
 
     The fields of `FitResult` are those of the straight line A against ln t.
     """
@@ -78,7 +76,7 @@ class GrowthRate(FitResult):
 
     @property
     def straight(self) -> bool | None:
-        """Whether the slope changes by no more than a quarter of itself; None where the data do not tell."""
+        """Whether the slope changes by a quarter of itself at most; None if the data leave this open."""
         if abs(self.curvature) > max(STRAIGHT, self.curvature_reach):
             return False
         return True if self.curvature_reach <= STRAIGHT else None
@@ -99,13 +97,13 @@ def growth_rate(
     Parameters
     ----------
     time, area, stderr
-        As for `asperity.fits.saturation`. Times of 0 serve A(0) alone.
+        As for `asperity.fits.saturation`. Areas at time 0 only give A(0).
     first, last
         Window of times, both included; by default all above 0.
     initial, initial_stderr
-        A(0) and its standard error; needed where no area at time 0 is given, and used in place of those.
+        A(0) and its standard error, by default from the areas at time 0; needed without any.
 
-    Errors are those of `asperity.fits.saturation`, but areas may fall with time here.
+    Errors are those of `asperity.fits.saturation`, but areas may fall with time.
     """
     series = Series.checked(time, area, stderr)
     A0, A0_stderr = _initial(series, initial, initial_stderr)
@@ -145,12 +143,8 @@ def _initial(series: Series, initial: float | None, initial_stderr: float) -> tu
         )
     zeros = series.where(series.x == 0)
     if zeros.y.size == 0:
-        raise InputError(
-            "initial",
-            expected="the area at time 0, as no time is 0",
-            got="none",
-            advice="initial=..., or a point at time 0",
-        )
+        expected, advice = "the area at time 0, as no time is 0", "initial=..., or a point at time 0"
+        raise InputError("initial", expected=expected, got="none", advice=advice)
     if zeros.stderr is not None:
         weight = zeros.stderr**-2
         return float(np.average(zeros.y, weights=weight)), float(weight.sum() ** -0.5)
@@ -164,7 +158,7 @@ def _curvature(window: Series, slope: float) -> dict[str, Any]:
     if degree < 2 or slope == 0:
         return dict.fromkeys(("curvature", "curvature_stderr", "curvature_reach"), math.nan)
     curve = polynomial(np.log(window.x), window.y, window.stderr, degree=degree)
-    # With z from -1 to 1 over the window dy/dz = c1 + 2 c2 z + 3 c3 z^2; an S has like slopes at its ends.
+    # With z from -1 to 1 over the window dy/dz = c1 + 2 c2 z + 3 c3 z^2; an S has equal slopes at its ends.
     changes = np.array([[0, 0, 4, 0], [0, 0, 2, -3], [0, 0, 2, 3]])[:, : degree + 1]
     largest = changes[np.argmax(np.abs(changes @ curve.coefficients))]
     unit = 1 / (slope * curve.scale)

@@ -4,10 +4,10 @@ With theta the statistic of all n runs and theta_i that of all but run i,
 
     stderr² = (n - 1)/n \sum_i (theta_i - mean theta_i)²,
 
-and the 95 % interval is theta ± t stderr, t from Student's distribution with n - 1 degrees of freedom. For
-a mean this is the usual standard error; for smooth functions of means it is right to leading order in 1/n.
-For medians and extremes it is wrong. Source: B. Efron and C. Stein, *The jackknife estimate of variance*,
-Ann. Statist. 9, 586 (1981), doi:10.1214/aos/1176345462.
+and the 95 % interval is theta ± t stderr, t from Student's distribution with n - 1 degrees of freedom. It is
+the usual standard error of a mean, right to leading order in 1/n for smooth functions of means, and wrong for
+medians and extremes. Source: B. Efron and C. Stein, *The jackknife estimate of variance*, Ann. Statist. 9,
+586 (1981), doi:10.1214/aos/1176345462.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Estimate(views.Brief):
     Attributes
     ----------
     value
-        Of all runs; a float, or an array of any shape.
+        Value of all runs; a float, or an array of any shape.
     stderr, low, high
         Standard error and ends of the two-sided 95 % interval, of the same shape; NaN for one run.
     """
@@ -46,7 +46,7 @@ class Estimate(views.Brief):
     runs: int
 
     def part(self, at: int, *, scale: bool = False) -> Estimate:
-        """Return one of several numbers that were estimated together; of a scale, its logarithm was."""
+        """Return one of several estimates; with `scale` take the exponential of an estimated logarithm."""
         value, stderr, low, high = (part[at] for part in (self.value, self.stderr, self.low, self.high))
         if scale:
             value, low, high = np.exp(value), np.exp(low), np.exp(high)
@@ -62,9 +62,8 @@ def jackknife(
     Parameters
     ----------
     statistic
-        Takes the samples, first axis runs, of any number of runs, and gives a float or an array; a smooth
-        function of means over runs, such as ``lambda areas: fit(areas.mean(axis=0)).C``. It takes one
-        argument for each array of `samples`.
+        Function of one array for each of `samples`, with any number of runs, that returns a float or an
+        array: a smooth function of means over runs, such as ``lambda areas: fit(areas.mean(axis=0)).C``.
     samples
         One array of shape (runs, ...), or a tuple of such arrays for the same runs.
     """
@@ -94,8 +93,8 @@ def jackknife(
 class EnsembleFit(views.Brief, Generic[Fit]):
     """A fit of the mean of several runs.
 
-    The standard errors of `mean` take the errors of the points for independent, which along a run they are
-    not. Those of `parameters`, each with its 95 % interval, are right: from the jackknife over runs.
+    The standard errors of `mean` assume independent errors of the points, which along a run are correlated.
+    Use those of `parameters`, with their 95 % intervals, from the jackknife over runs.
     """
 
     mean: Fit
@@ -109,13 +108,13 @@ def ensemble(fit: Callable[[Floats, Floats], Fit], time: ArrayLike, areas: Array
     Parameters
     ----------
     fit
-        Takes times and areas and gives a dataclass of which some fields have a ``..._stderr`` beside them,
-        the parameters: `saturation`, `logarithm`, `growth_rate`, `power_law`, or a function of your own,
-        such as ``lambda t, A: growth_rate(t, A, first=1.0, last=1e3)``.
+        Function of times and areas that returns a dataclass; its fields with a ``..._stderr`` beside them
+        are the parameters: `saturation`, `logarithm`, `growth_rate`, `power_law`, or another one, such as
+        ``lambda t, A: growth_rate(t, A, first=1.0, last=1e3)``.
     time, areas
-        Times of all runs, shape (times,); areas, shape (runs, times), of which the fit sees the mean.
+        Times of all runs, shape (times,); areas, shape (runs, times). The fit takes their mean.
 
-    With one run the errors are NaN. Errors are those of `fit`.
+    With one run the standard errors are NaN. Errors are those of `fit`.
     """
     times, runs = line("time", time), floats("areas", areas)
     if runs.ndim != 2 or runs.shape[0] == 0 or runs.shape[1] != times.size:

@@ -1,4 +1,4 @@
-"""What every fit says of itself: how many points, how well, and how sure."""
+"""Quality and intervals of fits."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ class FitResult(views.InNotebooks):
     points
         Number of values fitted.
     degrees_of_freedom
-        Points less parameters; infinite where standard errors of the values were given, since the
-        errors of the parameters follow from them alone then.
+        Points less parameters; infinite with standard errors of the values, which determine those of the
+        parameters.
     rms_residual
         Root mean square of the relative residuals 1 - fit/value.
     r_squared
         1 - (sum of squared residuals) / (sum of squares about the mean), with the weights of the fit; NaN
         if the values do not vary.
     reduced_chi_squared
-        Mean square of the residuals in standard errors given, over the points less the parameters; about 1
-        if law and standard errors are right. None where none were given.
+        Chi-squared over the points less the parameters; about 1 if law and standard errors are right. None
+        without standard errors.
     """
 
     points: int
@@ -52,7 +52,7 @@ class FitResult(views.InNotebooks):
     reduced_chi_squared: float | None
 
     scales: ClassVar[frozenset[str]] = frozenset()
-    """Parameters that may be wrong by a factor rather than a difference."""
+    """Parameters whose intervals are symmetric in the logarithm."""
 
     def __repr__(self) -> str:
         parts = []
@@ -67,10 +67,10 @@ class FitResult(views.InNotebooks):
         return float(getattr(self, name)), float(getattr(self, f"{name}_stderr"))
 
     def interval(self, name: str) -> tuple[float, float]:
-        """Ends of the 95 % interval of a parameter, by Student's t, if the errors of values are independent.
+        """Ends of the 95 % interval of a parameter, by Student's t, for independent errors of the values.
 
-        A parameter is a field with a standard error beside it, such as ``"C"``. The interval is symmetric,
-        for scales (t0, prefactor) in the logarithm.
+        A parameter is a field with a standard error beside it, such as ``"C"``. The interval is symmetric;
+        for `scales` (t0, prefactor) it is so in the logarithm.
         """
         names = parameters_of(self)
         if name not in names:
@@ -86,7 +86,7 @@ class FitResult(views.InNotebooks):
 
 
 def quality(residual: Floats, y: Floats, stderr: Floats | None, parameters: int) -> dict[str, Any]:
-    """Fields of `FitResult` but `rms_residual`, from the residuals of y; errors of y are None if unknown."""
+    """Fields of `FitResult`, without `rms_residual`, from the residuals and standard errors of y."""
     weight = np.ones_like(y) if stderr is None else stderr**-2
     squares, free = float(np.sum(weight * residual**2)), y.size - parameters
     total = float(np.sum(weight * (y - np.average(y, weights=weight)) ** 2))

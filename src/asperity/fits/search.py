@@ -1,4 +1,4 @@
-"""The least-squares search behind the laws: the data in their own units, many starts, one covariance."""
+"""The least-squares search of the laws, from many starts, with one covariance."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits.curve import MANY, Curve, Series
 from asperity.fits.result import quality, rms
 
-# A law takes the logarithms of its parameters (K first) and times, and gives A(t) - A(0) and its
-# derivatives in those logarithms, one column each. K is left out where the final area gives it.
+# A law takes the logarithms of its parameters (K first) and times, and returns A(t) - A(0) and its
+# derivatives in those logarithms, one column each. If the final area determines K, it is not among them.
 Law = Callable[[Floats, Floats], tuple[Floats, Floats]]
 
-# Reach of the search, in units of the data. Data that lead to its edge leave a parameter undetermined.
+# Bounds of the search, in units of the data. If data lead to them, they do not determine a parameter.
 TIME_REACH = 1e8
 SLOPE_RANGE = (1e-12, 1e12)
 EXPONENT_RANGE = (1e-8, 1e4)
 INITIAL_RANGE = (1e-3, 10.0)
 POLISHED_STARTS = 3
 
-# Relative change of the sum of squares at which a search ends, and its steps at most. A parameter that the
-# data leave open makes a valley along which a search would creep for thousands of steps.
+# Relative change of the sum of squares at which a search ends, and its most steps. In the valley of an
+# undetermined parameter it would take thousands.
 STOP = (1e-15, 100), (1e-8, 1000)
 
 
 @dataclass(frozen=True, eq=False)
 class Misfit:
-    """Residuals of a law in standard errors (or all of one weight), and their derivatives."""
+    """Residuals of a law, over standard errors if these are known, and their derivatives."""
 
     law: Law
     series: Series
@@ -62,7 +62,7 @@ class Misfit:
         return float(np.sum(self.residual(theta) ** 2))
 
     def completed(self, shape: Floats) -> Floats | None:
-        """Complete a start, with K = 1, by the K and A(0) that suit it best; None where not above 0."""
+        """Complete a start, with K = 1, by the best K and A(0); None unless these are above 0."""
         if self.K_known:
             return shape
         growth = self.law(shape, self.series.x)[0] * self.weight
@@ -75,9 +75,9 @@ class Misfit:
         return np.concatenate([[np.log(K)], shape[1:], [initial]]) if K > 0 and initial > 0 else None
 
     def polished(self, start: Floats, bounds: Floats) -> tuple[float, Floats] | None:
-        """Cost and place of the minimum that a start leads to; None where the search fails."""
+        """Cost and place of the minimum from a start; None if the search fails."""
         low, high = bounds
-        margin = 1e-6 * (high - low)  # the search wants to begin inside
+        margin = 1e-6 * (high - low)  # the search must begin inside
         for change, steps in STOP:
             minimum = least_squares(
                 self.residual,
@@ -98,7 +98,7 @@ class Misfit:
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """Parameters (ln K, ln t0, ..., A(0) where fitted) with their covariance, and how well the law fits."""
+    """Parameters (ln K, ln t0, ..., A(0) if fitted) with their covariance, and the quality of the fit."""
 
     theta: Floats
     covariance: Floats
@@ -117,7 +117,7 @@ class Optimum:
         return 0.0 if self.curve.initial_known else float(np.sqrt(self.covariance[-1, -1]))
 
     def log_stderr(self, *powers: float, per_initial: bool = True) -> float:
-        """Relative standard error of a product of powers of C (or, if not per A(0), K), t0, q."""
+        """Relative standard error of a product of powers of C (K unless `per_initial`), t0, q."""
         gradient = np.zeros(self.theta.size)
         gradient[: len(powers)] = powers
         if per_initial and not self.curve.initial_known:  # C = K/A(0)
@@ -139,8 +139,7 @@ def fit_law(
         logs = [SLOPE_RANGE, *logs]
     bounds = np.concatenate([np.log(logs), [INITIAL_RANGE] if not curve.initial_known else np.empty((0, 2))])
     whole = Misfit(law, curve.points, curve.initial_known, K_known)
-    # A law is smooth: where many points lie, means over bins lead to the same minimum, all but the last
-    # digits.
+    # A law is smooth: means over bins of many points have the same minimum but for the last digits.
     many = curve.points.x.size > MANY
     rough = Misfit(law, curve.points.binned(), curve.initial_known, K_known) if many else whole
     starts = [start for shape in shapes if (start := rough.completed(shape)) is not None]
@@ -168,10 +167,10 @@ def fit_law(
 
 def inverse_square(jacobian: Floats) -> Floats:
     """(J^T J)^-1 of the derivatives of residuals, one column for each parameter."""
-    # Columns to one length first: a parameter that does little is not one that is undetermined.
+    # Columns of one length: a parameter with a small effect is not an undetermined one.
     length = np.maximum(np.linalg.norm(jacobian, axis=0), np.finfo(float).tiny ** 0.25)
     _, singular, axes = np.linalg.svd(jacobian / length, full_matrices=False)
-    # A combination that the data do not determine gets a huge standard error in place of a division by zero.
+    # An undetermined combination gets a huge standard error in place of a division by zero.
     singular = np.maximum(singular, np.finfo(float).eps * singular[0])
     root = axes.T / singular / length[:, None]
     return np.asarray(root @ root.T)

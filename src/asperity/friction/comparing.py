@@ -1,7 +1,7 @@
 """Aging law against slip law on the same records, of one surface or of several.
 
 Both laws have as many parameters, so AICc differs by n ln(squares of one / squares of the other), with n
-effective values. Of several surfaces, the jackknife says how sure the logarithm of this ratio is.
+effective values. For several surfaces the interval of this logarithm is from the jackknife.
 """
 
 from __future__ import annotations
@@ -25,40 +25,39 @@ from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
 PARAMETERS = ("mu_0", "a", "b", "D_c", "a_minus_b")
-"""What is estimated."""
+"""Numbers that are estimated."""
 
 _SUITS = 1.5
-"""Misfit over the least up to which a law with a stiffness is possible."""
+"""Misfit of a fit over the least, up to which it is possible."""
 
 _SAME = 1e-9
-"""Relative difference of times and velocities that are meant to be the same."""
+"""Largest relative difference of the same times and velocities."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StateLaws(views.Brief, views.Pictured):
-    """The two laws of the state beside each other.
+    """Comparison of the two laws of the state.
 
     Attributes
     ----------
     verdict
-        The law that the data prefer; or ``"undecided"``. Of one record: the other's relative likelihood is
-        below 0.05. Of several surfaces: the 95 % interval of `log_ratio` does not contain 0.
+        The law that the data prefer; or ``"undecided"``. For one record, the relative likelihood of the other
+        law is below 0.05. For several surfaces, the 95 % interval of `log_ratio` excludes 0.
     fits, record, runs
-        Fit of each law to the record, or to the mean of the records of so many surfaces.
+        Fit of each law to the record, or to the mean of the records; number of surfaces.
     estimates
         By law and parameter (mu_0, a, b, D_c, a_minus_b), value, standard error and 95 % interval: from the
-        residuals of one record, or from the jackknife over surfaces (in ln D_c), unless the mean leaves D_c
-        open.
+        residuals of one record, or from the jackknife over surfaces (in ln D_c) if the mean determines D_c.
     log_ratio
-        ln(squares of the aging law / squares of the slip law), below 0 where the aging law fits better; its
+        ln(squares of the aging law / squares of the slip law), below 0 if the aging law fits better; its
         interval is NaN for one record.
     delta_aicc, relative_likelihood
         AICc of the aging law less that of the slip law with `effective_points`, and exp(-abs(delta_aicc)/2),
         of one record; NaN for several.
     effective_points
-        Number of independent values that one record is worth, by the residuals of the better law.
+        Number of independent values of one record, by the residuals of the better law.
     free
-        Where the stiffness was given, the fits that find it.
+        With a given stiffness, the fits that fit it instead.
     """
 
     verdict: Literal["aging", "slip", "undecided"]
@@ -85,25 +84,25 @@ class StateLaws(views.Brief, views.Pictured):
         return [fit for fit in self.every if fit.rms_residual < _SUITS * least]
 
     def range_of(self, name: str) -> tuple[float, float, bool | None]:
-        """Least and largest value among the fits that suit, and whether the 95 % intervals are narrower.
+        """Least and largest value among the suiting fits, and whether their 95 % intervals are narrower.
 
-        None where a fit leaves it open, as its error is above its value.
+        The last is None if the standard error of a fit is above its value.
         """
         estimates = [fit.estimates[name] for fit in self.suiting]
-        values = [float(one.value) for one in estimates]
-        moves = max(values) - min(values) > max(float(one.high - one.low) for one in estimates)
-        is_open = any(one.stderr > abs(one.value) for one in estimates)
-        return min(values), max(values), None if is_open else moves
+        values = [float(estimate.value) for estimate in estimates]
+        widest = max(float(estimate.high - estimate.low) for estimate in estimates)
+        undetermined = any(estimate.stderr > abs(estimate.value) for estimate in estimates)
+        return min(values), max(values), None if undetermined else max(values) - min(values) > widest
 
     @property
     def preferred(self) -> StateLaw:
-        """The law of the verdict; where it is undecided, the one that fits better."""
+        """The law of the verdict; if that is undecided, the one that fits better."""
         if self.verdict != "undecided":
             return self.verdict
         return "aging" if float(self.log_ratio.value) <= 0 else "slip"
 
     def peaks(self, law: StateLaw | None = None) -> HoldPeaks:
-        """Static friction against hold time: of the record, or as a law has it at the same times."""
+        """Static friction against hold time: of the record, or of a law at the same times."""
         if law is None:
             return hold_peaks(self.record)
         friction = self.fits[law].predict(self.record)
@@ -121,9 +120,9 @@ def compare_state_laws(
 ) -> StateLaws:
     """Fit the aging and the slip law, and say which the data prefer.
 
-    The friction of several records, of different surfaces with the same times and velocities, is averaged,
-    and uncertainties follow from their scatter. Other arguments and errors are those of `rate_and_state`; a
-    stiffness is for one record, and where it is given it is fitted as well.
+    Several records, of different surfaces with the same times and velocities, are averaged, and uncertainties
+    follow from their scatter. Other arguments and errors are those of `rate_and_state`. A stiffness is for
+    one record; `StateLaws.free` then has fits without it.
     """
     several = list(records) if isinstance(records, Sequence) else [records]
     if not several:
@@ -156,13 +155,13 @@ def compare_state_laws(
         likelihood = math.exp(-abs(delta) / 2)
         decided = likelihood < UNLIKELY
     else:
-        found = jackknife(statistics, friction)
-        log_ratio = found.part(-1)
+        jackknifed = jackknife(statistics, friction)
+        log_ratio = jackknifed.part(-1)
         decided = float(log_ratio.low) > 0 or float(log_ratio.high) < 0
         for n, law in enumerate(STATE_LAWS):
             if fits[law].determined:
                 estimates[law] = {
-                    name: found.part(at, scale=name == "D_c")
+                    name: jackknifed.part(at, scale=name == "D_c")
                     for at, name in enumerate(PARAMETERS, n * len(PARAMETERS))
                 }
         delta = likelihood = math.nan
@@ -188,16 +187,12 @@ def _check_same(first: Record, other: Record) -> None:
             mine, theirs, rtol=_SAME, atol=_SAME * np.abs(mine).max()
         ):
             got = f"{theirs.size} and {mine.size} times" if mine.size != theirs.size else f"another {name}"
-            raise InputError(
-                "records",
-                expected="records of one protocol, at the same times and velocities",
-                got=got,
-                advice="a call for each record",
-            )
+            expected = "records of one protocol, at the same times and velocities"
+            raise InputError("records", expected=expected, got=got, advice="a call for each record")
 
 
 def _lack(fit: RateAndStateFit) -> float:
-    return lack_of(fit.residual, given=False, rounding=ROUNDING * fit.mu_0)
+    return lack_of(fit.residual, weighted=False, rounding=ROUNDING * fit.mu_0)
 
 
 def _log_ratio(fits: Mapping[StateLaw, RateAndStateFit]) -> float:

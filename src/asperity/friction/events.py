@@ -1,4 +1,4 @@
-"""Holds and steps of a record: which rows they are, numbered, and static friction after holds."""
+"""Holds and velocity steps of a record, and static friction after holds."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _EVENTS: dict[str, tuple[str, tuple[int, ...]]] = {
 }
 
 _SHORT, _FEW = 2, 10
-"""Rests of so many rows, and how many of them are no noise of the displacement."""
+"""Rows of a short rest, and largest number of short rests that are no noise of the displacement."""
 
 
 class Event(NamedTuple):
     """A hold from `time` to `end`, or a step of the velocity of the load point, numbered from 1.
 
-    `before` and `after` are its velocities. `start` and `stop` are the window of a fit, from half of the
-    slide before to the end of the slide after.
+    `before` and `after` are the velocities of the load point. `start` and `stop` are the window of a fit,
+    from the middle of the slide before to the end of the slide after.
     """
 
     number: int
@@ -43,7 +43,7 @@ class Event(NamedTuple):
 
 
 def events_of(record: Record) -> list[Event]:
-    """Find the holds and steps of a record of a machine; those that the record does not end within."""
+    """Find the holds and steps of a record of a machine; the record must go on after them."""
     checks.instance("record", record, Record, "asperity.friction.read_record(path)")
     if record.drive is None:
         return []
@@ -61,7 +61,7 @@ def events_of(record: Record) -> list[Event]:
 
 
 def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
-    """Which rows belong to the run-in or such events, shape (n,); `InputError` where there are none."""
+    """Mask of the rows of the run-in and of such events, shape (n,); `InputError` without such events."""
     if events not in _EVENTS:
         raise InputError("events", expected="'all', 'holds' or 'steps'", got=checks.shown(events))
     _refuse_noise(record)
@@ -76,7 +76,7 @@ def rows_of(record: Record, events: object) -> NDArray[np.bool_]:
 
 
 def _refuse_noise(record: Record) -> None:
-    """Refuse velocities that rest for a row here and there, as a displacement with noise has them."""
+    """Refuse many short rests, which noise of a displacement makes."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], record.velocity == 0, [False]]).astype(int)))
     many = int(np.count_nonzero(edges[1::2] - edges[::2] <= _SHORT))
     if many > _FEW and not record.strength_at_rest:
@@ -92,8 +92,9 @@ def _refuse_noise(record: Record) -> None:
 class HoldPeaks(views.Brief):
     """Static friction after holds; arrays of shape (holds,).
 
-    `duration` is the time at rest. `peak` is friction at the end of the rest where it is the strength, else
-    the largest of the slip after it; `before` its mean in the second half of the slip before, at `velocity`.
+    `duration` is the time at rest. `peak` is friction at the end of the rest, if this is the strength, or
+    the largest in the slip after it. `before` is the mean in the second half of the slip before, at
+    `velocity`.
     """
 
     duration: Floats
@@ -105,8 +106,8 @@ class HoldPeaks(views.Brief):
 def hold_peaks(record: Record) -> HoldPeaks:
     """Find static friction against hold time, of the holds with slip before and after them.
 
-    If the state before each hold is that of steady sliding at V, the aging law says
-    peak - before = b ln(1 + V duration/D_c) without a direct effect: `asperity.fits.logarithm` fits it.
+    By the aging law, without a direct effect and after steady sliding at V, peak - before is
+    b ln(1 + V duration/D_c), which `asperity.fits.logarithm` fits.
     """
     checks.instance("record", record, Record, "asperity.friction.record_of(history)")
     _refuse_noise(record)

@@ -28,19 +28,19 @@ def slide_hold_slide(
     run_in: float | None = None,
     direction: str | tuple[int, ...] = "x",
 ) -> list[Leg]:
-    """Slide, and rest again and again: static friction against hold time.
+    """Slide, and rest again and again, for static friction against hold time.
 
     Parameters
     ----------
     holds
-        Times at rest, each above 0, in order. All of these may be texts with units where the contact has
-        some: ``["10 s", "3 min"]``, ``"1 um/s"``, ``"20 um"``.
+        Times at rest, each above 0, in order. For a contact with units, these and the next arguments may be
+        texts: ``["10 s", "3 min"]``, ``"1 um/s"``, ``"20 um"``.
     velocity
         Velocity of the slides (length/time), above 0.
     distance
-        How far to slide after each hold (length), above 0: several D_c, so that the hold is forgotten.
+        Distance of the slide after each hold (length), above 0: take several D_c, to forget the hold.
     run_in
-        How far to slide before the first hold; by default `distance`.
+        Distance of the slide before the first hold; by default `distance`.
     direction
         As in `asperity.protocols.Slide`.
 
@@ -56,7 +56,7 @@ def slide_hold_slide(
     velocity = units.number("velocity", velocity, "m/s", above=0.0)  # finite: nothing ages in no time
     first = Slide(distance if run_in is None else run_in, velocity, direction)
     again = Slide(distance, velocity, direction)
-    if isinstance(durations, list):  # texts with units stay known as such
+    if isinstance(durations, list):  # these remember their units
         times = durations
     return [first, *(leg for time in times for leg in (Hold(time), again))]
 
@@ -71,13 +71,13 @@ def velocity_steps(
     velocities
         Two or more (length/time), above 0, each different from the one before by 20 % or more.
     distance
-        How far to slide at each (length), above 0: several D_c, so that friction becomes steady.
+        Distance at each velocity (length), above 0: take several D_c, until friction is steady.
 
     The direction and result are those of `slide_hold_slide`.
     """
     stated = units.numbers("velocities", velocities, "m/s")
     speeds = checks.positive("velocities", checks.line("velocities", stated)).tolist()
-    differ = [max(one, two) > STEP * min(one, two) for one, two in pairwise(speeds)]
+    differ = [max(before, after) > STEP * min(before, after) for before, after in pairwise(speeds)]
     if not differ or not all(differ):
         got = ", ".join(f"{speed:g}" for speed in speeds)
         expected = "two velocities or more, each other than the one before by 20 % or more"
@@ -96,15 +96,14 @@ def synthetic_record(
     strength_at_rest: bool = False,
     si: bool = True,
 ) -> Record:
-    """Predict the record of a protocol by a law, with noise: what a fit must find again.
+    """Predict the record of a protocol by a law, with noise, to test a fit.
 
     Parameters
     ----------
     protocol
         Slides and holds; the record begins in steady sliding.
     per_leg
-        Entries of each leg, at equal distances in time; from 2 on, as one would not say that its velocity is
-        constant.
+        Entries of each leg, at equal distances in time, 2 or more: only these show a constant velocity.
     noise
         Standard deviation of normal noise, independent from entry to entry.
     seed, rng

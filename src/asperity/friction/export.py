@@ -1,7 +1,7 @@
-"""Parameters of rate-and-state friction as files that programs for earthquakes can be fed from.
+"""Parameters of rate-and-state friction in files for earthquake simulators.
 
-Names are those of the field: a, b, D_c (also L, D_RS, dc), mu_0 (f0) and V_0 (V0). The documentation has
-a table of what other programs call them.
+Names are those of the field: a, b, D_c (also L, D_RS, dc), mu_0 (f0) and V_0 (V0). The documentation has a
+table of the names in other programs.
 """
 
 from __future__ import annotations
@@ -28,16 +28,15 @@ _SUFFIXES = {"D_c": "_m", "stiffness": "_per_m", "drift": "_per_m"}
 
 
 def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None = None) -> None:
-    """Write the parameters with their 95 % intervals and units, and where they come from.
+    """Write the parameters with their 95 % intervals, units and origin.
 
     Parameters
     ----------
     path
-        A file to write or replace. ``.toml``: the parameters of one law, both laws beside each other, the
-        verdict and the origin; ``.csv``: a line for each law, the preferred one first. `InputError` for
-        another suffix.
+        A file to write or replace. ``.toml``: the parameters of one law, those of both laws, the verdict and
+        the origin; ``.csv``: a line for each law, the preferred one first. `InputError` for another suffix.
     law
-        The law to prefer; by default that of the verdict or, where it is undecided, the one that fits better.
+        The preferred law; by default `StateLaws.preferred`.
     """
     from asperity.results.store import whole_file  # late, as it brings the solvers
 
@@ -52,56 +51,50 @@ def save_parameters(found: StateLaws, path: Path | str, *, law: StateLaw | None 
 
 
 def columns_of(estimates: Mapping[str, Estimate], *, si: bool) -> dict[str, float]:
-    """Value, low and high of each number, by the names of columns with their units."""
+    """Value, low and high of each estimate, by names of columns with units."""
     return {
         f"{name}{end}{_SUFFIXES.get(name, '') if si else ''}": float(number)
-        for name, one in estimates.items()
-        for end, number in (("", one.value), ("_low", one.low), ("_high", one.high))
+        for name, estimate in estimates.items()
+        for end, number in (("", estimate.value), ("_low", estimate.low), ("_high", estimate.high))
     }
 
 
-def _origin(found: StateLaws) -> dict[str, object]:
-    method = "residuals of one record" if found.runs == 1 else "jackknife over surfaces"
-    origin = {"surfaces": found.runs, "intervals_from": method, "record": found.record.source}
+def _origin(laws: StateLaws) -> dict[str, object]:
+    method = "residuals of one record" if laws.runs == 1 else "jackknife over surfaces"
+    origin = {"surfaces": laws.runs, "intervals_from": method, "record": laws.record.source}
     return origin | {"asperity_version": __version__}
 
 
-def _toml(found: StateLaws, law: StateLaw) -> str:
-    units = (_UNITS if found.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
+def _toml(laws: StateLaws, law: StateLaw) -> str:
+    units = (_UNITS if laws.record.si else _OWN_UNITS) | {"normal_stress": "Pa"}
+    estimates = laws.estimates
     values: dict[str, dict[str, float]] = {
-        each: {name: float(one.value) for name, one in found.estimates[each].items()} for each in STATE_LAWS
+        each: {name: float(x.value) for name, x in estimates[each].items()} for each in STATE_LAWS
     }
-    parameters = {**values[law], "V_0": float(found.fits[law].V_0)}
-    if found.record.normal_stress is not None:
-        parameters["normal_stress"] = float(found.record.normal_stress)
+    parameters = {**values[law], "V_0": float(laws.fits[law].V_0)}
+    if laws.record.normal_stress is not None:
+        parameters["normal_stress"] = float(laws.record.normal_stress)
     tables: dict[str, dict[str, object]] = {
         "parameters": {"law": law, **parameters},
-        "intervals_95": {
-            name: [float(one.low), float(one.high)] for name, one in found.estimates[law].items()
-        },
+        "intervals_95": {name: [float(x.low), float(x.high)] for name, x in estimates[law].items()},
         "units": {name: units.get(name, "1") for name in parameters},
-        "laws": {
-            "verdict": found.verdict,
-            "ln_ratio_of_squares": float(found.log_ratio.value),
-            **values,
-        },
-        "origin": _origin(found),
+        "laws": {"verdict": laws.verdict, "ln_ratio_of_squares": float(laws.log_ratio.value), **values},
+        "origin": _origin(laws),
     }
     heading = "# Rate-and-state friction: mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"
     return f"{heading}\n\n{tables_to_toml(tables)}"
 
 
-def _csv(found: StateLaws, law: StateLaw) -> str:
+def _csv(laws: StateLaws, law: StateLaw) -> str:
     rows: list[dict[str, object]] = []
-    for each in sorted(STATE_LAWS, key=lambda one: one != law):
-        rows.append(_row(found, found.fits[each], found.estimates[each]))
-        rows += [_row(found, fit, fit.estimates) for fit in [found.free.get(each)] if fit]
+    for each in sorted(STATE_LAWS, key=lambda name: name != law):
+        rows.append(_row(laws, laws.fits[each], laws.estimates[each]))
+        rows += [_row(laws, fit, fit.estimates) for fit in [laws.free.get(each)] if fit]
     return pd.DataFrame(rows).to_csv(index=False, na_rep="nan", lineterminator="\n")
 
 
-def _row(found: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
-    """A line of the table."""
-    si, stress = found.record.si, found.record.normal_stress
+def _row(laws: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimate]) -> dict[str, object]:
+    si, stress = laws.record.si, laws.record.normal_stress
     row: dict[str, object] = {"law": fit.law, **columns_of(estimates, si=si)}
     row |= {
         "V_0_m_per_s" if si else "V_0": float(fit.V_0),
@@ -109,4 +102,4 @@ def _row(found: StateLaws, fit: RateAndStateFit, estimates: Mapping[str, Estimat
     }
     if isinstance(fit, MachineFit):
         row["stiffness_from"] = "fitted" if fit.stiffness_stderr > 0 else "given"
-    return row | {"misfit": fit.rms_residual, "verdict": found.verdict} | _origin(found)
+    return row | {"misfit": fit.rms_residual, "verdict": laws.verdict} | _origin(laws)

@@ -2,13 +2,13 @@ r"""Parameters of rate-and-state friction from records, with uncertainties.
 
 The friction coefficient is linear in mu_0, a and b, which least squares give for any D_c and state at the
 first time. Only these two are searched (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal.
-10, 413 (1973), doi:10.1137/0710036), from many starts. The state at the first time is a parameter too,
-because a record may begin soon after the machine started.
+10, 413 (1973), doi:10.1137/0710036), from many starts. The state at the first time is a parameter, because a
+record may begin soon after the machine started.
 
-Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c. They hold for white
-noise. If neighboring residuals correlate by more than white noise, rho > 2/sqrt(n), the n values count as n
-(1 - rho)/(1 + rho), as in `asperity.fits.compare`. That is a rough measure. The records of several surfaces
-under one protocol give better ones: the jackknife over surfaces, which assumes nothing about the residuals.
+Intervals follow from the covariance of least squares by Student's t, in ln D_c for D_c, for white noise. If
+neighboring residuals correlate by rho > 2/sqrt(n), more than white noise, the n values count as n (1 -
+rho)/(1 + rho), as in `asperity.fits.compare`: a rough measure. The jackknife over the records of several
+surfaces under one protocol is better, as it assumes nothing about the residuals.
 """
 
 from __future__ import annotations
@@ -44,16 +44,16 @@ from asperity.friction.pulling import pulled_fit, stiffness_of
 from asperity.friction.records import Record
 
 _REACH = 10.0
-"""D_c is searched from the smallest slip between two values over this factor, to the whole slip times it."""
+"""Factor of the range of D_c: the smallest slip between two values over it, the whole slip times it."""
 
 _EDGE = 1e-3
 """Distance from the ends of this range, in ln D_c, within which D_c is not determined."""
 
 _START_REACH = 40.0
-"""Largest ln(V theta/D_c), in magnitude, of the state at the first time."""
+"""Largest magnitude of ln(V theta/D_c) at the first time."""
 
 _STARTS = 10, (-3.0, 0.0, 3.0)
-"""Starts of the search: how many D_c, and ln(V theta/D_c) at the first time."""
+"""Starts of the search: number of D_c, and ln(V theta/D_c) at the first time."""
 
 _POLISHED = 2
 _DIFFERENCE = 1e-5
@@ -74,28 +74,29 @@ def rate_and_state(
     Parameters
     ----------
     law
-        How the state evolves: ``"aging"`` or ``"slip"``.
+        Law of the state: ``"aging"`` or ``"slip"``.
     a
-        The direct effect; or ``"fitted"`` where velocities differ. By default that of the record (0 for
-        simulated contacts of constant shear strength), fitted if it has none.
+        The direct effect; or ``"fitted"``, which needs different velocities. By default that of the record (0
+        for simulated contacts of constant shear strength), fitted if it has none.
     V_0
-        Reference velocity (length/time; for a record in SI also ``"1 um/s"``), of which mu_0 is the steady
+        Reference velocity (length/time; for a record in SI also ``"1 um/s"``), at which mu_0 is the steady
         friction; by default the first velocity of the record.
     events
         Parts to fit besides the run-in: ``"holds"`` (rests, and the slip after them until the velocity
-        steps), ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state is followed through the
-        whole record in any case.
+        steps), ``"steps"`` of the velocity by 20 % or more, or ``"all"``. The state always follows the whole
+        record.
     stiffness
-        Of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, ``"0.16 MPa/um"`` of the
-        shear stress or ``"4 N/um"`` of the force where the record has the normal one; or ``"fit"``; or
-        infinity, where the load point is the slip. By default it is fitted if the record has the velocity of
-        the load point, and not needed if it has that of slip. With a stiffness, the result is a `MachineFit`.
+        Stiffness of the machine, with its unit: ``"1.6e-3 / um"`` of the friction coefficient, or, if the
+        record has the normal stress or force, ``"0.16 MPa/um"`` of the shear stress or ``"4 N/um"`` of the
+        force. ``"fit"`` fits it; infinity takes the load point for the slip. By default it is fitted if the
+        record has the velocity of the load point, and infinite if it has that of slip. With a finite
+        stiffness the result is a `MachineFit`.
 
     Raises
     ------
     InputError
-        There are no such events, too few values, or velocities that do not differ to fit a; the stiffness
-        has no unit, or slides at it are stick-slip.
+        There are no such events, too few values, or too similar velocities to fit a; the stiffness has no
+        unit, or the slider sticks and slips with it.
     """
     advice = "asperity.friction.record_of(history), or asperity.friction.read_record(path)"
     record = checks.instance("record", record, Record, advice)
@@ -111,7 +112,7 @@ def fit_events(
 ) -> Mapping[Event, MachineFit | None]:
     """Fit the events of a record of a machine, each by itself; arguments are those of `rate_and_state`.
 
-    A fit is None where there are too few rows, or none that a law fits.
+    The fit of an event is None if it has too few rows, or no law fits.
     """
     fits: dict[Event, MachineFit | None] = {}
     for event in events_of(record):
@@ -125,16 +126,16 @@ def fit_events(
     return fits
 
 
-def _velocity(given: float | str, *, si: bool) -> float:
-    if has_unit(given) and not si:
+def _velocity(V_0: float | str, *, si: bool) -> float:
+    if has_unit(V_0) and not si:
         expected, advice = "a plain number, as the record has no units", "a header with units: time_s"
-        raise InputError("V_0", expected=expected, got=repr(given), advice=advice)
-    return checks.number("V_0", units.quantity(given, "m/s", "V_0") if has_unit(given) else given, above=0.0)
+        raise InputError("V_0", expected=expected, got=repr(V_0), advice=advice)
+    return float(units.number("V_0", V_0, "m/s", above=0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """What is fitted: entries `used` of a record. The direct effect `given_a` is None where it is fitted."""
+    """A fit to the entries `used` of a record. The direct effect `given_a` is None if it is fitted."""
 
     record: Record
     law: StateLaw
@@ -148,7 +149,7 @@ class _Problem:
         reference = first_velocity(record.velocity)
         if V_0 is not None:
             reference = _velocity(V_0, si=record.si)
-        # Where V changes by more, the mean of an interval does not say its velocity at the end.
+        # If V changes by more, the mean over an interval does not determine the velocity at its end.
         used &= np.abs(half_changes(record.time, record.velocity)) < math.log(STEP)
         if not record.strength_at_rest:
             used &= record.velocity > 0
@@ -157,12 +158,9 @@ class _Problem:
         if a is None:
             a = "fitted" if record.a is None else record.a
         if a == "fitted" and not differ:
-            raise InputError(
-                "a",
-                expected="a number, as all slip is at one velocity, which does not show the direct effect",
-                got="none",
-                advice="a=0.01, a common value for rock, or a=0.0",
-            )
+            expected = "a number, as all slip is at one velocity, which does not show the direct effect"
+            advice = "a=0.01, a common value for rock, or a=0.0"
+            raise InputError("a", expected=expected, got="none", advice=advice)
         problem = cls(record, law, reference, used, None if a == "fitted" else checks.number("a", a))
         if used.sum() < problem.count + 3:
             expected = f"at least {problem.count + 3} values for {problem.count} parameters"
@@ -171,12 +169,12 @@ class _Problem:
 
     @property
     def count(self) -> int:
-        """How many of mu_0, b, D_c, the first state, and a are fitted."""
+        """Number of fitted parameters: mu_0, b, D_c, the first state, and perhaps a."""
         return 4 + (self.given_a is None)
 
     @cached_property
     def values(self) -> Floats:
-        """Friction less a direct effect that was given."""
+        """Friction less the direct effect, if this is given."""
         direct = (self.given_a or 0.0) * log_velocity(self.record.time, self.record.velocity, self.V_0)
         return (self.record.friction - direct)[self.used]
 
@@ -193,7 +191,7 @@ class _Problem:
         return float(shape[0] + shape[1] - math.log(first_velocity(self.record.velocity)))
 
     def linear(self, shape: Floats) -> tuple[Floats, Floats]:
-        """mu_0, b and a that suit best, and the residuals."""
+        """The best mu_0, b and a, and the residuals."""
         columns, values = self.columns(shape), self.values
         solution = np.linalg.lstsq(columns, values)[0]
         return np.asarray(solution, dtype=np.float64), np.asarray(values - columns @ solution)
@@ -219,11 +217,11 @@ class _Problem:
             least_squares(misfit, start, bounds=bounds, ftol=1e-12, xtol=1e-9, gtol=1e-12)
             for start in starts[:_POLISHED]
         ]
-        return np.asarray(min(minima, key=lambda found: float(found.cost)).x)
+        return np.asarray(min(minima, key=lambda minimum: float(minimum.cost)).x)
 
     @cached_property
     def _unit(self) -> float:
-        """Spread of the values, by which the search measures residuals."""
+        """Spread of the values, the unit of residuals in the search."""
         return max(float(np.std(self.values)), ROUNDING * float(self.record.friction.max()))
 
     def solution(self) -> RateAndStateFit:

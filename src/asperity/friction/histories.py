@@ -26,8 +26,8 @@ def record_of(
 ) -> Record:
     """Take the record of a history in which the contact slid.
 
-    It is a `History`, its dataset, or the folder where one is saved. The shear strength of `add_friction` is
-    needed where there is no series ``friction`` yet.
+    It is a `History`, its dataset, or the folder where one is saved. Without a series ``friction`` it needs
+    the shear strength of `add_friction`.
 
     Friction at rest is the strength. `InputError` if the contact never slid, or the strength is missing.
     """
@@ -51,7 +51,7 @@ def record_of(
     time = slides["time"].values
     return Record.of_displacement(
         time,
-        # The slide goes on between shifts, in which states may have been asked for.
+        # The slide goes on between shifts, where there may be states.
         np.cumsum(slides["velocity"].values * np.diff(time, prepend=time[0])),
         slides["friction"].values,
         strength_at_rest=True,
@@ -70,7 +70,7 @@ def _nominal_area(dataset: xr.Dataset) -> float:
 
 
 def _dataset(history: object) -> tuple[xr.Dataset, str]:
-    """The dataset of a history, and where it comes from."""
+    """The dataset of a history, and the folder of a saved one."""
     from asperity.results import History, load  # late, as they bring the solvers
 
     if isinstance(history, Path | str):

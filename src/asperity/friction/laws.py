@@ -1,4 +1,4 @@
-r"""Rate-and-state friction, and its state in closed form where ln V is linear in slip.
+r"""Rate-and-state friction, and its state in closed form for ln V linear in slip.
 
 The friction coefficient depends on the slip velocity V and on a state theta (time), which is the age of the
 contacts (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979), doi:10.1029/JB084iB05p02161; A. Ruina, J.
@@ -14,11 +14,10 @@ solutions:
     aging   theta = theta_start exp(-x) + (x D_c/V_end) (1 - exp(-z))/z,  z = x - 2 c
     slip    ln theta = exp(-x) ln theta_start + (1 - exp(-x)) (ln(D_c/V_end) + 2 c (1/x - 1/(exp(x) - 1)))
 
-A record is a chain of such times, so that no error of an integrator enters. The slip of each interval gives
-its mean velocity x D_c/t = V_end c/(sinh(c) exp(c)). Here c follows from neighboring means, limited so that
-it is 0 beside a jump (`half_changes`). Both chains are sums of terms above 0, which are added in the
-logarithm: no number overflows, however far a contact slides. At rest the aging law gives theta_start + t, and
-the slip law, in which only slip changes the state, theta_start.
+A record is a chain of such times, without errors of an integrator. The slip of each interval gives its mean
+velocity x D_c/t = V_end c/(sinh(c) exp(c)), and neighboring means give c, limited to 0 beside a jump
+(`half_changes`). Both chains are sums of positive terms, which are added in the logarithm, so no number
+overflows. At rest the aging law gives theta_start + t, the slip law theta_start.
 
 Here V is the velocity of slip; `asperity.friction.slider` has a machine whose load point pulls by a spring.
 """
@@ -39,7 +38,7 @@ StateLaw = Literal["aging", "slip"]
 STATE_LAWS: tuple[StateLaw, ...] = ("aging", "slip")
 
 _SHORT = 1e-3
-"""Slip over D_c below which 1/x - 1/(exp(x) - 1) is its series, to 1e-12."""
+"""Slip over D_c below which a series replaces 1/x - 1/(exp(x) - 1), to 1e-12."""
 
 
 def state_law(value: object) -> StateLaw:
@@ -56,9 +55,9 @@ class RateAndState:
     Parameters
     ----------
     law
-        How the state evolves: ``"aging"`` (Dieterich) or ``"slip"`` (Ruina).
+        Law of the state: ``"aging"`` (Dieterich) or ``"slip"`` (Ruina).
     a
-        Direct effect of the velocity; 0 for a shear strength that does not depend on it.
+        Direct effect of the velocity; 0 for a shear strength without it.
     b
         Effect of the state.
     D_c
@@ -92,8 +91,8 @@ class RateAndState:
             Times that never fall, shape (n,).
         velocity
             Mean velocity of slip in the interval that ends at each time, shape (n,), not below 0; at the
-            first time, that of the first interval. It is constant where it is for two intervals or more;
-            see `half_changes`.
+            first time, that of the first interval. It is constant where it is the same for two intervals or
+            more; see `half_changes`.
         start
             State at the first time, not below 0, and above 0 for the slip law; by default that of steady
             sliding at the first velocity above 0.
@@ -160,8 +159,8 @@ def half_changes(time: Floats, velocity: Floats) -> Floats:
     """Half the change of ln V within each interval, shape (n,), from the means of the intervals around it.
 
     It is the monotonized central slope of B. van Leer (J. Comput. Phys. 23, 276 (1977),
-    doi:10.1016/0021-9991(77)90095-X): ln V leaves the range of its neighbors nowhere. So V is constant
-    beside a jump, a rest, an extremum, and two entries of one time.
+    doi:10.1016/0021-9991(77)90095-X), with ln V in the range of its neighbors. So V is constant beside a
+    jump, a rest, an extremum, and two entries of one time.
     """
     slip = velocity * np.diff(time, prepend=time[0])
     slides = slip > 0
@@ -175,18 +174,18 @@ def half_changes(time: Floats, velocity: Floats) -> Floats:
 
 
 def log_velocity(time: Floats, velocity: Floats, V_0: float) -> Floats:
-    """Logarithm of V/V_0 at the end of each interval; at rest as `coming_velocity`, 0 without any slip."""
+    """Logarithm of V/V_0 at the end of each interval, with `coming_velocity` at rest; 0 without any slip."""
     coming = coming_velocity(velocity * np.exp(_log_end(half_changes(time, velocity))))
     return np.log(np.divide(coming, V_0, out=np.ones_like(velocity), where=coming > 0))
 
 
 def _log_end(half: Floats) -> Floats:
-    """Logarithm of the velocity at the end of an interval over its mean there."""
+    """Logarithm of the velocity at the end of an interval over its mean."""
     return half + np.log(np.divide(np.sinh(half), half, out=np.ones_like(half), where=half != 0))
 
 
 def coming_velocity(velocity: Floats) -> Floats:
-    """The velocity; at rest that of the next slip, after the last that of the last, 0 without any."""
+    """The velocity; at rest that of the next slip, or else of the last one, or 0 without any."""
     slides = np.flatnonzero(velocity > 0)
     if not slides.size:
         return velocity
@@ -194,7 +193,7 @@ def coming_velocity(velocity: Floats) -> Floats:
 
 
 def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: float) -> Floats:
-    """Logarithm of theta at each time, shape (n,), from that at the first; arguments are checked already."""
+    """Logarithm of theta at each time, shape (n,), from that at the first time."""
     duration = np.diff(time, prepend=time[0])
     slid = velocity * duration / D_c  # x of each interval; the first has no length
     total = np.cumsum(slid)
@@ -203,7 +202,7 @@ def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: 
     lost = -np.expm1(-slid)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         if law == "aging":
-            # What each interval adds to theta: its duration, less what slip takes away.
+            # Growth of theta in each interval: its duration, less the loss by slip.
             z = slid - 2 * half
             added = np.log(duration * np.where(z == 0, 1.0, -np.expm1(-z) / z)) - end
             added[0] = start

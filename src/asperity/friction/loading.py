@@ -1,8 +1,8 @@
-"""The load point of a machine as straight segments of time: what it rests and moves at, found under noise.
+"""The load point of a machine as straight segments of time, found in noisy data.
 
-A segment is split where two lines fit much better than one, judged by the noise. Neighbors of nearly one
-velocity are joined again. If only slip was measured, the load point is slip + friction/k, with the k that
-needs the fewest segments for the noise.
+A segment is split if two lines fit much better than one, compared with the noise. Neighbors of nearly one
+velocity are joined. If only slip was measured, the load point is slip + friction/k, with the k that needs the
+fewest segments.
 """
 
 from __future__ import annotations
@@ -16,35 +16,35 @@ import numpy as np
 from asperity.base.checks import Floats
 
 STEP = 1.2
-"""Ratio of two velocities from which a change is a step."""
+"""Least ratio of two velocities that is a step."""
 
 SLOW = 0.01
 """Velocity over that of sliding below which the load point rests, or a slider is at hold."""
 
 _GAIN = 60.0
-"""A kink is one where it takes this many variances off the sum of squares."""
+"""Least decrease of the sum of squares by a kink, in variances of the noise."""
 
 _LEAST = 4
-"""Rows of a segment."""
+"""Least number of rows of a segment."""
 
 _MOST = 400
-"""Segments at most."""
+"""Largest number of segments."""
 
 _EQUAL, _FEW = 1e-6, 0.1
-"""Change of velocity, over the largest, that is none; and changes a row up to which slip has no noise."""
+"""Relative difference of equal velocities; largest share of changing rows of a slip without noise."""
 
 _SWEEPS = 2
 _ROUNDING = 1e-8
 _COMPLIANCES, _ROUNDS, _SETTLED = 6, 8, 1e-4
-"""How many k are tried, how often each is corrected for the kinks that it gives, and up to which part."""
+"""Number of compliances tried, corrections of each for its kinks, and relative change that ends these."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """A load point that moves at constant velocity from kink to kink.
+    """A load point with a constant velocity between kinks.
 
-    Kinks are times with standard errors `spread`, shape (m,); velocities are those of the segments before,
-    between and after them, shape (m + 1,), 0 at rest.
+    Kinks are times with standard errors `spread`, shape (m,). Velocities are those before, between and after
+    them, shape (m + 1,), 0 at rest.
     """
 
     kinks: Floats
@@ -52,7 +52,7 @@ class Drive:
     spread: Floats
 
     def edges(self, time: Floats) -> Floats:
-        """The first of some times, the kinks, and the last."""
+        """The first time, the kinks, and the last time."""
         return np.concatenate([time[:1], self.kinks, time[-1:]])
 
     def place(self, time: Floats) -> Floats:
@@ -68,7 +68,7 @@ class Drive:
         return Drive(self.kinks[inside], velocity, self.spread[inside])
 
     def per_row(self, time: Floats) -> Floats:
-        """Velocity forward in the interval that ends at each time, kinks at the nearest rows, shape (n,)."""
+        """Velocity of the interval that ends at each time, not below 0, with kinks at rows; shape (n,)."""
         middles = (time[1:] + time[:-1]) / 2
         rows = np.searchsorted(middles, self.kinks)
         return np.asarray(
@@ -77,12 +77,12 @@ class Drive:
 
 
 def drive_of(time: Floats, place: Floats) -> Drive:
-    """Straight segments through the noise of a load point; times rise, both of shape (n,)."""
+    """Straight segments through a noisy load point; times rise, both of shape (n,)."""
     return _Pieces.found(time, place, variance(time, place)).joined().drive()
 
 
 def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, float]:
-    """Segments of the load point behind a slip, and the compliance 1/k (length) that makes them straight."""
+    """Segments of the load point, from slip and friction, and the compliance 1/k (length) that fits best."""
     if (straight := _without_noise(time, slip)) is not None:
         return straight, 0.0
     noises = variance(time, slip), variance(time, friction)
@@ -97,11 +97,9 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
         return float(pieces.off @ pieces.off) / noise + 3 * len(pieces.edges) * math.log(time.size), pieces
 
     def best(pieces: _Pieces) -> float:
-        """Compliance of the least squares over the noise, between the kinks of these segments."""
+        """Compliance of the least squares over the noise, with the kinks of these segments."""
         off, of_friction = (replace(pieces, place=values).off for values in (slip, friction))
-        A, B, C = (
-            float(one @ two) for one, two in ((off, off), (off, of_friction), (of_friction, of_friction))
-        )
+        A, B, C = float(off @ off), float(off @ of_friction), float(of_friction @ of_friction)
         # The root of the derivative of (A + 2 B c + C c^2)/(n_0 + n_1 c^2).
         half = (C * noises[0] - A * noises[1]) / 2
         root = math.hypot(half, B * math.sqrt(noises[0] * noises[1]))
@@ -115,14 +113,14 @@ def drive_of_slip(time: Floats, slip: Floats, friction: Floats) -> tuple[Drive, 
             last, compliance = compliance, best(pieces)
             if abs(compliance - last) < _SETTLED * last:
                 break
-    cost, pieces, compliance = min(trials, key=lambda one: one[0])
+    cost, pieces, compliance = min(trials, key=lambda trial: trial[0])
     if trials[0][0] < cost + _GAIN:
         _, pieces, compliance = trials[0]
     return pieces.drive(), float(compliance)
 
 
 def _without_noise(time: Floats, place: Floats) -> Drive | None:
-    """Segments, of any number of rows, if velocities repeat as in a simulation; else None."""
+    """Segments of equal velocities, if the slip has no noise, as in a simulation; else None."""
     speeds = np.diff(place) / np.diff(time)
     turns = np.flatnonzero(np.abs(np.diff(speeds)) > _EQUAL * np.abs(speeds).max()) + 1
     if turns.size > _FEW * speeds.size:
@@ -131,7 +129,7 @@ def _without_noise(time: Floats, place: Floats) -> Drive | None:
 
 
 def variance(time: Floats, values: Floats) -> float:
-    """Square of the noise from how far each value lies off the line through its neighbors."""
+    """Variance of the noise, from distances of values from the line through their neighbors."""
     if time.size < 3:
         return 0.0
     part = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-300)
@@ -161,7 +159,7 @@ class _Pieces:
         return cls(time, place, noise, tuple(sorted(edges)))
 
     def joined(self) -> _Pieces:
-        """Join what is no kink by the noise around it, rests, and velocities that hardly differ."""
+        """Join segments whose kink is insignificant, rests, and velocities that hardly differ."""
         edges = list(self.edges)
         lines = [self._line(*pair) for pair in pairwise(edges)]
         fastest = max(abs(line[1]) for line in lines)
@@ -182,7 +180,7 @@ class _Pieces:
             del edges[n + 1], kinks[n]
             for near in range(max(0, n - 1), min(n + 1, len(kinks))):
                 kinks[near] = worth(near)
-        for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # a split did not know the others yet
+        for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # move each edge between the final others
             part = slice(edges[n - 1], edges[n + 1])
             edges[n] = part.start + _split(self.time[part], self.place[part], 0.0, always=True)
         return _Pieces(self.time, self.place, self.noise, tuple(edges))
@@ -208,7 +206,7 @@ class _Pieces:
         )
 
     def drive(self) -> Drive:
-        """Where the lines cross, and with which errors; a slow segment beside a fast one is a rest."""
+        """Crossings of the lines, with standard errors; a slow segment beside a fast one is a rest."""
         pairs = list(pairwise(self.edges))
         lines = [self._line(*pair) for pair in pairs]
         speeds = np.array([line[1] for line in lines])
@@ -230,7 +228,7 @@ class _Pieces:
 
 
 def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -> int:
-    """Row at which two lines fit best, 0 where that is no better than one unless there is one `always`."""
+    """Row at which two lines fit best; 0 if one line fits as well, unless `always`."""
     n = time.size
     if n < 2 * _LEAST:
         return 0
@@ -239,15 +237,15 @@ def _split(time: Floats, place: Floats, noise: float, *, always: bool = False) -
     y = y - t * (float(t @ y) / float(t @ t))
     sums = [np.cumsum(values) for values in (np.ones(n), t, y, t * t, t * y, y * y)]
     rows = np.arange(_LEAST - 1, n - _LEAST)
-    before = _squares(*(one[rows] for one in sums))
-    both = before + _squares(*(one[-1] - one[rows] for one in sums))
+    before = _squares(*(column[rows] for column in sums))
+    both = before + _squares(*(column[-1] - column[rows] for column in sums))
     at = int(np.argmin(both))
     gain = float(sums[5][-1] - both[at])
     return int(rows[at]) + 1 if always or gain > _GAIN * max(noise, float(both[at]) / n) else 0
 
 
 def _squares(n: Floats, t: Floats, y: Floats, tt: Floats, ty: Floats, yy: Floats) -> Floats:
-    """Sums of squares about lines, from sums of their rows."""
+    """Sums of squares about lines, from sums over their rows."""
     across = tt - t * t / n
     along = ty - t * y / n
     return np.maximum(yy - y * y / n - along**2 / np.where(across > 0, across, np.inf), 0.0)

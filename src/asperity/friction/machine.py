@@ -1,8 +1,8 @@
 """Least squares of a slider on the spring of a machine: residuals and their derivatives.
 
-Measured are friction, mu_0 + drift x_lp + a w + b s; where there is slip x, the load point x + mu/k, which
-is straight between kinks; and where there is a load point, its kinks. mu_0, the drift and those lines are
-linear, and projected out of the residuals: what is searched is ln a, b, ln D_c, ln k and the kinks.
+The data are friction, mu_0 + drift x_lp + a w + b s; with a measured slip x, the load point x + mu/k, which
+is straight between kinks; and with a measured load point, its kinks. mu_0, the drift and those lines are
+linear, and projected out of the residuals. The search is over ln a, b, ln D_c, ln k and the kinks.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from asperity.friction.loading import Drive
 from asperity.friction.slider import Course, RunsAwayError, Shape, follow
 
 _DIFFERENCE = 1e-4
-"""Step of differences, in the logarithms; that of a kink is short of a sample by far."""
+"""Step of differences, in the logarithms."""
 
 _EDGE = 1e-3
-"""Distance from the end of its range at which a number is not determined."""
+"""Distance from the end of its range below which a parameter is not determined."""
 
 _BESIDE = 2
-"""Rows on each side of a kink at which measured slip is not fitted."""
+"""Rows on each side of a kink without a fit of measured slip."""
 
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A fit of a machine: measurements, and parameters to search.
+    """Measurements and parameters of a machine.
 
-    `used` are the rows whose friction counts, `measured` the kinks of a measured load point, `noise` the
-    standard deviations of friction and slip. `a` and `k` are None where they are searched.
+    `used` are the rows whose friction is fitted, `measured` the kinks of a measured load point, `noise` the
+    standard deviations of friction and slip. `a` and `k` are None if they are searched.
     """
 
     law: StateLaw
@@ -57,7 +57,7 @@ class Machine:
         return tuple(name for name in Shape._fields if fixed.get(name) is None)
 
     def shape(self, point: Floats) -> Shape:
-        """The numbers at a point of the search."""
+        """The parameters at a point of the search."""
         sizes = {
             name: float(value) if name == "b" else math.exp(value)
             for name, value in zip(self.names, point, strict=False)
@@ -74,7 +74,7 @@ class Machine:
 
     @cached_property
     def columns(self) -> Floats:
-        """Factors of mu_0 and of the drift over the whole displacement."""
+        """Factors of mu_0, and of the drift times the whole displacement."""
         place = self.drive.place(self.time)
         return np.column_stack([np.ones(place.size), place / place[-1]])[self.used]
 
@@ -96,7 +96,7 @@ class Machine:
         return pieces
 
     def compared(self, point: Floats, course: Course) -> tuple[Floats, list[Floats]]:
-        """mu_0 and the drift; and residuals over their noises, of friction, of segments of slip, of kinks."""
+        """mu_0 and the drift; residuals, over the noise, of friction, of segments of slip, and of kinks."""
         shape = self.shape(point)
         elastic = course.elastic(shape)
         friction = (self.friction - elastic)[self.used]
@@ -109,7 +109,7 @@ class Machine:
         return linear, [*parts, kinks[self.measured]]
 
     def residual(self, point: Floats) -> Floats:
-        """Model less what was measured, over its noise; NaN in stick-slip."""
+        """Model less data, over the noise; NaN in stick-slip."""
         try:
             return np.concatenate(self.compared(point, self.course(point))[1])
         except RunsAwayError:
@@ -117,7 +117,7 @@ class Machine:
             return np.full(int(self.used.sum()) + sum(sizes) + int(self.measured.sum()), np.nan)
 
     def slopes(self, point: Floats, many: int) -> Floats:
-        """Derivatives of mu_0, drift and residuals, a column for each of the first numbers searched."""
+        """Derivatives of mu_0, drift and residuals, in columns for the first `many` searched numbers."""
         base = self.course(point)
         linear, parts = self.compared(point, base)
         values, columns = np.concatenate([linear, *parts]), []
@@ -125,14 +125,14 @@ class Machine:
             step = self._step(n, self.shape(point))
             try:
                 ahead = self._beside(point, n, step, base)
-            except RunsAwayError:  # on one side of what is stable
+            except RunsAwayError:  # beside the limit of stability
                 step = -step
                 ahead = self._beside(point, n, step, base)
             columns.append((ahead - values) / step)
         return np.column_stack(columns)
 
     def _beside(self, point: Floats, n: int, step: float, base: Course) -> Floats:
-        """What a point that differs in one number gives."""
+        """mu_0, drift and residuals at a point that differs in one number."""
         ahead, kink = point.copy(), n - len(self.names)
         ahead[n] += step
         from_kink = () if kink < 0 else (base, kink)
@@ -141,7 +141,7 @@ class Machine:
         return np.concatenate([linear, *parts])
 
     def covariance(self, point: Floats) -> Floats:
-        """Of mu_0, the drift and the numbers by name; what is linear has its noise, and is dragged along."""
+        """Covariance of mu_0, drift and named parameters; the first two also follow the searched ones."""
         slopes = self.slopes(point, point.size)
         drags, searched = slopes[:2], inverse_square(slopes[2:])
         cross = drags @ searched
@@ -151,7 +151,7 @@ class Machine:
 
     @cached_property
     def bounds(self) -> tuple[Floats, Floats]:
-        """Least and largest of what is searched."""
+        """Bounds of the search."""
         drive, place = self.drive, self.drive.place(self.time)
         finest, size = float(np.diff(place)[np.diff(place) > 0].min()), float(np.ptp(self.friction))
         ranges = {
@@ -166,7 +166,7 @@ class Machine:
         return low, np.concatenate([ends[:, 1], drive.kinks + 0.45 * rooms[1:]])
 
     def at_edge(self, point: Floats) -> frozenset[str]:
-        """Parameters at the end of their range, which are not determined."""
+        """Names of parameters at the end of their range, which are not determined."""
         ends = np.abs(np.array(self.bounds) - point).min(axis=0)
         return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
 
@@ -177,12 +177,10 @@ class Machine:
         change = abs(float(self.drive.velocity[at + 1] - self.drive.velocity[at]))
         return min(10 * _DIFFERENCE * shape.D_c / change, 0.05 * float(self.drive.spread[at]))
 
-    # -- Noise -----------------------------------------------------------------------------------------------
-
     def judged(self, point: Floats) -> tuple[Machine, float, float]:
-        """The machine with the noise that a point leaves; correlation and worth of the rows of friction.
+        """The machine with the noise at a point; correlation and independent share of the rows of friction.
 
-        Where neighbors correlate, the noise is that of independent values that say as little.
+        Correlation of neighbors increases the noise to that of as many independent values.
         """
         friction, *places, _ = self.compared(point, self.course(point))[1]
         statistics, about = list(self.noise), [(0.0, 1.0), (0.0, 1.0)]
@@ -195,7 +193,7 @@ class Machine:
         return replace(self, noise=(statistics[0], statistics[1])), *about[0]
 
     def straightened(self, point: Floats) -> Machine:
-        """The machine with the velocities of a load point that is known by slip and friction alone."""
+        """The machine with velocities of the load point from slip and friction, if it was not measured."""
         if self.measured.any() or self.slip is None:
             return self
         shape, speeds = self.shape(point), self.drive.velocity.copy()

@@ -1,4 +1,4 @@
-"""Parameters of rate-and-state friction as a fit finds them."""
+"""Fitted parameters of rate-and-state friction."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from asperity.friction.records import Record
 def described(
     residual: Floats, friction: Floats, effective: float, count: int, values: dict[str, float], errors: Floats
 ) -> dict[str, Any]:
-    """Fields of a fit: its quality by `count` parameters, and its numbers by name with their standard errors.
+    """Fields of a fit: its quality with `count` parameters, and its numbers with their standard errors.
 
-    `errors` is the covariance of the first of `values`; the others were given.
+    `errors` is the covariance of the first of `values`; the others have no errors.
     """
     free = dict(zip(values, np.eye(len(values))[:, : len(errors)], strict=True))
     numbers = values | {"a_minus_b": values["a"] - values["b"]}
@@ -46,19 +46,19 @@ class RateAndStateFit(FitResult):
     Attributes
     ----------
     law, V_0
-        How the state evolves; the reference velocity, as given.
+        Law of the state; reference velocity.
     mu_0, a, b, D_c
-        The parameters, each with a standard error in ``..._stderr``; 0 for an a that was given. The
-        interval of D_c is symmetric in its logarithm.
+        The parameters, each with a standard error in ``..._stderr``, which is 0 for an a that was not fitted.
+        The interval of D_c is symmetric in its logarithm.
     a_minus_b
         Change of steady friction per e-fold of the velocity, with its standard error; below 0 sliding can be
         unstable.
     first_state
         State theta at the first time of the record.
     autocorrelation, effective_points
-        Correlation rho of neighboring residuals; number of independent values that standard errors count.
+        Correlation rho of neighboring residuals; number of independent values, for standard errors.
     residual, used
-        Friction less law at the values fitted, shape (points,); which entries of the record these are, (n,).
+        Friction less law at the fitted values, shape (points,); mask of these in the record, shape (n,).
     at_edge
         Whether the search for D_c ended at the end of its range.
     """
@@ -95,7 +95,7 @@ class RateAndStateFit(FitResult):
 
     @property
     def determined(self) -> bool:
-        """Whether the record determines D_c, to a factor of about three at least."""
+        """Whether the record determines D_c to a factor of about three."""
         return not self.at_edge and self.D_c_stderr < self.D_c
 
     @property
@@ -115,19 +115,19 @@ class MachineFit(RateAndStateFit):
     Attributes
     ----------
     stiffness
-        k, change of the friction coefficient for each displacement of the load point (1/length), with its
-        standard error; 0 where k was given. Its interval is symmetric in its logarithm.
+        k, change of the friction coefficient per displacement of the load point (1/length), with its standard
+        error, 0 if k was not fitted. Its interval is symmetric in its logarithm.
     stiffness_at_edge
-        Whether the search for k ended at the end of its range: the machine is stiffer than the record tells.
+        Whether the search for k ended at the end of its range: the machine is stiffer than the record shows.
     drift
-        Change of friction for each displacement of the load point (1/length) that is not the law's.
+        Change of friction per displacement of the load point (1/length) besides the law.
     kinks
-        Times at which the velocity of the load point changes, as friction has them.
+        Fitted times at which the velocity of the load point changes.
     released
-        Kinks at which friction turns far from where the measured load point does; friction counts there.
+        Kinks whose fitted time, by friction, is far from that of the measured load point.
     friction, slip, state
         The course of the slider: friction coefficient, slip since the first time, theta; shape (n,), NaN
-        before its beginning in steady sliding.
+        before steady sliding.
     """
 
     stiffness: float
@@ -144,8 +144,8 @@ class MachineFit(RateAndStateFit):
     scales: ClassVar[frozenset[str]] = frozenset({"D_c", "stiffness"})
 
     def predict(self, record: Record) -> Floats:
-        """Friction coefficient at each time of the record that was fitted, shape (n,)."""
+        """Friction coefficient at each time of the fitted record, shape (n,)."""
         if record.time.size != self.friction.size:
-            expected = f"the record that was fitted, of {self.friction.size} rows"
+            expected = f"the fitted record, of {self.friction.size} rows"
             raise InputError("record", expected=expected, got=f"{record.time.size} rows")
         return self.friction

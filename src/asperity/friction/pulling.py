@@ -1,9 +1,8 @@
-"""Fit of a record of a machine: which rows, which stiffness, and what cannot be fitted."""
+"""Fit of a record of a machine, with its stiffness; refusal of stick-slip."""
 
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +10,7 @@ from scipy.signal import find_peaks
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
-from asperity.base.words import as_text
+from asperity.base.words import as_text, number
 from asperity.errors import InputError
 from asperity.friction.events import rows_of
 from asperity.friction.laws import StateLaw
@@ -23,46 +22,46 @@ from asperity.friction.searching import solve
 from asperity.friction.slider import RunsAwayError
 
 _LIKE_NOISE = 6.0
-"""An oscillation is one where it rises so many times the noise."""
+"""Least rise of an oscillation over the noise."""
 
 _LARGE = 0.2
-"""And to such a part of the range of friction."""
+"""Least rise of an oscillation over the range of friction."""
 
 _CYCLES = 3
-_WITH_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
 _EXAMPLE = "a unit, such as 1.6e-3 / um of the friction coefficient, or 0.16 MPa/um of the shear stress"
 
 
-def stiffness_of(record: Record, given: object) -> float | None:
-    """The stiffness over the normal stress (1/length); None to fit it, infinite where slip is known."""
-    if given is None:
+def stiffness_of(record: Record, stiffness: object) -> float | None:
+    """The stiffness over the normal stress (1/length); None to fit it, infinite if the record has slip."""
+    stiffness = as_text(stiffness)
+    word = stiffness.strip().lower() if isinstance(stiffness, str) else stiffness
+    if word is None:
         return math.inf if record.drive is None else None
-    if isinstance(given, str) and given.strip().lower() == "fit":
+    if word == "fit":
         return None
-    if given == math.inf or (isinstance(given, str) and given.strip().lower() in ("inf", "infinity")):
+    if word in (math.inf, "inf", "infinity"):
         return math.inf
     if not record.si:
-        return checks.number("stiffness", given, above=0.0)
-    text = _WITH_UNIT.fullmatch(str(as_text(given)))
-    if text is None:
-        advice = f'"{given} / {record.units[1]}"' if isinstance(given, int | float) else '"1.6e-3 / um"'
-        raise InputError("stiffness", expected=_EXAMPLE, got=checks.shown(given), advice=advice)
-    unit = re.sub(r"\s*/\s*", "/", f"1{text[2]}" if text[2].startswith("/") else text[2])
+        return checks.number("stiffness", stiffness, above=0.0)
+    written = stiffness if isinstance(stiffness, str) and isinstance(number(stiffness), str) else ""
+    advice = f'"{stiffness} / {record.units[1]}"' if isinstance(stiffness, int | float) else '"1.6e-3 / um"'
     for base, normal in (("1/m", 1.0), ("Pa/m", record.normal_stress), ("N/m", record.normal_force)):
-        if (factor := units.factor(unit, base)) is None:
+        try:
+            in_base = units.quantity(written, base)
+        except InputError:
             continue
         if normal is None:
             quantity = "stress" if base == "Pa/m" else "force"
             expected = f"a normal {quantity} in the record, or a stiffness over it, such as 1.6e-3 / um"
-            raise InputError("stiffness", expected=expected, got=checks.shown(given))
-        return checks.number("stiffness", float(text[1]) * factor / normal, above=0.0)
-    raise InputError("stiffness", expected=_EXAMPLE, got=checks.shown(given))
+            raise InputError("stiffness", expected=expected, got=checks.shown(stiffness))
+        return checks.number("stiffness", in_base / normal, above=0.0)
+    raise InputError("stiffness", expected=_EXAMPLE, got=checks.shown(stiffness), advice=advice)
 
 
 def pulled_fit(
     record: Record, law: StateLaw, a: object, V_0: float | None, events: object, k: float | None
 ) -> MachineFit:
-    """Fit a record from its steady sliding on; k is None where it is fitted. `InputError` as there."""
+    """Fit a record from its steady sliding on; k is None to fit it. Errors are those of `rate_and_state`."""
     if record.strength_at_rest:
         expected = "a record of a machine for a stiffness: in simulations the velocity is that of slip"
         raise InputError("record", expected=expected, got="the strength at rest")
@@ -70,7 +69,7 @@ def pulled_fit(
     if drive is None:
         drive, _ = drive_of_slip(record.time, record.displacement, record.friction)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
-    if drive.velocity[0] == 0 and drive.kinks.size:  # steady half-way through the first slide
+    if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
@@ -89,7 +88,7 @@ def pulled_fit(
 
 
 def _refuse_oscillation(record: Record, drive: Drive) -> None:
-    """Refuse oscillations that do not die out while the load point goes on steadily."""
+    """Refuse oscillations that do not die out at a constant velocity of the load point."""
     time, friction = record.time, record.friction
     noise = math.sqrt(variance(time, friction))
     edges = drive.edges(time)
@@ -117,7 +116,7 @@ def _stick_slip(text: str) -> InputError:
 def _result(
     record: Record, machine: Machine, point: Floats, released: tuple[int, ...], first: int, V_0: float | None
 ) -> MachineFit:
-    """The numbers in the units of the record, with mu_0 at the reference velocity."""
+    """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
     a, b, D_c, k = shape
     if k * D_c < b - a:
@@ -131,7 +130,7 @@ def _result(
     drift /= (whole := machine.drive.place(machine.time)[-1])
     reference = start if V_0 is None else V_0
     logs = math.log(reference / start)
-    # From logarithms to numbers, from start to reference, and what was given last.
+    # From logarithms to numbers, and from the first velocity to the reference; fixed numbers come last.
     names = ("mu_0", "drift", *machine.names)
     scale = [getattr(shape, name) if name in ("a", "D_c", "k") else 1.0 for name in machine.names]
     turned = np.diag([1.0, 1 / whole, *scale])

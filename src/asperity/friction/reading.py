@@ -44,7 +44,7 @@ ROLES = (
     ),
     Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
 )
-"""What the columns of a record hold."""
+"""Quantities of the columns of a record."""
 _EXAMPLES = (
     "time_s, load_point_um and friction, or time_s, displacement_um, shear_stress_MPa and normal_stress_MPa"
 )
@@ -52,7 +52,7 @@ _ARGUMENTS = ("units", "strength_at_rest")
 _MOTIONS = ("load point", "velocity", "displacement")
 
 _CONSTANT, _NOISE = 0.02, 6.0
-"""Change of a normal stress that is no change: a part of it, or so many times its noise."""
+"""Largest change of a constant normal stress: over its mean, and over its noise."""
 
 
 def read_record(
@@ -67,33 +67,33 @@ def read_record(
 ) -> Record:
     """Read the record of an experiment from a table, and convert it to s, m and Pa.
 
-    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
-    French: ``time_s``; ``load_point_um``, or the slip in ``displacement (mm)`` or ``velocity [um/s]``; and
+    The names of the columns, or a row below them, state quantity and unit, in English, German or French:
+    ``time_s``; ``load_point_um``, or the slip in ``displacement (mm)`` or ``velocity [um/s]``; and
     ``friction``, ``COF`` or ``Reibungszahl [-]``, or ``shear_stress_MPa`` and ``normal_stress_MPa``, or
-    ``Fx [N]`` and ``Fz [N]``, of which friction is the ratio. A velocity counts before a displacement; it is
-    the mean since the line before. If no time and displacement has a unit, the record is in units of its own,
-    such as those of a simulation. For the form of the file see `asperity.fits.read_measurements`.
+    ``Fx [N]`` and ``Fz [N]``, whose ratio is friction. A velocity, the mean since the line before, is
+    preferred to a displacement. Without units of time and displacement the record is without units, such as
+    that of a simulation. For the form of the file see `asperity.fits.read_measurements`.
 
     Parameters
     ----------
     path
         A text file with a line for each time; or a binary file of xlook.
     columns, units
-        Names or numbers, from 0, of the columns to read, by default all that are understood; and their units
+        Names or numbers, from 0, of the columns to read, by default all that are understood; units of columns
         in place of those of the table: ``{"slip": "um"}``.
     strength_at_rest
         As in `Record`.
     start, stop
-        Times between which to read, in the unit of the file, or with one: ``"3845 s"``.
+        First and last time to read, in the unit of the file, or text with a unit: ``"3845 s"``.
     calibration
-        For columns in bits: a text file with a line for each column, ``factor, unit, zero, name``, of which
-        the zero (in bits) and the name may be left out; ``-`` for a column to leave alone.
+        For columns in bits: a text file with a line for each column, ``factor, unit, zero, name``, where zero
+        (in bits) and name are optional; ``-`` for a column to leave alone.
 
     Raises
     ------
     InputError
-        The columns are not understood, some have units and some have none, the normal stress changes, or the
-        load point goes back.
+        The columns are not understood, only some have units, the normal stress changes, or the load point
+        goes back.
     """
     if is_xlook(Path(path)):
         table: Table | Path | str = read_xlook(Path(path), calibration)
@@ -116,7 +116,7 @@ def read_record(
         motions = [role for role in motions if role != "velocity"]
     else:
         motions = ["velocity"]
-    # Of what is divided, or goes together, each has a unit or none has.
+    # Of a ratio, or of times and displacements, each has a unit or none has.
     has_units = any(columns_read.unit(role) for role in ("time", *motions))
     time = columns_read.values("time", bare=not has_units)
     kept = _window(time, start, stop, columns_read.unit("time"))
@@ -157,11 +157,11 @@ def _made(time: Floats, moved: dict[str, Floats], friction: Floats, how: dict[st
 
 
 def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.bool_]:
-    """Which times count."""
+    """Mask of the rows between two times."""
     factor = (si.factor(unit, "s") if unit else None) or 1.0
     ends = []
-    for name, given, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
-        value = number(given) if isinstance(given, str) else given
+    for name, stated, default in (("start", start, -np.inf), ("stop", stop, np.inf)):
+        value = number(stated) if isinstance(stated, str) else stated
         if isinstance(value, str) and not unit:
             expected = "a plain number, as the record has no units"
             raise InputError(name, expected=expected, got=repr(value))
@@ -178,15 +178,15 @@ def _window(time: Floats, start: object, stop: object, unit: str) -> NDArray[np.
     return np.asarray(kept)
 
 
-def _refuse_change(time: Floats, normal: Floats, what: str, unit: str, name: str) -> None:
+def _refuse_change(time: Floats, normal: Floats, quantity: str, unit: str, name: str) -> None:
     """Refuse a normal stress or force that is not above 0, or changes by more than its noise."""
     low, high = np.quantile(normal, [0.01, 0.99])
-    scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in what else "N") or 1.0
+    scale = 1.0 if not unit else si.factor(unit, "Pa" if "stress" in quantity else "N") or 1.0
     got = f"{low / scale:.4g} to {high / scale:.4g} {unit}".strip()
     if high <= 0:
         advice = "a calibration with the zero of each column, in bits"
-        raise InputError(name, expected=f"a {what} above 0", got=got, advice=advice)
+        raise InputError(name, expected=f"a {quantity} above 0", got=got, advice=advice)
     if high - low > max(_CONSTANT * abs(normal.mean()), _NOISE * variance(time, normal) ** 0.5):
-        expected = f"a constant {what}, as no law here follows one that changes"
+        expected = f"a constant {quantity}, as these laws do not describe a changing one"
         advice = "a part of the record, start=... and stop=..."
         raise InputError(name, expected=expected, got=got, advice=advice)

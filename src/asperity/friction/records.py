@@ -48,21 +48,21 @@ class Record(views.Brief):
         Friction coefficients above 0, shape (n,).
     strength_at_rest
         Whether friction at rest is the strength that a slip would meet, as in simulations. In an experiment
-        it is the force of the machine, which a fit leaves out.
+        it is the force of the machine, which is not fitted.
     a
         The direct effect, if it is known: 0 for a simulation with a constant shear strength.
     si
         Whether times are in s and lengths in m; else they are in units of the simulation.
     normal_stress, normal_force
-        Mean normal stress (Pa) and force (N), if they are known: a stiffness may be over them.
+        Mean normal stress (Pa) and force (N), if they are known, for the unit of a stiffness.
     load_point, slip
-        Measured displacements, with their noise, of the load point of a machine and of the slider, shape
-        (n,); None where they are not.
+        Measured displacements, with noise, of the load point of a machine and of the slider, shape (n,); or
+        None.
     drive
-        The load point as straight segments. If there is one, velocity and rests are those of the load point,
-        and a fit needs the stiffness of the machine.
+        The load point as straight segments, or None. Velocity and rests are those of the load point then, and
+        a fit needs the stiffness of the machine.
     source, read, units
-        Where the record comes from; what was read of which columns; units of time and length of messages.
+        Origin of the record; its columns; units of time and length in messages.
     """
 
     time: Floats
@@ -101,11 +101,12 @@ class Record(views.Brief):
     ) -> Record:
         """Make a record of the displacement (length) in place of the velocity.
 
-        The velocity of an interval is its displacement over its duration. Of entries at one time between
-        which the contact slipped the first one counts: that before the slip. Simulated contacts are oldest
-        there: docs/rate_and_state.md says by how much whole sites change mu_0, b and D_c.
+        The velocity of an interval is its displacement over its duration. If the contact slips between two
+        entries of one time, only the entry before the slip is kept. Simulated contacts are oldest there: see
+        docs/rate_and_state.md for the effect of whole sites on mu_0, b and D_c.
 
-        The three have shape (n,), and the displacement never falls; `about` are other facts of a record.
+        The three have shape (n,), and the displacement never falls; `about` are further arguments of
+        `Record`.
         """
         times, places = checks.line("time", time), checks.line("displacement", displacement)
         values = checks.line("friction", friction)
@@ -143,13 +144,13 @@ class Record(views.Brief):
         slip: ArrayLike | None = None,
         **about: Unpack[About],
     ) -> Record:
-        """Make a record of what a machine measures, with noise: load point, slip of the slider, or both.
+        """Make a record of noisy measurements of a machine: load point, slip of the slider, or both.
 
-        Rests are those of the load point. Where only slip is measured, it is slip + friction/k, for the k
-        that makes it straight between its kinks.
+        Rests are those of the load point. If only slip is measured, the load point is slip + friction/k, with
+        the k that makes it straight between its kinks.
 
-        Displacements have shape (n,), and may fall by their noise; one of them is needed. `about` are other
-        facts of a record. `InputError` for a load point that goes back.
+        Displacements have shape (n,), and may fall by their noise; at least one is needed. `about` are
+        further arguments of `Record`. `InputError` for a load point that goes back.
         """
         times, values = checks.line("time", time), checks.line("friction", friction)
         measured = {"load_point": load_point, "slip": slip}
@@ -199,7 +200,7 @@ class Record(views.Brief):
 
     @property
     def scales(self) -> tuple[float, float]:
-        """The units of time and length of messages in those of the record."""
+        """The units of time and length in messages, in those of the record."""
         return _scales(self.units)
 
     def speed(self, velocity: float) -> str:
@@ -214,13 +215,13 @@ class Record(views.Brief):
 
     @property
     def finest_slip(self) -> float:
-        """Smallest slip between two values; a D_c below it is not resolved."""
+        """Smallest slip between two values, which resolves no smaller D_c."""
         slips = np.diff(self.displacement)
         return float(slips[slips > 0].min())
 
     @property
     def events(self) -> NDArray[np.intp]:
-        """To what each entry belongs, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
+        """Event of each entry, shape (n,): 0 the run-in, 1 a rest and the slip after it, 2 a step."""
         before, now = self.velocity[:-1], self.velocity[1:]
         with np.errstate(divide="ignore", invalid="ignore"):
             stepped = (before > 0) & (now > 0) & (np.abs(np.log(now / before)) > math.log(STEP))
@@ -235,5 +236,5 @@ def _scales(names: tuple[str, str]) -> tuple[float, float]:
 
 
 def after_slips(time: Floats, displacement: Floats) -> NDArray[np.bool_]:
-    """Which entries are those after a slip at once, shape (n,)."""
+    """Mask of the entries after a slip at one time, shape (n,)."""
     return np.append(False, (np.diff(time) == 0) & (np.diff(displacement) != 0))

@@ -14,32 +14,32 @@ from asperity.friction.machine import Machine
 from asperity.friction.slider import RunsAwayError
 
 _STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
-"""Starts: a over the range of friction, b/a, D_c over the shortest slide, k over that seen."""
+"""Starts: a over the range of friction, b/a, D_c over the shortest slide, k over the observed slope."""
 
 _POLISHED, _FIRST, _FREE, _LAST = 3, 8, 16, 60
-"""How many starts are followed, for how many evaluations; of the best, with its kinks, how many."""
+"""Number of starts to follow; evaluations for each, for the best with free kinks, and in the last search."""
 
 _BEFORE = 5
-"""Rows before a kink whose friction is that of its beginning."""
+"""Rows before a kink, whose median friction is that at the kink."""
 
 _ROUNDS = 3
-"""Searches, each with the noise that the one before left."""
+"""Searches, each with the noise after the one before."""
 
 _SETTLED = 0.01
-"""Change of the noise at which the rounds end."""
+"""Relative change of the noise that ends the rounds."""
 
 _RELEASED = 4.0
-"""Errors of a measured kink beyond which friction alone says where it is."""
+"""Standard errors beyond which a measured kink is not fitted."""
 
 
 def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
-    """Search from several starts; `RunsAwayError` where nothing slides stably.
+    """Search from several starts; `RunsAwayError` if none slides stably.
 
-    Returns the machine with its noise, the point of the least squares, and the kinks seen at wrong times.
+    Returns the machine with its noise, the point of the least squares, and the released kinks.
     """
     count, starts = len(machine.names), _starts(machine)[:_POLISHED]
-    # First with the kinks where they were seen, as friction of a stiff machine jumps there from row to row;
-    # and with free kinks, which may have been seen at wrong times.
+    # First with measured kinks, as friction of a stiff machine jumps there from row to row; then with free
+    # kinks, as measured ones may be wrong.
     tried = [minimum for start in starts if (minimum := _polished(machine, start, _FIRST, count))]
     points = [point for _, point in sorted(tried, key=lambda minimum: minimum[0])[:1]] + starts[:1]
     tried = [minimum for point in points if (minimum := _polished(machine, point, _FREE, point.size))]
@@ -52,7 +52,7 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
         last = machine
         try:
             machine = machine.straightened(point).judged(point)[0]
-        except RunsAwayError:  # a law that does not suit, at the edge of what is stable
+        except RunsAwayError:  # a law that does not fit, at the limit of stability
             break
         machine = replace(machine, measured=machine.measured & ~off)
         best = _polished(machine, point, _LAST, point.size)
@@ -82,7 +82,7 @@ def _starts(machine: Machine) -> list[Floats]:
 
 
 def _stiffness_seen(machine: Machine) -> float:
-    """Slope of friction against the load point, half-way, where that speeds up, or else slows down."""
+    """Slope of friction against the load point, to half of its change, where this speeds up or else slows."""
     slopes: dict[bool, list[float]] = {True: [], False: []}
     drive, edges = machine.drive, machine.drive.edges(machine.time)
     for n, change in enumerate(np.diff(drive.velocity).tolist()):
@@ -100,7 +100,7 @@ def _stiffness_seen(machine: Machine) -> float:
 
 
 def _polished(machine: Machine, start: Floats, evaluations: int, many: int) -> tuple[float, Floats] | None:
-    """Cost and place of the minimum that a start leads to in its first numbers; None in stick-slip."""
+    """Cost and place of the minimum from a start, over its first `many` numbers; None in stick-slip."""
     low, high = machine.bounds
     margin = 1e-9 * (high - low)
     start = np.clip(start, low + margin, high - margin)

@@ -25,14 +25,14 @@ from asperity.friction.loading import Drive
 
 _TOLERANCE = 1e-8
 _STEPS = 3000
-"""Steps from row to row after which the slider runs away."""
+"""Largest number of steps from row to row of a stable slider."""
 
 _FORGOTTEN = 1e-7
-"""Difference of w and s at a kink from which on two courses are one."""
+"""Difference of w and s at a kink below which two courses are the same from there on."""
 
 
 class Shape(NamedTuple):
-    """What a course depends on, besides the drive."""
+    """Parameters of a course, besides the drive."""
 
     a: float
     b: float
@@ -59,9 +59,9 @@ class Course:
 def follow(
     law: StateLaw, shape: Shape, drive: Drive, time: Floats, base: Course | None = None, kink: int = 0
 ) -> Course:
-    """Integrate through a record; `RunsAwayError` where that fails, as in stick-slip.
+    """Integrate through a record; `RunsAwayError` if that fails, as in stick-slip.
 
-    A course that differs from its `base` by one `kink` is integrated where it is another.
+    If only one `kink` differs from a `base`, only the differing part of the course is integrated.
     """
     edges = drive.edges(time)
     if (np.diff(edges) <= 0).any():
@@ -82,7 +82,7 @@ def follow(
 
 
 def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Callable[..., tuple[float, float]]:
-    """Derivatives of w and s while the load point moves at `pulled`."""
+    """Derivatives of w and s at the velocity `pulled` of the load point."""
     a, b, D_c, k = shape
     exp, aging = math.exp, law == "aging"
 
@@ -98,15 +98,15 @@ def _rate(law: StateLaw, shape: Shape, pulled: float, first: float) -> Callable[
 def _integrated(
     rate: Callable[..., tuple[float, float]], start: Floats, times: Floats, end: float
 ) -> tuple[Floats, Floats]:
-    """States at times from 0, and at the end."""
-    at_once = int(np.searchsorted(times, 1e-9 * end))  # LSODA refuses times that are no later
+    """States at the times since 0, and at the end."""
+    initial = int(np.searchsorted(times, 1e-9 * end))  # rows at time 0, which LSODA refuses
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ODEintWarning)
         try:
             states, about = odeint(
                 rate,
                 start,
-                np.concatenate([[0.0], times[at_once:], [end]]),
+                np.concatenate([[0.0], times[initial:], [end]]),
                 rtol=_TOLERANCE,
                 atol=_TOLERANCE,
                 mxstep=_STEPS,
@@ -116,4 +116,4 @@ def _integrated(
             raise RunsAwayError from None
     if about["message"] != "Integration successful." or not np.isfinite(states).all():
         raise RunsAwayError
-    return np.concatenate([np.broadcast_to(start, (at_once, 2)), states[1:-1]]), states[-1]
+    return np.concatenate([np.broadcast_to(start, (initial, 2)), states[1:-1]]), states[-1]

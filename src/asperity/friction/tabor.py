@@ -2,8 +2,8 @@
 
     friction force = sigma_S A,      friction coefficient mu = sigma_S A / load
 
-(F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950). The shear strength is an
-input: constant, or with a logarithm of the sliding velocity, as interfaces that creep under shear have it (T.
+(F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950). The shear strength is
+constant, or grows with the logarithm of the sliding velocity, as at interfaces that creep under shear (T.
 Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186):
 
     sigma_S = sigma_0 (1 + a ln(V / V_ref))
@@ -32,9 +32,9 @@ class ShearStrength:
     strength
         sigma_0 > 0, force / area; per site on a solid that is defined on sites. With a unit: ``"40 MPa"``.
     rate_coefficient
-        a >= 0, the relative growth of the strength for each factor e of velocity; 0 for a constant strength.
+        a >= 0, the relative growth of the strength per factor e of velocity; 0 for a constant strength.
     reference_velocity
-        V_ref > 0, length / time, at which the strength is sigma_0; needed where the coefficient is not 0.
+        V_ref > 0, length / time, at which the strength is sigma_0; needed unless the coefficient is 0.
     """
 
     strength: float
@@ -61,8 +61,8 @@ class ShearStrength:
     def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
         """Shear strength while the contacts slide at velocities > 0, of any shape.
 
-        `InputError` for a velocity that is infinite, where the strength depends on it, or so low that the
-        strength would not be above 0.
+        `InputError` if the strength depends on a velocity that is infinite, or so low that the strength would
+        not be above 0.
         """
         speeds = checks.floats("velocity", velocity)
         if not self.rate_coefficient:
@@ -92,13 +92,12 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     Returns
     -------
     Dataset
-        With ``friction_force`` and ``friction``, the force over the load. While the surface slides, they are
-        those of sliding. While it rests, they are those at which it would begin to slide, at the velocity of
-        the next slide leg, or of the last one. The area is ``contact_area_corrected``; on a solid that is
-        defined on sites, their number.
+        With ``friction_force`` and ``friction``, the force over the load: those of sliding, or, at rest,
+        those at which the surface would begin to slide, at the velocity of the next slide leg, or else of the
+        last one. The area is ``contact_area_corrected``; on a solid that is defined on sites, their number.
 
-    `InputError` for a strength that has units where the dataset has none, or depends on a velocity that the
-    history does not have. The coefficient is `asperity.theory.static_friction`.
+    `InputError` for a strength with units if the dataset has none, or one that depends on a velocity which
+    the history lacks. The coefficient is `asperity.theory.static_friction`.
     """
     from asperity.results.quantities import select  # late, as it brings the solvers
 
@@ -108,15 +107,15 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     on_sites = "contact_area_corrected" not in dataset
     area, load = dataset["area" if on_sites else "contact_area_corrected"], dataset["load"]
     velocity = dataset["velocity"].values if "velocity" in dataset else 0.0
-    # At rest that of the next slide, after the last one the last.
+
     speeds = np.apply_along_axis(coming_velocity, -1, np.broadcast_to(velocity, load.shape))
     strength = law.at(speeds)
     carried = np.maximum(load.values, np.finfo(float).tiny)
     coefficient = static_friction(np.maximum(area.values, 0.0), carried, strength)
     units_of = {"force": load.attrs["units"], "1": "1"}
     force, ratio = (
-        {"long_name": one.long_name, "units": units_of[one.dimension]}
-        for one in select("series", of=("friction",)).values()
+        {"long_name": quantity.long_name, "units": units_of[quantity.dimension]}
+        for quantity in select("series", of=("friction",)).values()
     )
     return dataset.assign(
         friction_force=(load.dims, coefficient * carried, force),

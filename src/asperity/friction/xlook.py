@@ -1,7 +1,7 @@
-"""Binary records of xlook, the reduction program of rock laboratories, with a calibration of their bits.
+"""Binary records of xlook, a program of rock laboratories, with a calibration of their bits.
 
-The file: a name of 20 bytes, four big-endian int32 (rows, columns, two of no use), 32 headers of 84 bytes
-(name of 13, unit of 13, ...), then the columns as big-endian float32, often in bits of the converter.
+The file: a name of 20 bytes, four big-endian int32 (rows, columns, two unused), 32 headers of 84 bytes (name
+of 13, unit of 13, ...), then the columns as big-endian float32, often in bits of the converter.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from pathlib import Path
 import numpy as np
 
 from asperity.base import units
-from asperity.base.tables import Table
+from asperity.base.tables import Table, text_of
 from asperity.errors import InputError
 
 _START, _HEADERS, _HEADER, _NAME = 36, 32, 84, 13
 _CALIBRATION = "a calibration, a text file with a line for each column: factor, unit, zero in bits"
 _ROLES = {"time": "time", "vert_disp": "load point", "vert_load": "shear", "hor_load": "normal"}
-"""What the columns of a biaxial apparatus hold, in which the vertical ram shears."""
+"""Quantities of the columns of a biaxial apparatus, in which the vertical ram shears."""
 
 
 def is_xlook(path: Path) -> bool:
-    """Whether a file has the size that its first bytes state."""
+    """Whether the size of a file is that in its first bytes."""
     if not path.is_file() or path.stat().st_size <= _START + _HEADERS * _HEADER:
         return False
     with path.open("rb") as stream:
@@ -32,7 +32,7 @@ def is_xlook(path: Path) -> bool:
 
 
 def read_xlook(path: Path, calibration: Path | str | None) -> Table:
-    """Read a binary record; `InputError` where bits have no calibration, or one of another form."""
+    """Read a binary record; `InputError` for bits without a calibration, or a wrong one."""
     content = path.read_bytes()
     rows, many = np.frombuffer(content[20:28], ">i4").tolist()
     headers = [content[_START + n * _HEADER :][: 2 * _NAME] for n in range(many)]
@@ -58,7 +58,7 @@ def _text(content: bytes) -> str:
 
 
 def _called(name: str, unit: str) -> str:
-    """The quantity of a column by its name; a load is a stress or a force by its unit."""
+    """The quantity of a column by its name, and of a load (stress or force) by its unit."""
     role = _ROLES.get(name.lower(), "")
     if role in ("shear", "normal"):
         role += " stress" if units.factor(unit, "Pa") else " force"
@@ -66,25 +66,20 @@ def _called(name: str, unit: str) -> str:
 
 
 def _lines(path: Path, names: list[str]) -> list[tuple[float, str, float, str]]:
-    """Factor, unit, zero in bits and name of each column; no name and unit for one to leave alone."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        got = error.strerror.lower() if isinstance(error, OSError) and error.strerror else "no text"
-        raise InputError(str(path), expected=_CALIBRATION, got=got) from None
-    lines = [line.partition("#")[0].strip() for line in text.splitlines()]
-    found = []
+    """Factor, unit, zero in bits and name of each column; unit and name are empty for one to leave alone."""
+    lines = (line.partition("#")[0].strip() for line in text_of(path).split("\n"))
+    columns = []
     for line in filter(None, lines):
         cells = [cell.strip() for cell in re.split(r"[,;\t]", line)]
         if cells[0] == "-":
-            found.append((1.0, "", 0.0, ""))
+            columns.append((1.0, "", 0.0, ""))
             continue
         try:
             more = [cells[2] or "0", *cells[3:]] if len(cells) > 2 else ["0"]
-            found.append((float(cells[0]), cells[1], float(more[0]), "".join(more[1:])))
+            columns.append((float(cells[0]), cells[1], float(more[0]), "".join(more[1:])))
         except (ValueError, IndexError):
             raise InputError(str(path), expected=_CALIBRATION, got=repr(line)) from None
-    if len(found) != len(names):
-        expected = f"{len(names)} lines, for {', '.join(names)}"
-        raise InputError(str(path), expected=expected, got=len(found), advice="- for a column to leave alone")
-    return found
+    if len(columns) != len(names):
+        expected, advice = f"{len(names)} lines, for {', '.join(names)}", "- for a column to leave alone"
+        raise InputError(str(path), expected=expected, got=len(columns), advice=advice)
+    return columns

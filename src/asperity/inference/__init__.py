@@ -1,4 +1,4 @@
-"""From a measured curve to what it determines: posteriors, verdicts, and what to measure next."""
+"""Parameters that a measured curve determines: posteriors, verdicts, and the best next measurement."""
 
 from asperity.base.calls import answered as _answered
 from asperity.inference.inferring import Inference, infer

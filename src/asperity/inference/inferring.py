@@ -1,4 +1,4 @@
-"""From a measured curve to what it determines: the posterior of a model, and a verdict on each parameter."""
+"""The posterior of a model given a measured curve, and a verdict on each parameter."""
 
 from __future__ import annotations
 
@@ -38,57 +38,57 @@ from asperity.inference.rivals import (
     with_draws,
 )
 from asperity.inference.sampling import Draws, Problem, libraries, sample
-from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, told_apart
+from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, distinguishable
 from asperity.progress import Progress, listener
 
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
-"""Chance of a misfit below which the model is doubted; gain in chi-squared that shows the priors at fault."""
+"""Probability of a misfit below which it is remarked; gain in chi-squared above which priors are refused."""
 
 _MOST_POINTS = 1000
-"""Points of a curve that are used, for each of which thousands of walkers have a number."""
+"""Largest number of points, which thousands of walkers predict."""
 
 _FALLS = 2.0
-"""Fall of AICc at the most branches tried from which on there may be more."""
+"""Least fall of AICc at the most branches for which more are likely."""
 
 _CORRELATED = 0.7
-"""Correlation of neighboring misfits of the best fit from which on it is no scatter."""
+"""Largest correlation of neighboring misfits that is scatter."""
 
 _TELLS = 0.5
-"""Expected width over the present one below which an experiment is said to tell of a parameter."""
+"""Largest expected width, over the present one, for which an experiment is recommended."""
 
 _NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
-"""Parameters that say how many branches there are at least."""
+"""Parameters whose number is the least number of branches."""
 
 _OF_SOLIDS = ("modulus", "k0", "x1", "rate", "stress")
-"""Parameters of solids that a section leaves out where they are not identified."""
+"""Parameters of solids that a section has only if they are identified."""
 
 _FAR = 10.0
 """Times of the last measured time up to which the report compares models and figures show the band."""
 
 _OF_SOLID = 100
-"""Draws of a solid that are written for the band of a prediction."""
+"""Number of draws of a solid for the band of a prediction."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Inference(views.Brief, views.Pictured):
-    """What a curve determines of a model with its priors.
+    """Posterior of a model, with a verdict on each parameter.
 
     Attributes
     ----------
     time, value, error
-        The data, and their standard errors as taken, shape (n,).
+        The data in order of time, and their standard errors, shape (n,).
     verdicts, combinations, candidates
-        By parameter, a `Verdict`; a `Combination` each, the best first; a `Candidate` for each experiment.
+        A `Verdict` by parameter; each `Combination`, the best first; a `Candidate` for each experiment.
     profiles
-        Of each parameter that the curve contains: values, and -2 ln of the profile likelihood over its peak.
+        For each parameter of the curve, values, and -2 ln of the profile likelihood over its peak.
     draws, chi_squared
         Draws of the posterior, and chi-squared of the best.
     rivals
-        The model, and those of creep beside it, see `Rival`.
+        The model, and models of creep for comparison, see `Rival`.
     remarks
-        What was decided, and what the reader should know.
+        Decisions and warnings.
     quantity, unit
-        What was measured, and its unit, "" where it is not known.
+        The measured quantity, and its unit, "" if unknown.
     """
 
     time: Floats
@@ -120,21 +120,21 @@ class Inference(views.Brief, views.Pictured):
     @property
     def table(self) -> pd.DataFrame:
         """The verdicts, a row for each parameter."""
+        names = ["parameter", "verdict", "low", "high", "median", "unit"]
         rows = [
-            (one.parameter, one.verdict, one.low, one.high, one.median, one.unit, *one.profile)
-            for one in self.verdicts.values()
+            (*(getattr(verdict, name) for name in names), *verdict.profile)
+            for verdict in self.verdicts.values()
         ]
-        names = ["parameter", "verdict", "low", "high", "median", "unit", "profile_low", "profile_high"]
-        return pd.DataFrame(rows, columns=names)
+        return pd.DataFrame(rows, columns=[*names, "profile_low", "profile_high"])
 
     @property
     def models(self) -> pd.DataFrame:
         """Models side by side: AICc less the least, misfit of held-out points, growth beyond the last one."""
         last = self.time[-1] * np.array([1.0, 10.0, 1000.0])
         rows = []
-        for one in self.rivals:
-            now, *later = one.band(last)[1]
-            rows.append((one.name, one.aicc, one.missed, *(at / now for at in later)))
+        for rival in self.rivals:
+            now, *later = rival.band(last)[1]
+            rows.append((rival.name, rival.aicc, rival.missed, *(at / now for at in later)))
         names = ["model", "AICc", "held-out points (errors)", "at 10 x last time", "at 1000 x last time"]
         return pd.DataFrame(rows, columns=names)
 
@@ -142,24 +142,22 @@ class Inference(views.Brief, views.Pictured):
     def findings(self) -> list[tuple[str, str]]:
         """Verdicts (determined, bounded, not identified) with their parameters, in words."""
         by_verdict: dict[str, list[str]] = {word: [] for word in WORDS}
-        for name, one in self.verdicts.items():
+        for name, verdict in self.verdicts.items():
             as_prior = " (as its prior)" * (not self.model.priors[name].bounded)
-            by_verdict[one.verdict].append(
-                one.words if one.verdict != "not identified" else f"{name}{as_prior}"
+            by_verdict[verdict.verdict].append(
+                verdict.words if verdict.verdict != "not identified" else f"{name}{as_prior}"
             )
         return [(word, ", ".join(names)) for word, names in by_verdict.items() if names]
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Where the model holds, the findings, what is known together, and what would tell more."""
+        """Range of the model, findings, combinations, and recommended experiments."""
         lines = parting(self.rivals)
         lines += [f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings]
-        for one in self.combinations:
-            low, high = told_apart(one.low, one.high)
-            lines.append(
-                f"{one.name} lies between {low} and {high}, {one.tighter:.2g} times better known than any of "
-                "these alone"
-            )
+        for combination in self.combinations:
+            low, high = distinguishable(combination.low, combination.high)
+            better = f"{combination.tighter:.2g} times better known than any of these alone"
+            lines.append(f"{combination.name} lies between {low} and {high}, {better}")
         useless = []
         for experiment in self.candidates:
             narrowed = {name: width for name, width in experiment.widths.items() if width < _TELLS}
@@ -171,14 +169,14 @@ class Inference(views.Brief, views.Pictured):
             else:
                 useless.append(experiment.name)
         if useless:
-            lines.append(f"Little is promised by measuring {', or '.join(useless)}")
+            lines.append(f"Measuring {', or '.join(useless)} would hardly help")
         return tuple(lines)
 
     def predicted(self, time: ArrayLike) -> Floats:
-        """The curve at any times: a 95 % band over all acceptable models, and the median of the chosen one.
+        """The curve at any times: a 95 % band over all acceptable models, and the median of the first one.
 
-        Shape (3, n): the least of the 2.5 % quantiles of the posteriors, the median, and the largest of the
-        97.5 % quantiles. A remark says if times are far beyond the data: the band knows no slower process.
+        Shape (3, n): the least 2.5 % quantile of the posteriors, the median, and the largest 97.5 % quantile.
+        A remark says if times are far beyond the data: the band knows no slower process.
         """
         at = checks.not_negative("time", time)
         if (beyond := float(at.max(initial=0.0) / self.time[-1])) > 1.001 * _FAR:
@@ -186,19 +184,19 @@ class Inference(views.Brief, views.Pictured):
                 f"{at.max():.3g} is {beyond:.3g} times the last measured time: "
                 "the band covers the models that were tried, and no process slower than the data"
             )
-        bands = np.array([one.band(at) for one in self.acceptable])
+        bands = np.array([rival.band(at) for rival in self.acceptable])
         return np.array([bands[:, 0].min(axis=0), bands[0, 1], bands[:, 2].max(axis=0)])
 
     @property
     def acceptable(self) -> list[Rival]:
-        """The model, and the others that fit nearly as well as the best, or foresee held-out points best."""
-        return [one for one in self.rivals if one.z is not None]
+        """The model, and others that fit nearly as well as the best, or predict held-out points best."""
+        return [rival for rival in self.rivals if rival.z is not None]
 
     def solid(self) -> dict[str, object]:
-        """Section ``[solid]`` of a configuration, of the likeliest draw, and draws of its branches.
+        """Section ``[solid]`` of a configuration, of the likeliest draw, with draws of its branches.
 
-        Draws are from all acceptable models in equal parts; what the data leave open (`unknown`) is left out.
-        `InputError` for a model of which no solid follows.
+        Draws are from all acceptable models in equal parts. `unknown` parameters are left out. `InputError`
+        for a model without a solid.
         """
         if self.model.solid is None:
             raise InputError("solid", expected="a model of a solid", got=f"model {self.model.name!r}")
@@ -210,11 +208,12 @@ class Inference(views.Brief, views.Pictured):
             return keys
         many = -(-_OF_SOLID // len(self.acceptable))
         keys |= {"data_first": f"{self.time[self.time > 0][0]:.6g} s", "data_last": f"{self.time[-1]:.6g} s"}
-        return keys | {"draws": [solid["branches"] for one in self.acceptable for solid in one.solids(many)]}
+        draws = [solid["branches"] for rival in self.acceptable for solid in rival.solids(many)]
+        return keys | {"draws": draws}
 
     @property
     def unknown(self) -> list[str]:
-        """What a solid needs, but the data do not identify."""
+        """Parameters of the solid that the data do not identify."""
         return [
             name for name in _OF_SOLIDS if name in self.verdicts and self.verdicts[name].verdict == WORDS[-1]
         ]
@@ -227,7 +226,7 @@ class Inference(views.Brief, views.Pictured):
         observed = {"value": self.value, "error": self.error}
         data = {"observed_data": observed, "constant_data": {"time": self.time}}
         groups = {
-            name: xr.Dataset({one: (dims, x) for one, x in of.items()})
+            name: xr.Dataset({key: (dims, x) for key, x in of.items()})
             for dims, part in ((("chain", "draw"), draws), (("point",), data))
             for name, of in part.items()
         }
@@ -253,42 +252,42 @@ def infer(
     progress: Progress | bool | None = None,
     checkpoint: str | Path | None = None,
 ) -> Inference:
-    """Infer the parameters of a model from a curve of area or friction, and say which of them it determines.
+    """Infer the parameters of a model from a curve of area or friction, with a verdict on each.
 
     Parameters
     ----------
     time
-        Times that do not fall, s, shape (n,); or a record of sliding with holds, for the model
+        Times not below 0, s, shape (n,), in any order; or a record of sliding with holds, for the model
         ``"healing"``.
     area
         Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
         `absolute`.
     error
-        Standard errors, one or shape (n,). By default from the scatter about the best fit, widened for
-        correlated neighbors; see `Problem.scatter`.
+        Standard errors, one or shape (n,). By default the scatter about the best fit, larger for correlated
+        neighbors; see `Problem.scatter`.
     model
         ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"`` or
         ``"ball"``, see `asperity.inference.models`; or a function of the times, and of parameters by name.
     quantity
-        Of a ball: whether its depth or the radius of its contact was measured.
+        For a ball, the measured quantity: its depth, or the radius of its contact.
     priors
-        Of any parameters: the ends of a range, uniform in ln, a table such as ``{"kind": "normal", "mean":
-        "100 N", "deviation": "1 N"}``, or a `Prior`. Others are broad; `Inference.model` has all.
+        Priors by parameter: the ends of a range, uniform in ln, a table such as ``{"kind": "normal", "mean":
+        "100 N", "deviation": "1 N"}``, or a `Prior`. Other parameters have broad ones; see `Inference.model`.
     branches
-        How many relaxation times, 1 to 3; by default as many as Akaike's criterion asks for.
+        Number of relaxation times, 1 to 3; by default that with the least AICc.
     absolute
         Whether areas are in m^2 (of a lattice, over the nominal one; of a ball, lengths in m). Load, modulus
-        and roughness, or the radius of the ball, then matter.
+        and roughness, or the radius of the ball, are parameters then.
     ramp
         Time, s, of a linear ramp of the load; times count from its beginning.
     seed, rng
         Seed of the random numbers; or a numpy generator, which draws one, or its seed.
     walkers, effective, workers
-        Walkers in each of four ensembles; effective samples that are enough; processes for the ensembles.
+        Walkers in each of four ensembles; required effective samples; processes for the ensembles.
     progress
-        True for a line for each stage; or who is told.
+        True for a line for each stage; or an `asperity.progress.Progress`.
     checkpoint
-        File in which the ensembles are kept after each stage; the same call goes on from it.
+        File with the ensembles after each stage, from which the same call goes on.
 
     Raises
     ------
@@ -297,7 +296,8 @@ def infer(
     """
     libraries()
     loading = float(units.number("ramp", ramp, "s", least=0))
-    t, v, errors, measured, remarks = _data(time, area, error, model, quantity)
+    series, measured, remarks = _data(time, area, error, model, quantity)
+    t, v, errors = series.x, series.y, series.stderr
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
     seed = checks.seed(seed, rng)
@@ -318,7 +318,7 @@ def infer(
     model_with_priors(branches=least)  # mistakes in priors first
 
     def usual(name: object, branches: int, *, chosen: bool) -> Model:
-        """With default priors, by which all are judged: what the user knows of parameters makes no errors."""
+        """A model with default priors, for errors and comparisons without those of the user."""
         kept = ranges if chosen and callable(model) else None
         return model_of(name, branches=branches, priors=kept, absolute=absolute and chosen)
 
@@ -340,7 +340,7 @@ def infer(
             effective=effective,
             workers=workers,
             checkpoint=None if checkpoint is None else expanded(checkpoint),
-            told=listening.stage,
+            report=listening.stage,
         )
         listening.stage("sampling the other acceptable models")
         rivals = with_draws(rivals, problem, draws.flat, seed)
@@ -348,7 +348,7 @@ def infer(
         prior = problem.values(problem.of_prior(np.random.default_rng([seed, 1]), 20_000))
         posterior = Posterior(problem, draws.flat, prior)
         verdicts = posterior.verdicts()
-        undetermined = [name for name, one in verdicts.items() if one.verdict != "determined"]
+        undetermined = [name for name, verdict in verdicts.items() if verdict.verdict != "determined"]
         return Inference(
             problem.time,
             problem.value,
@@ -368,27 +368,32 @@ def infer(
 
 def _data(
     time: ArrayLike | Record, area: ArrayLike | None, error: ArrayLike | None, model: object, quantity: object
-) -> tuple[Floats, Floats, Floats | None, str, list[str]]:
-    """Times, values and errors that are used, what was measured, and a remark on what was left out."""
+) -> tuple[Series, str, list[str]]:
+    """Values and errors to use, in order of time, the measured quantity, and a remark on omitted points."""
     if isinstance(time, Record):
         if model != "healing":
             raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))
         peaks = hold_peaks(time)
-        order = np.argsort(peaks.duration)
-        time, area = peaks.duration[order], peaks.peak[order]
+        time, area = peaks.duration, peaks.peak
     if (quantity in OF_BALL) != (model == "ball") or (quantity is not None and model != "ball"):
         expected = "depth or radius for the model 'ball', and none for others"
         raise InputError("quantity", expected=expected, got=checks.shown(quantity))
     measured = str(quantity or ("friction" if model == "healing" else "area"))
-    t, v, errors = _checked(time, area, error, measured)
+    if error is not None and (errors := checks.positive("error", error)).ndim == 0:
+        error = np.full(np.shape(area), errors)  # type: ignore[arg-type]
+    series = Series.checked(time, area, error, ("time", measured, "error"))
+    t = series.x
+    if t.size < 2 or not t.any():
+        raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
+    if t[-1] > LARGEST:
+        raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if not callable(model):
-        refuse_decline(Series(t, v, None), measured)
+        refuse_decline(series, measured)
     if (many := t.size) <= _MOST_POINTS:
-        return t, v, errors, measured, []
+        return series, measured, []
     chosen = _chosen(t)
     remark = f"took {chosen.size:,} of {many:,} points, at even distances in ln t: means of the others over "
-    kept = None if errors is None else errors[chosen]
-    return t[chosen], v[chosen], kept, measured, [f"{remark}short times would narrow the intervals"]
+    return series.where(chosen), measured, [f"{remark}short times would narrow the intervals"]
 
 
 def _check_importable(model: object) -> None:
@@ -399,13 +404,13 @@ def _check_importable(model: object) -> None:
         raise InputError("model", expected=expected, got=checks.shown(model), advice="workers=1") from None
 
 
-def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tuple[Problem, list[str]]:
-    """The chosen problem with errors, and the priors of the user if there are any; what must be said."""
+def _judged(rivals: list[Rival], stated: Model | None, *, informed: bool) -> tuple[Problem, list[str]]:
+    """The chosen problem, with errors and with the priors of the user, if there are any; remarks."""
     first, remarks = rivals[0], list[str]()
     problem, misfit, n = first.problem, first.misfit, first.misfit.size
     free = max(n - problem.rank, 1)
-    best = min(rivals, key=lambda one: one.aicc)
-    fewer = [one for one in rivals if one.times == first.times - 1]
+    best = min(rivals, key=lambda rival: rival.aicc)
+    fewer = [rival for rival in rivals if rival.times == first.times - 1]
     if first.times == MOST_BRANCHES and fewer and first.aicc < fewer[0].aicc - _FALLS:
         remarks.append(
             f"AICc still falls at {first.times} relaxation times: there may be more, or a broad spectrum"
@@ -417,15 +422,15 @@ def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tupl
         remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
     if not informed:
         scatter, rho = problem.scatter(first.at)
-        # Few points know it badly: by Student's t intervals are as wide as if it were known.
+        # For few points Student's t widens the intervals.
         scatter *= student(free) / student(math.inf)
         problem = replace(problem, error=max(scatter, LEAST_ERROR) * problem.value)
         misfit = misfit * problem.value / problem.error
         origin = f"{100 * scatter:.2g} % of each value, from the scatter about the best fit"
         origin += f", whose neighbors correlate by {rho:.2f}"
         remarks.append(f"no errors were given: they are taken as {origin}")
-    if known is not None:
-        before, problem = misfit, replace(problem, model=known)
+    if stated is not None:
+        before, problem = misfit, replace(problem, model=stated)
         at, misfit = best_fit(problem)
         if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
@@ -445,32 +450,7 @@ def _judged(rivals: list[Rival], known: Model | None, *, informed: bool) -> tupl
 
 
 def _chosen(t: Floats) -> NDArray[np.intp]:
-    """Places of some of very many points, at even distances in ln t."""
+    """Indices of points at even distances in ln t."""
     begin = int(np.searchsorted(t, 0.0, side="right"))
     places = np.searchsorted(t, np.geomspace(t[begin], t[-1], _MOST_POINTS))
     return np.unique([*range(min(begin, 1)), *np.minimum(places, t.size - 1)])
-
-
-def _checked(
-    time: ArrayLike, area: ArrayLike | None, error: ArrayLike | None, name: str
-) -> tuple[Floats, Floats, Floats | None]:
-    """Times, values and errors, shape (n,)."""
-    t = checks.not_negative("time", checks.line("time", time))
-    v = checks.positive(name, checks.line(name, area))
-    if v.shape != t.shape:
-        raise InputError(name, expected=f"one for each of {t.size} times", got=f"{v.size} values")
-    if t.size < 2 or not t.any():
-        raise InputError("time", expected="two times or more, above 0", got=checks.shown(t.tolist()))
-    if (falls := np.diff(t) < 0).any():
-        at = int(np.argmax(falls))
-        got = f"{t[at]:g} before {t[at + 1]:g}"
-        advice = "order = np.argsort(time)"
-        raise InputError("time", expected="times that do not fall", got=got, advice=advice)
-    if t[-1] > LARGEST:
-        raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
-    if error is None:
-        return t, v, None
-    errors = checks.positive("error", error)
-    if errors.shape not in ((), t.shape):
-        raise InputError("error", expected=f"one, or one for each of {t.size} values", got=f"{errors.size}")
-    return t, v, np.broadcast_to(errors, t.shape).copy()

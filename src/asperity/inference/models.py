@@ -17,7 +17,7 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
                 size = `asperity.theory.hertz` (E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960),
                 doi:10.1115/1.3644020)
 
-Where the unit of the values is not known, `scale` stands for the size.
+Without a unit of the values, the parameter `scale` is the size.
 """
 
 from __future__ import annotations
@@ -49,18 +49,18 @@ Curve = Callable[[Floats, Values], Floats]
 
 MOST_BRANCHES = 3
 _LEAST = 1e-4
-"""Size by default at least, over the smallest value."""
+"""Least size by default, over the smallest value."""
 _RAMP = 16
-"""Nodes in the time of a ramp."""
+"""Nodes of the quadrature over a ramp."""
 BEYOND = 1e5
-"""Times of the last one up to which a solid that is no sum of branches is given as one."""
+"""End, over the last time, of the branches that approximate another creep."""
 _RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
 """Ranges of k1/k0 and of k0 R t in which the lattice's compliance is tabulated."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """A curve, its parameters with their priors, and what follows from them.
+    """A curve, and its parameters with their priors.
 
     Attributes
     ----------
@@ -68,17 +68,17 @@ class Model:
         The curve over its size is a power of the growth: 1 for areas, 2/3 for the depth of a ball, 1/3 for
         the radius of its contact.
     size
-        The value before any growth, in absolute units; None where there is none.
+        The value before any growth, in absolute units; or None.
     allowed
-        Which sets of parameters there are.
+        Whether sets of parameters are allowed.
     held
-        Load at a held displacement over that at first; None where no closed form is known.
+        Load at a held displacement over its first value; None without a closed form.
     solid
-        Section ``[solid]`` of a configuration, of one set of parameters; None where none follows.
+        Section ``[solid]`` of a configuration, of one set of parameters; or None.
     ramp
-        Time within which the load was put on, s: the growth is its mean over the ramp.
+        Duration of the ramp of the load, s: the growth is its mean over the ramp.
     scaled
-        Whether the curve is known but for a factor, the parameter ``scale``.
+        Whether the size of the curve is the parameter ``scale``.
     """
 
     name: str
@@ -117,7 +117,7 @@ def of_name(
     ramp: float = 0.0,
     quantity: str = "area",
 ) -> Model:
-    """Make a model by its name, with default priors as wide as the data suggest; or of a user's function."""
+    """Make a model by its name, with default priors that are wide for the data; or of a user's function."""
     if ramp and name not in (*CREEP, "ball"):
         expected = f"a load put on at once, or a separable solid: model {', '.join(CREEP)} or ball"
         raise InputError("ramp", expected=expected, got=checks.shown(name))
@@ -169,7 +169,7 @@ _BALL = {
     "radius": Prior("log_uniform", 1e-9, 1.0, "m"),
 }
 OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
-"""What is measured of a ball, and the power of J that it follows."""
+"""Measured quantities of a ball, and their powers of J."""
 
 
 def _of_ball(p: Values, *, quantity: str) -> Floats:
@@ -187,7 +187,7 @@ def _half_space(p: Mapping[str, float], **creep: Any) -> dict[str, object]:
 
 
 def _fitted(p: Mapping[str, float], *, growth: Curve, span: tuple[float, float]) -> dict[str, object]:
-    """A creep as branches, one in each decade of the span."""
+    """Approximate creep by branches, one a decade of the span."""
     t = np.geomspace(*span, round(8 * np.log10(span[1] / span[0])))
     values = growth(t, {name: np.array([value]) for name, value in p.items()})[0]
     return _half_space(p, branches=_rounded(fit(Creep(t, values), per_decade=1).series.branches))
@@ -198,7 +198,7 @@ def _rounded(branches: Iterable[tuple[float, float]]) -> list[list[float | str]]
 
 
 def relaxation(first: float, last: float, branches: int) -> Model:
-    """A separable half-space of some relaxation times, in rising order."""
+    """A separable half-space with relaxation times in rising order."""
     numbers = range(1, branches + 1)
     priors = _BODY | {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
     priors |= {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
@@ -313,7 +313,7 @@ def _lattice_solid(p: Mapping[str, float]) -> dict[str, object]:
 
 
 def eyring(first: float, last: float, _: int) -> Model:
-    """Contacts that flow by Eyring's law and bear all of the load, at pressures above its stress."""
+    """Contacts that flow by Eyring's law at pressures above its stress, and bear the whole load."""
     priors = {
         "load": Prior("log_uniform", 1e-6, 1e6, "N"),
         "stress": Prior("log_uniform", 1e4, 1e10, "Pa"),
@@ -333,7 +333,7 @@ def eyring(first: float, last: float, _: int) -> Model:
 
 
 def _pressure(time: Floats | float, p: Values) -> Floats:
-    """Of the contacts, over the stress."""
+    """Pressure of the contacts over the stress of Eyring's law."""
     return np.asarray(np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time))
 
 
@@ -395,6 +395,6 @@ CREEP = ("relaxation", "power", "logarithm")
 """Models of a separable half-space."""
 
 MODELS: dict[str, Callable[[float, float, int], Model]] = {
-    one.__name__: one for one in (relaxation, power, logarithm, lattice, eyring, healing)
+    make.__name__: make for make in (relaxation, power, logarithm, lattice, eyring, healing)
 }
-"""Models by name, of the first and the last time and a number of branches."""
+"""Models by name: functions of the first and the last time and a number of branches."""

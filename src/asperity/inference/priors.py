@@ -19,7 +19,7 @@ KINDS: dict[str, tuple[str, str]] = {
     "normal": ("mean", "deviation"),
     "log_normal": ("median", "factor"),
 }
-"""Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation's."""
+"""Kinds of priors, and the two numbers of each; the factor of ``log_normal`` is one standard deviation."""
 
 _ABOVE = {"deviation": 0.0, "factor": 1.0}
 _REACH = 4.0
@@ -89,7 +89,7 @@ class Prior:
         return np.asarray(self.first + (self.second - self.first if self.bounded else self.second) * x)
 
     def drawn(self, random: np.random.Generator, count: int) -> Floats:
-        """Coordinates of draws."""
+        """Coordinates of random draws."""
         return random.random(count) if self.bounded else random.standard_normal(count)
 
     def log_density(self, x: Floats) -> Floats:
@@ -98,12 +98,12 @@ class Prior:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Coordinates between which a best fit is looked for."""
+        """Bounds of the coordinate in a search."""
         return (0.0, 1.0) if self.bounded else (-_REACH, _REACH)
 
     @property
     def bounded(self) -> bool:
-        """Whether it is a range that says no more, where other priors are knowledge as data are."""
+        """Whether it is a mere range; other priors count in fits as data do."""
         return self.kind.endswith("uniform")
 
     @property
@@ -113,7 +113,7 @@ class Prior:
 
     @property
     def table(self) -> dict[str, float | str]:
-        """What `of` takes, with units."""
+        """The argument of `of`, with units."""
         unit = f" {self.unit}" if self.unit else ""
         named = dict(zip(KINDS[self.kind], (self.first, self.second), strict=True))
         facts = {

@@ -1,4 +1,4 @@
-"""Models side by side: which fit a curve, which foresee its last points, and where they part beyond it."""
+"""Comparison of models: their fits, their predictions of the last points, and their extrapolations."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from asperity.inference.models import CREEP, MOST_BRANCHES, Model
 from asperity.inference.sampling import Problem, sample
 
 ACCEPTED = -2 * math.log(UNLIKELY)
-"""Gain in AICc below which a model is acceptable beside the best: it is 0.05 times as likely, or more."""
+"""AICc over the least, below which a model is acceptable: it is at least 0.05 times as likely as the best."""
 
 _STARTS, _TRIED = 3, 2000
 _HELD, _OF = 3, 5
-"""Least number of last points that are held out, and of which part of all they are one."""
+"""Least number of last points that are held out; all points over the held-out ones."""
 
 LEAST_ERROR = 1e-9
-"""Relative errors that data have at least: those of rounding."""
+"""Least relative error of data: that of rounding."""
 
 _FACTORS = 10, 100, 1000
 """Times over the last one at which models are compared."""
 
 _APART = 3.0
-"""Difference, in errors, at which a point tells two models apart."""
+"""Difference, in standard errors, that distinguishes two models."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rival(views.Brief):
-    """A model beside others, of the same curve.
+    """A model in a comparison.
 
     Attributes
     ----------
     name, times
-        What it is called, and the number of its relaxation times, 0 of another creep.
+        Its name, and the number of its relaxation times, 0 for another creep.
     aicc, missed
-        Akaike's criterion for few points, less the least of all models. Rms misfit, in standard errors, of
-        the last fifth of the points, three at least, by a fit to the others; NaN where these are too few.
+        AICc less the least of all models. Rms misfit, in standard errors, of the last fifth of the points,
+        three at least, by a fit to the others; NaN if these are too few.
     problem, at, misfit
         Data and model; coordinates of the best fit; its misfit in standard errors, shape (n,).
     z
-        Draws of the posterior, shape (draws, parameters); none of a model that is not acceptable.
+        Draws of the posterior, shape (draws, parameters); None for a model that is not acceptable.
     """
 
     name: str
@@ -63,24 +63,24 @@ class Rival(views.Brief):
 
     @classmethod
     def fitted(cls, name: str, times: int, problem: Problem, *, informed: bool) -> Rival | None:
-        """Fit a model to data with errors (the values if not ``informed``); None where points are too few."""
+        """Fit a model to data with errors (the values unless ``informed``); None for too few points."""
         n, needed = problem.time.size, problem.rank + (not informed)  # the scatter is a parameter
         if n < needed:
             return None
         at, misfit = best_fit(problem, informed=informed)
         score, missed = math.inf, math.nan
         if n > needed + 1:
-            lack = lack_of(misfit, given=informed, rounding=LEAST_ERROR)
+            lack = lack_of(misfit, weighted=informed, rounding=LEAST_ERROR)
             score = n * lack + price_of(n, needed)
         kept = n - max(_HELD, n // _OF)
         if kept > needed:
-            early = {one: getattr(problem, one)[:kept] for one in ("time", "value", "error")}
+            early = {column: getattr(problem, column)[:kept] for column in ("time", "value", "error")}
             place, _ = best_fit(replace(problem, **early), informed=informed)
             missed = rms(problem.misfit(place[np.newaxis])[0, kept:])
         return cls(name, score, missed, problem, at, misfit, times)
 
     def sampled(self, seed: int) -> Rival:
-        """The model with draws of its posterior; without, where ensembles do not agree soon."""
+        """The model with draws of its posterior, or without if ensembles do not agree."""
         how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
         try:
             return replace(self, z=sample(self.problem, seed=seed, **how).flat)
@@ -88,13 +88,13 @@ class Rival(views.Brief):
             return self
 
     def band(self, time: Floats) -> Floats:
-        """2.5, 50 and 97.5 % quantiles of the curve over the draws, else the best fit: shape (3, n)."""
+        """2.5, 50 and 97.5 % quantiles of the curve over the draws, or the best fit: shape (3, n)."""
         z = self.at[np.newaxis] if self.z is None else self.z
         curves = self.problem.model.curve(time, self.problem.values(z))
         return np.asarray(np.quantile(curves, (0.025, 0.5, 0.975), axis=0))
 
     def solids(self, many: int) -> list[dict[str, object]]:
-        """Sections of a configuration of so many draws."""
+        """Sections ``[solid]`` of so many draws."""
         if self.z is None or (solid := self.problem.model.solid) is None:
             return []
         some = self.z[np.linspace(0, len(self.z) - 1, many).astype(int)]
@@ -102,26 +102,26 @@ class Rival(views.Brief):
 
 
 def best_fit(problem: Problem, *, informed: bool = True) -> tuple[Floats, Floats]:
-    """Coordinates of least squares, and the misfit, by searches from the best of draws of the prior."""
+    """Coordinates of the least squares, and the misfit; searches start from the best draws of the prior."""
     z = problem.of_prior(np.random.default_rng(0), _TRIED)
     best = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
     improved = [problem.improved(start, problem.used, informed=informed) for start in best]
-    _, at = min(improved, key=lambda one: one[0])
+    _, at = min(improved, key=lambda minimum: minimum[0])
     return at, problem.misfit(at[np.newaxis])[0]
 
 
 def side_by_side(
     chosen: object,
     branches: Sequence[int],
-    made: Callable[..., Model],
+    model_of: Callable[..., Model],
     data: Mapping[str, Floats],
     *,
     informed: bool,
 ) -> list[Rival]:
-    """Fit the chosen model, which comes first, and all models of creep beside one of Asperity's.
+    """Fit the chosen model, which comes first, and all models of creep unless it is a user's function.
 
-    `made` gives a model by its name, a number of branches, and whether it is the chosen one. Of several
-    numbers AICc chooses. `InputError` if the points are too few for the chosen model.
+    `model_of` makes a model of its name, a number of branches, and whether it is the chosen one. AICc chooses
+    one of several numbers. `InputError` if the points are too few for the chosen model.
     """
     family = "relaxation" if chosen == "ball" else chosen
     plans = [(family, n) for n in branches]
@@ -130,8 +130,8 @@ def side_by_side(
     tried: dict[tuple[object, int], Rival] = {}
     for name, n in dict.fromkeys(plans):
         if chosen == "healing" and name == "logarithm":
-            continue  # the same
-        model = made(chosen if name == family else name, branches=n, chosen=name == family)
+            continue  # the same curve
+        model = model_of(chosen if name == family else name, branches=n, chosen=name == family)
         problem = Problem(**data, model=model)
         if not problem.used:
             raise InputError("model", expected="a curve that depends on its parameters", got=model.name)
@@ -146,26 +146,24 @@ def side_by_side(
             advice = "more points, or fewer parameters"
             raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
     family_members = [(family, n) for n in branches if (family, n) in tried]
-    first, least = (
-        min(family_members, key=lambda key: tried[key].aicc),
-        min(rival.aicc for rival in tried.values()),
-    )
+    first = min(family_members, key=lambda key: tried[key].aicc)
+    least = min(rival.aicc for rival in tried.values())
     every = [tried.pop(first), *tried.values()]
     return [replace(rival, aicc=rival.aicc - least if rival.aicc < math.inf else math.inf) for rival in every]
 
 
 def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) -> list[Rival]:
-    """The rivals with the errors of the problem, and with draws: z of the first, others of acceptable ones.
+    """The rivals with the errors of the problem; the first with draws z, acceptable ones with draws.
 
-    These fit nearly as well as the best, or foresee the held-out points best. Of several numbers of
-    relaxation times that counts which AICc prefers.
+    Acceptable models fit nearly as well as the best, or predict the held-out points best. Of several numbers
+    of relaxation times only that with the least AICc is acceptable.
     """
     scale = rivals[0].problem.error / problem.error
     best = min((rival.aicc for rival in rivals if rival.times), default=0.0)
-    foresees = min((rival.missed for rival in rivals if math.isfinite(rival.missed)), default=-math.inf)
+    least_missed = min((rival.missed for rival in rivals if math.isfinite(rival.missed)), default=-math.inf)
     drawn = []
     for n, rival in enumerate(rivals):
-        near = rival.aicc < ACCEPTED or rival.missed == foresees
+        near = rival.aicc < ACCEPTED or rival.missed == least_missed
         counts = n > 0 and near and (not rival.times or rival.aicc == best)
         changed = replace(rival, misfit=rival.misfit * scale, missed=rival.missed * float(np.median(scale)))
         if n == 0:
@@ -177,7 +175,7 @@ def with_draws(rivals: Sequence[Rival], problem: Problem, z: Floats, seed: int) 
 
 
 def parting(rivals: Sequence[Rival]) -> list[str]:
-    """Say where the first model holds, where acceptable ones go beyond it, and what would tell them apart."""
+    """State the range of the data, the extrapolations of acceptable models, and how to distinguish these."""
     first, problem = rivals[0], rivals[0].problem
     time, last = problem.time[problem.time > 0], float(problem.time[-1])
     sentences = [
@@ -189,9 +187,7 @@ def parting(rivals: Sequence[Rival]) -> list[str]:
     for rival, (near, _, far) in zip(others, 100 * differ, strict=True):
         fits = "fits better" if rival.aicc < first.aicc else "is acceptable, too"
         at = f"{near:+.2g} % at {_FACTORS[0]} times the last time, {far:+.2g} % at {_FACTORS[-1]} times"
-        sentences.append(
-            f"{rival.name} {fits} (AICc {rival.aicc - first.aicc:+.2g}), and goes elsewhere: {at}"
-        )
+        sentences.append(f"{rival.name} {fits} (AICc {rival.aicc - first.aicc:+.2g}), but predicts {at}")
     if others:
         most, error = np.abs(differ).max(axis=0), float(np.median(problem.error / problem.value))
         n = int(np.argmax(most > _APART * error)) if most[-1] > _APART * error else len(_FACTORS) - 1

@@ -1,4 +1,4 @@
-"""Verdicts on each parameter, combinations that data determine better, and the best next measurement."""
+"""Verdicts on parameters, combinations that data determine better, and the best next measurement."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ WORD: dict[tuple[bool, bool], Word] = {
 WORDS: tuple[Word, ...] = ("determined", *WORD.values())
 
 FACTOR = 3.0
-"""High over low end below which a parameter between excluded ends is determined."""
+"""Ratio of the ends of its interval below which a parameter between excluded ends is determined."""
 
 LEVEL = 0.95
 _LIMIT = float(chi2.ppf(LEVEL, 1))
 EXCLUDED = float(np.exp(-_LIMIT / 2))
-"""Density of the posterior over the prior's, over its peak, below which an end of the prior is excluded."""
+"""Density of the posterior over that of the prior, relative to its peak, below which an end is excluded."""
 
 _TIGHTER = 3.0
-"""How many times better than each of its members a combination must be known to be named."""
+"""Least ratio of the spread of the best known member of a combination to that of the combination."""
 
 _PROFILE, _OUTER, _HALVED = 9, 3, 8
-"""Points of a profile about the posterior, on either side of it, and halvings to where it is at its level."""
+"""Points of a profile within the posterior and on either side of it, and halvings towards its 95 % level."""
 _STEPS = 7
-"""Points on the way to what is beyond an end."""
+"""Steps to a value beyond an end."""
 _EARLIER = 100.0
 
 
@@ -53,17 +53,17 @@ class Verdict:
     parameter, unit
         Its name and unit.
     verdict
-        ``"determined"`` if the data exclude both ends of its prior, and the 95 % interval is less than a
-        factor of three wide, else ``"bounded"``; ``"bounded above"`` or ``"bounded below"`` if they exclude
-        the high, or the low end only; else ``"not identified"``. An end is excluded if the posterior there,
-        over the prior, is below 0.15 of its peak, as a likelihood is beyond a 95 % interval. A parameter
-        known only together with one that is not identified is not identified either; see `Combination`.
+        ``"bounded"`` if the data exclude both ends of its prior, ``"determined"`` if also the ends of its
+        95 % interval differ by less than a factor of three; ``"bounded above"`` or ``"bounded below"`` if the
+        data exclude only the high or the low end; else ``"not identified"``. An end is excluded if the
+        posterior over the prior is below 0.15 of its peak, as a likelihood is outside of a 95 % interval. A
+        parameter that is only known together with an unidentified one is not identified; see `Combination`.
     low, high
-        95 % interval: the middle of the posterior; of a bounded parameter from, or to, the end of the prior.
+        95 % interval: the middle of the posterior; for a one-sided bound it begins or ends with the prior.
     median
-        Of the posterior.
+        Median of the posterior.
     profile
-        The 95 % interval by the profile likelihood: infinite on a side on which it never falls far enough.
+        The 95 % interval by the profile likelihood, infinite on a side without a limit.
     """
 
     parameter: str
@@ -79,12 +79,12 @@ class Verdict:
 
     @property
     def words(self) -> str:
-        """The parameter with its interval, or the bound."""
+        """The parameter with its interval or its bound."""
         unit = f" {self.unit}" if self.unit else ""
         if self.verdict.startswith("bounded "):
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
-        low, median, high = told_apart(self.low, self.median, self.high)
+        low, median, high = distinguishable(self.low, self.median, self.high)
         within = f" within a factor of {self.factor:.2g}" if self.verdict == "bounded" else ""
         return f"{self.parameter} = {median} [{low}, {high}]{unit}{within}"
 
@@ -97,10 +97,10 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Combination:
-    """A combination of parameters, such as ``"load / modulus"``, that the data know better than its members.
+    """A combination of parameters, such as ``"load / modulus"``, that the data determine better than these.
 
-    `low` and `high` are its 95 % interval; its spread, of the logarithm, is `tighter` times smaller than that
-    of the member known best.
+    `low` and `high` are its 95 % interval. The spread of its logarithm is `tighter` times smaller than that
+    of the best known member.
     """
 
     name: str
@@ -112,9 +112,9 @@ class Combination:
 
 @dataclass(frozen=True)
 class Candidate:
-    """A possible next measurement, and how far it would narrow undetermined parameters.
+    """A possible next measurement, which would narrow undetermined parameters.
 
-    `widths` are those of the intervals that are expected at most, over the present ones, by parameter.
+    `widths` are, by parameter, the largest expected widths of intervals over the present ones.
     """
 
     name: str
@@ -123,7 +123,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Draws to be judged: coordinates z of the posterior, shape (n, parameters); values of the prior."""
+    """Coordinates z of draws of the posterior, shape (n, parameters), and values of draws of the prior."""
 
     problem: Problem
     z: Floats
@@ -149,7 +149,7 @@ class Posterior:
         """Judge each parameter."""
         least, _ = self.problem.improved(self._likeliest, self.problem.used)
         verdicts = {}
-        for place, (name, one) in enumerate(self.problem.model.priors.items()):
+        for place, (name, prior) in enumerate(self.problem.model.priors.items()):
             draws = self.prior[name], self.values[name]
             excluded, profile = excluded_ends(*draws), (-math.inf, math.inf)
             if name in self.profiles:
@@ -157,14 +157,14 @@ class Posterior:
                 profile = interval_of(*self.profiles[name])
             low, high = interval_within(excluded, *draws)
             median = float(np.median(self.values[name]))
-            verdict = Verdict(name, one.unit, WORD[excluded], low, high, median, profile)
+            verdict = Verdict(name, prior.unit, WORD[excluded], low, high, median, profile)
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
                 verdict = replace(verdict, verdict="determined")
             verdicts[name] = verdict
         return verdicts
 
     def combinations(self) -> tuple[Combination, ...]:
-        """Find products, ratios and sums that the data know better than their members; the best first."""
+        """Find products, ratios and sums that the data determine better than their members; best first."""
         values = {name: self.values[name] for name in self.profiles}
         combinations: list[Combination] = []
         for size in (2, 3):
@@ -184,29 +184,30 @@ class Posterior:
                 for name, draws in exponents.items():
                     tighter = least / max(_spread(draws), 1e-12)
                     combinations.append(Combination(name, members, *_middle(draws), tighter))
+        combinations.sort(key=lambda candidate: (len(candidate.members), -candidate.tighter))
         kept: list[Combination] = []
-        for one in sorted(combinations, key=lambda one: (len(one.members), -one.tighter)):
-            # Of three, no more is said than of the two that are among them.
-            beaten = [other for other in kept if set(other.members) < set(one.members)]
+        for candidate in combinations:
+            # Three parameters must be twice as well known as any two of them.
+            beaten = [other for other in kept if set(other.members) < set(candidate.members)]
             enough = max([_TIGHTER, *(2 * other.tighter for other in beaten)])
-            if one.tighter > enough and all(other.members != one.members for other in kept):
-                kept.append(one)
-        return tuple(sorted(kept, key=lambda one: -one.tighter))
+            if candidate.tighter > enough and all(other.members != candidate.members for other in kept):
+                kept.append(candidate)
+        return tuple(sorted(kept, key=lambda candidate: -candidate.tighter))
 
     @property
     def _likeliest(self) -> Floats:
         return np.asarray(self.z[np.argmax(self.log_likelihood)])
 
     def _nearest(self, place: int, at: float, count: int) -> Floats:
-        """The likeliest of the draws near a coordinate, the best last: a copy."""
+        """A copy of the likeliest draws near a coordinate, the best last."""
         near = np.argsort(np.abs(self.z[:, place] - at))[: len(self.z) // _PROFILE]
         return np.asarray(self.z[near[np.argsort(self.log_likelihood[near])[-count:]]])
 
     def _profile(self, place: int) -> tuple[Floats, Floats]:
-        """Profile of one parameter, from searches that begin at draws and at neighbors."""
+        """Profile of one parameter, by searches from draws and from the next point."""
         prior = list(self.problem.model.priors.values())[place]
         first, last = prior.reach
-        others = [one for one in self.problem.used if one != place]
+        others = [other for other in self.problem.used if other != place]
         low, high = np.quantile(self.z[:, place], (0.005, 0.995))
         reach, best = max(high - low, 1e-6), float(self._likeliest[place])
         inner = np.clip(np.linspace(low - reach / 3, high + reach / 3, _PROFILE), first, last)
@@ -215,15 +216,16 @@ class Posterior:
 
         def solve(at: float) -> None:
             starts = [*self._nearest(place, at, 2)]
-            starts += [computed[one][1].copy() for one in sorted(computed, key=lambda one: abs(one - at))[:1]]
+            if computed:
+                starts.append(computed[min(computed, key=lambda other: abs(other - at))][1].copy())
             for start in starts:
                 start[place] = at
             tried = [self.problem.improved(start, others) for start in starts]
-            computed[at] = min(tried, key=lambda one: one[0])
+            computed[at] = min(tried, key=lambda minimum: minimum[0])
 
         def profile() -> tuple[Floats, Floats]:
             at = np.array(sorted(computed))
-            squares = np.array([computed[one][0] for one in at])
+            squares = np.array([computed[other][0] for other in at])
             return at, squares - squares.min()
 
         for at in sorted(np.unique([*inner, *outer, best]), key=lambda at: abs(at - best)):
@@ -236,15 +238,15 @@ class Posterior:
         return prior.at(points), deviance
 
     def _by_data_alone(self, place: int, excluded: tuple[bool, bool], most: float) -> tuple[bool, bool]:
-        """Take back the ends that follow from the ranges, of a decade or more, of the priors of others.
+        """Drop ends that follow from the ranges, of a decade or more, of other priors.
 
-        An end follows from the data alone if they exclude a value a whole interval beyond it, with the ranges
-        of the other priors made five times wider.
+        An end follows from the data if these exclude a value one interval beyond it while the ranges of the
+        other priors are five times as wide.
         """
         priors = list(self.problem.model.priors.values())
-        others = [one for one in self.problem.used if one != place]
-        wide = [one.kind == "log_uniform" and one.second > 10 * one.first for one in priors]
-        beyond = [one for one in others if wide[one]]
+        others = [other for other in self.problem.used if other != place]
+        wide = [prior.kind == "log_uniform" and prior.second > 10 * prior.first for prior in priors]
+        beyond = [other for other in others if wide[other]]
         low, high = _middle(self.z[:, place])
         still = []
         for is_excluded, at in zip(excluded, (2 * low - high, 2 * high - low), strict=True):
@@ -258,9 +260,9 @@ class Posterior:
         return still[0], still[1]
 
     def candidates(self, undetermined: Sequence[str]) -> tuple[Candidate, ...]:
-        """Weigh experiments: by how much each would narrow what is not determined, if errors are as now.
+        """Weigh experiments by how much each would narrow undetermined parameters, with the present errors.
 
-        The variance that is left of a parameter is at most that about its best linear estimate from the
+        The remaining variance of a parameter is at most that about its best linear estimate from the
         logarithms of the data, over the posterior (M. Goldstein, D. Wooff, Bayes Linear Statistics, Wiley
         2007).
         """
@@ -277,26 +279,27 @@ class Posterior:
             planned["earlier times (from a hundredth of the first)"] = model.curve, earlier
         with np.errstate(all="ignore"):
             logs = {name: np.log(curve(at, values)) for name, (curve, at) in planned.items()}
-            if model.size is not None:  # a power of the load, which is measured, too
+            if model.size is not None:  # depends on the load, which is measured, too
                 unscaled = replace(model, scaled=False)
                 several = [unscaled.curve(time, values | {"load": k * values["load"]}) for k in (1.0, 2.0)]
                 logs[loads] = np.log(np.hstack([*several, values["load"][:, None]]))
-        open_ = {
-            one: np.log(values[one]) if model.priors[one].logarithmic else values[one] for one in undetermined
+        targets = {
+            name: np.log(values[name]) if model.priors[name].logarithmic else values[name]
+            for name in undetermined
         }
         candidates = []
         for name, curves in logs.items():
             fine = np.isfinite(curves).all(1)
             if np.count_nonzero(fine) > 2 * curves.shape[1]:
-                remaining = {one: _left(curves[fine], x[fine], relative) for one, x in open_.items()}
+                remaining = {key: _left(curves[fine], x[fine], relative) for key, x in targets.items()}
                 if name == loads:
-                    remaining.pop("load", None)  # which is measured
+                    remaining.pop("load", None)  # it is measured
                 candidates.append(Candidate(name, remaining))
         return tuple(candidates)
 
 
 def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
-    """Which ends of its prior draws of one parameter exclude, shape (n,) each."""
+    """Whether posterior draws of a parameter exclude the low and the high end of its prior; shapes (n,)."""
     share = np.searchsorted(np.sort(prior), posterior) / prior.size  # uniform where the data say nothing
     low, high = _middle(share)
     width = max((high - low) / 20, 1 / prior.size)
@@ -306,7 +309,7 @@ def excluded_ends(prior: Floats, posterior: Floats) -> tuple[bool, bool]:
 
 
 def interval_within(excluded: tuple[bool, bool], prior: Floats, posterior: Floats) -> tuple[float, float]:
-    """The 95 % interval where these ends are excluded: of a bounded parameter from, or to, the other end."""
+    """The 95 % interval; with one excluded end it extends to the other end of the prior."""
     if excluded == (False, True):
         return float(prior.min()), float(np.quantile(posterior, LEVEL))
     if excluded == (True, False):
@@ -320,7 +323,7 @@ def _middle(values: Floats) -> tuple[float, float]:
 
 
 def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
-    """Where a profile is below its 95 % level; infinite on a side on which it stays so."""
+    """Interval in which a profile is below its 95 % level, infinite on a side on which it stays so."""
     best = int(np.argmin(deviance))
     ends = []
     for side, none in ((slice(best, None, -1), -np.inf), (slice(best, None), np.inf)):
@@ -329,21 +332,21 @@ def interval_of(values: Floats, deviance: Floats) -> tuple[float, float]:
     return ends[0], ends[1]
 
 
-def told_apart(*values: float) -> list[str]:
-    """Rising numbers in so many digits, three or more, that their distance has two."""
+def distinguishable(*values: float) -> list[str]:
+    """Write rising numbers with three digits or more, such that their difference has two."""
     size = max(abs(values[0]), abs(values[-1]))
     digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
     return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
 
 
 def _spread(values: Floats) -> float:
-    """Half of the width, in ln, that holds 68 % of the values."""
+    """Half of the width, in ln, of the middle 68 % of the values."""
     low, high = np.quantile(values, (0.16, 0.84))
     return float(np.log(high / low) / 2) if low > 0 else np.inf
 
 
 def _left(curves: Floats, parameter: Floats, relative: float) -> float:
-    """Deviation of a parameter that data of this relative error leave, over the present one."""
+    """Standard deviation of a parameter with data of this relative error, over the present one."""
     centered, target = curves - curves.mean(0), parameter - parameter.mean()
     covariance = centered.T @ centered / len(target) + relative**2 * np.eye(curves.shape[1])
     along = centered.T @ target / len(target)

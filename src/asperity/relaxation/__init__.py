@@ -4,7 +4,7 @@ A table, a law or a half-space becomes a `Material`, for `asperity.predict`::
 
     polymer = asp.relaxation.material("relaxation.csv", poisson=0.37)
 
-`read` and `fit` are its steps one by one; a law or a fit is a `PronySeries`.
+`read` and `fit` are its steps; laws and fits are a `PronySeries`.
 """
 
 from asperity.base.calls import answered as _answered

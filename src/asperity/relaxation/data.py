@@ -1,4 +1,4 @@
-"""Measured relaxation, creep or dynamic moduli, and how branches of given times fit them.
+"""Measured relaxation, creep or dynamic moduli, and fits of branches with fixed times.
 
 Each kind of data is linear in the weights w of the branches:
 
@@ -6,7 +6,7 @@ Each kind of data is linear in the weights w of the branches:
     creep         J(t)          = J0 + f t + sum_k w_k (1 - exp(-t/theta_k))
     dynamic       G' + i G''    = p + sum_b w_b (i omega tau_b)/(1 + i omega tau_b)
 
-Creep is converted to relaxation exactly afterwards (`series.from_retardation`).
+`series.from_retardation` converts creep to relaxation exactly.
 """
 
 from __future__ import annotations
@@ -27,29 +27,31 @@ Extrapolate = Literal["plateau"]
 Modulus = Literal["young", "shear", "contact"]
 
 FEWEST = 5
-"""Points without which nothing is fitted."""
+"""Least number of points of a fit."""
 
 _NOISE = 0.05
-_FLOWS = 0.01  # creep flows where the data are missed by this without flow, rms, and twice as much as with it
+_FLOWS = (
+    0.01  # creep flows if a fit without flow misses the data by this, rms, and twice as much as with flow
+)
 _SMALLEST_LOSS = 1e-3
 _PLATEAU = 100.0
-"""Times the last time up to which a plateau is fitted."""
-_STEEPEST = 0.9  # a steeper power of time has too much before the first time
-_BEFORE = 0.1  # time, over the first of the data, in which what came before relaxes
+"""End of a fitted plateau over the last time."""
+_STEEPEST = 0.9  # largest exponent of a power of time that is continued before the first time
+_BEFORE = 0.1  # relaxation time of this continuation, over the first time
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Data(views.Brief):
-    """Data against times or frequencies: those first, then each quantity, and then how they are taken.
+    """Data against times or frequencies: this column, those of the quantities, and options.
 
-    `measured` is what they measure, "young", "shear" or "contact", if that is known; `source` says what was
-    read of which file.
+    `measured` is the modulus, "young", "shear" or "contact", if that is known; `source` names file and
+    columns.
     """
 
     measured: Modulus | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True, repr=False)
     falls: ClassVar[bool] = False
-    """Whether the first quantity falls along the data; else it rises."""
+    """Whether the first quantity falls along the data, or rises."""
 
     def __post_init__(self: Any) -> None:
         if self.extrapolate not in (None, *get_args(Extrapolate)):
@@ -67,21 +69,21 @@ class _Data(views.Brief):
 
     @property
     def columns(self) -> tuple[Floats, tuple[Floats, ...]]:
-        """Times or angular frequencies, and the quantities at them."""
+        """Times or angular frequencies, and the quantities."""
         x, *values = (getattr(self, name) for name in self.names())
         return x, tuple(values)
 
     @property
     def fitted(self) -> Self:
-        """What branches are fitted to: the data, and the plateau after them where that is assumed."""
+        """Data to fit, with an assumed plateau after them."""
         return self
 
     def continued(self, series: PronySeries, part: float = 1.0) -> PronySeries:  # noqa: ARG002
-        """A series that goes on before the first time as it begins; or by a part of that."""
+        """Add a part of the relaxation before the first time that the slope there predicts."""
         return series
 
     def shifted(self, factor: float) -> Self:
-        """Data at another temperature: times multiplied, frequencies divided by `factor`."""
+        """Shift data to another temperature: multiply times, or divide frequencies, by `factor`."""
         factor = checks.number("factor", factor, least=1 / LARGEST, expected="a finite factor > 0")
         name, x = self.names()[0], self.columns[0]
         shifted: dict[str, Any] = {name: factor * x if name == "time" else x / factor}
@@ -110,7 +112,7 @@ class _Data(views.Brief):
             raise InputError(x, expected=f"{x} that rises from point to point", got=got)
 
     def _check_trend(self: Any) -> None:
-        """Refuse values that rise (or fall) by more than noise, against any value before them."""
+        """Refuse values that rise above (or fall below) an earlier one by more than noise."""
         (along, name, *_), (x, (values, *_)) = self.names(), self.columns
         extreme = (np.minimum if self.falls else np.maximum).accumulate(values)
         change = values / extreme - 1 if self.falls else 1 - values / extreme
@@ -140,7 +142,7 @@ class _InTime(_Data):
         return float(self.time[self.time > 0][0]), float(self.time[-1])
 
     def reach(self, decades: float) -> tuple[float, float]:
-        """Ends of the times of branches, so far beyond the data; before them with a value at 0."""
+        """Range of relaxation times, so many decades after the data, and before them with a value at 0."""
         first, last = self.span
         return first * (_BEFORE if self.time[0] == 0 else 1), last * 10**decades
 
@@ -165,9 +167,9 @@ class Relaxation(_InTime):
     modulus
         Moduli above 0, Pa, shape (n,); they may rise by `noise` at most.
     noise
-        Largest relative rise that is taken for noise.
+        Largest relative rise that counts as noise.
     extrapolate
-        "plateau": the last modulus is assumed to stay after the last time. None: nothing is known there.
+        "plateau": assume the last modulus after the last time. None: nothing is known there.
 
     Raises
     ------
@@ -182,7 +184,7 @@ class Relaxation(_InTime):
     falls: ClassVar[bool] = True
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
-        """What a series says in place of the data."""
+        """Quantities of a series in place of the data."""
         return (series.modulus_at(time),)
 
     def series(self, times: Floats) -> PronySeries:
@@ -191,9 +193,10 @@ class Relaxation(_InTime):
         return of_weights(positive_weights(columns, self.modulus, self.modulus), times)
 
     def continued(self, series: PronySeries, part: float = 1.0) -> PronySeries:
-        """See `_Data`: up to the first time, what is not permanent is a power, of its slope over a decade.
+        """See `_Data`. Until the first time, the relaxing part is a power of time with the slope there.
 
-        One branch stands for what that has more. It has the same area, on which later strains depend.
+        One branch replaces the excess of this power over the series: it has the same integral over time, on
+        which later strains depend.
         """
         (first, last), held = self.span, series.permanent * series.modulus
         end = min(10 * first, last)
@@ -225,11 +228,11 @@ class Creep(_InTime):
     quantities: ClassVar[tuple[str, ...]] = ("creep compliance",)
 
     def predicted(self, series: PronySeries, time: Floats) -> tuple[Floats, ...]:
-        """What a series says in place of the data."""
+        """Quantities of a series in place of the data."""
         return (series.compliance_at(time),)
 
     def series(self, times: Floats) -> PronySeries:
-        """Fit a generalized Kelvin solid of these retardation times, which flows if it must; convert it."""
+        """Fit a generalized Kelvin solid or fluid of these retardation times, and convert it."""
         t, J = self.time[:, None], self.compliance
         columns = np.hstack([t, np.ones_like(t), -np.expm1(-t / times)])
         solid = np.append(0.0, positive_weights(columns[:, 1:], J, J))
@@ -256,13 +259,13 @@ class Dynamic(_Data):
     Parameters
     ----------
     frequency
-        Angular frequencies above 0, rad/s, rising or falling, shape (n,), n >= 5; kept rising.
+        Angular frequencies above 0, rad/s, rising or falling, shape (n,), n >= 5; stored rising.
     storage
         Storage moduli above 0, Pa, shape (n,); they may fall with frequency by `noise` at most.
     loss
         Loss moduli, not below 0, Pa, shape (n,).
     noise
-        Largest relative fall that is taken for noise.
+        Largest relative fall that counts as noise.
     """
 
     frequency: Floats
@@ -282,16 +285,16 @@ class Dynamic(_Data):
 
     @property
     def span(self) -> tuple[float, float]:
-        """Shortest and longest time that the data know of: 1/frequency."""
+        """Shortest and longest time, 1/frequency."""
         return 1 / float(self.frequency[-1]), 1 / float(self.frequency[0])
 
     def reach(self, decades: float) -> tuple[float, float]:
-        """Ends of the times of branches, so far beyond the data on both sides."""
+        """Range of relaxation times, so many decades beyond the data on both sides."""
         first, last = self.span
         return first / 10**decades, last * 10**decades
 
     def predicted(self, series: PronySeries, frequency: Floats) -> tuple[Floats, ...]:
-        """What a series says in place of the data."""
+        """Quantities of a series in place of the data."""
         return series.storage(frequency), series.loss(frequency)
 
     def series(self, times: Floats) -> PronySeries:
@@ -307,6 +310,6 @@ Measured = Relaxation | Creep | Dynamic
 
 
 def scales(data: Measured) -> tuple[Floats, ...]:
-    """What deviations are relative to: the values; of a small loss, a thousandth of the storage modulus."""
+    """Scales of relative deviations: the values; for a small loss, a thousandth of the storage modulus."""
     _, (first, *others) = data.columns
     return (first, *(np.maximum(loss, _SMALLEST_LOSS * first) for loss in others))

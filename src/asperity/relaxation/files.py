@@ -49,33 +49,33 @@ def read(
 ) -> Measured:
     """Read measured data from a table in a text file, and convert them to s and Pa.
 
-    The names of the columns, or a row below them, say what they hold and in which unit, in English, German or
-    French: ``time_s``, ``E(t) [MPa]``, ``Zeit / min``, ``J [1/GPa]``, ``frequency_Hz``, ``omega_rad_s``,
-    ``G' (kPa)``, ``log10(t/s)``. A frequency in 1/s is an angular one if its name says so (omega), else it
-    counts cycles. For the form of the file see `asperity.fits.read_measurements`.
+    The names of the columns, or a row below them, state quantity and unit, in English, German or French:
+    ``time_s``, ``E(t) [MPa]``, ``Zeit / min``, ``J [1/GPa]``, ``frequency_Hz``, ``omega_rad_s``,
+    ``G' (kPa)``, ``log10(t/s)``. A frequency in 1/s counts cycles, unless its name (omega) says that it is
+    angular. For the form of the file see `asperity.fits.read_measurements`.
 
     Parameters
     ----------
     path
         A text file with a line for each time or frequency.
     kind
-        ``"relaxation"``, ``"creep"`` or ``"dynamic"``; None where the columns' names say it.
+        ``"relaxation"``, ``"creep"`` or ``"dynamic"``; by default from the names of the columns.
     columns
         Names or numbers, from 0, of the columns: time and modulus, time and compliance, or frequency,
-        storage and loss modulus. By default those that are named so, or the first, where none has a name.
+        storage and loss modulus. By default those with such names, or the first ones if none has a name.
     units
         Units of columns by name or number, in place of those of the table: ``{"E": "MPa"}`` or ``"E=MPa"``.
     modulus
-        What is measured, where no name says it: "young", Young's modulus E; "shear", the shear modulus G;
-        "contact", E*. The data keep it, and are not converted.
+        The modulus, if no name states it: "young", Young's modulus E; "shear", the shear modulus G;
+        "contact", E*. The data keep it without conversion.
     noise
-        Largest relative change in the wrong direction that is taken for noise.
+        Largest relative change in the wrong direction that counts as noise.
 
     Raises
     ------
     InputError
-        There is no such table, its columns are not understood, one has no unit, a name says another modulus,
-        a cell is no number, or the numbers are no relaxation: see the classes.
+        There is no such table, its columns are not understood, one has no unit, a name states another
+        modulus, a cell is no number, or the numbers are no relaxation: see the classes.
     """
     for name, value, choice in (("kind", kind, Kind), ("modulus", modulus, Modulus)):
         checks.choice(name, value, (None, *get_args(choice)))
@@ -97,9 +97,9 @@ def read(
         raise error.about(f"{reading.table.name}, {error.name}") from error
 
 
-def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:
+def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, list[int]]:
     """The kind of the data, and the positions of its columns."""
-    table, roles = found.table, list(found.roles)
+    table, roles = columns.table, list(columns.roles)
     wanted = {name: of_class.names() for name, of_class in _KINDS.items() if kind in (None, name)}
     # Moduli against frequency, without more words: storage and loss.
     plain = [at for at, role in enumerate(roles) if role == "modulus"]
@@ -107,12 +107,12 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
         for at, role in zip(plain, ("storage", "loss"), strict=False):
             roles[at] = role
     if ordered or (kind is not None and not any(table.names)):
-        asked = tuple(roles[at] for at in found.chosen)
+        asked = tuple(roles[at] for at in columns.chosen)
         chosen = kind or next((name for name, order in wanted.items() if asked == order), None)
         if chosen is None:
-            raise _unclear(found, 'kind="relaxation", "creep" or "dynamic"')
+            raise _unclear(columns, 'kind="relaxation", "creep" or "dynamic"')
         count = len(wanted[chosen])
-        places = found.chosen if ordered else found.chosen[:count]
+        places = columns.chosen if ordered else columns.chosen[:count]
         if len(set(places)) != count or len(places) != count:
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
@@ -121,13 +121,13 @@ def _chosen(found: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind, 
     if len(fitting) != 1:
         header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
         choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
-        raise _unclear(found, choice if any(table.names) else f"a first line such as {header}")
+        raise _unclear(columns, choice if any(table.names) else f"a first line such as {header}")
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
 
 
-def _modulus(found: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:
-    """Which modulus the names of columns say; what is asked for overrides a letter, but no word."""
-    names = [found.table.names[at] for at in places]
+def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:
+    """The modulus in the names of columns; the argument overrides a letter, but no word."""
+    names = [columns.table.names[at] for at in places]
     moduli = {which for which, words in _MODULI.items() for name in names if re.search(words, normal(name))}
     if asked:
         moduli.add(asked)
@@ -141,10 +141,10 @@ def _modulus(found: Columns, places: list[int], asked: Modulus | None) -> Modulu
     return next(iter(moduli), None)
 
 
-def _unclear(found: Columns, advice: str) -> InputError:
+def _unclear(columns: Columns, advice: str) -> InputError:
     return InputError(
-        found.table.name,
+        columns.table.name,
         expected="columns of time and modulus, time and compliance, or frequency, storage and loss modulus",
-        got=named(found.table),
+        got=named(columns.table),
         advice=advice,
     )

@@ -1,8 +1,8 @@
 """The generalized Maxwell solid of measured data, by non-negative least squares of relative deviations.
 
-Relaxation times are few and free where that is enough, else log-spaced. Free times are found by least squares
-in their logarithms; the weights are the best for them at every step (variable projection: G. H. Golub, V.
-Pereyra, SIAM J. Numer. Anal. 10, 413 (1973), DOI 10.1137/0710036).
+Relaxation times are few and free if these suffice, else log-spaced. Least squares find the logarithms of free
+times; at every step the weights are the best for them (variable projection: G. H. Golub, V. Pereyra, SIAM J.
+Numer. Anal. 10, 413 (1973), DOI 10.1137/0710036).
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from asperity.relaxation.data import Dynamic, Extrapolate, Measured, scales
 from asperity.relaxation.series import PronySeries
 
 MOST_FREE = 5
-"""Most relaxation times that are free unless more are asked for."""
+"""Largest number of free relaxation times by default."""
 
 _DRAWS = 200
 _GRIDS = ((1.0, 0), (1.0, 1), (2.0, 0), (2.0, 1))
 """Times a decade, and decades beyond the data, in the order in which they are tried."""
-_FEW_RUNS = -2.326  # runs of one sign over what chance gives, standard deviations: 1 % of noise has less
-_CLOSE = 1.25  # misfit of free times over that of one time a decade, up to which the fewer times are taken
-_SEEN = 0.01  # relative change of J by what precedes the first time from which on that is assumed
-_DIGITS, _ROUNDING = 1e-5, 1e-9  # misfits, rms, of the digits printed in a table, and of computing
+_FEW_RUNS = -2.326  # least excess of runs of one sign, in standard deviations: 1 % of random series has less
+_CLOSE = 1.25  # largest misfit of free times over that of log-spaced times
+_SEEN = 0.01  # least relative change of J by relaxation before the first time for which that is assumed
+_DIGITS, _ROUNDING = 1e-5, 1e-9  # rms misfits by digits of a table, and by rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,16 +44,16 @@ class Fit(views.InNotebooks, views.Pictured):
     Attributes
     ----------
     series
-        The solid; its `span` is that of the data, without an end where a plateau is assumed, and its `error`
-        the largest relative deviation from both.
+        The solid; its `span` is that of the data, or without an end with a plateau, and its `error` the
+        largest relative deviation from both.
     rms
         Root mean square of the relative deviations.
     data
-        What was fitted.
+        The data.
     times
-        Relaxation times (of creep data: retardation times) that were allowed, s, shape (n,).
+        Relaxation times (of creep data: retardation times) of the fit, s, shape (n,).
     per_decade
-        How many of them are in each decade; None where they were free.
+        Number of them in a decade; None if they are free.
     beyond
         Decades that they may lie beyond the data.
     """
@@ -79,15 +79,15 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @property
     def assumed(self) -> str:
-        """What is assumed beyond the data; empty where nothing is."""
+        """Assumptions beyond the data; empty without any."""
         first, last = self.data.span
-        after = f"beyond the last time of the table, {last:.4g} s, the modulus is assumed to stay"
+        after = f"the modulus is assumed to stay after the last time of the table, {last:.4g} s"
         assumptions = [after] if self.data.extrapolate else []
         if self.series.branches != self._fitted.branches:
             assumptions.append(
                 f"before the first time of the table, {first:.4g} s, relaxation is assumed to have the slope "
-                f"there: J({first:.4g} s) changes by {100 * self.unseen:.2g} %, later ones by less; the band "
-                "holds from none to twice of it"
+                f"there, which changes J({first:.4g} s) by {100 * self.unseen:.2g} % and later values by "
+                "less; the band covers zero to twice this relaxation"
             )
         return "; ".join(assumptions)
 
@@ -97,7 +97,7 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @functools.cached_property
     def unseen(self) -> float:
-        """Relative change of J at the first time if relaxation before it has the slope there."""
+        """Relative change of J at the first time by relaxation before it, with the slope there."""
         longer = self.data.continued(self._fitted)
         return float(
             np.divide(*(each.compliance_at(self.data.span[0]) for each in (longer, self._fitted))) - 1
@@ -105,9 +105,9 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @functools.cached_property
     def alternatives(self) -> tuple[PronySeries, ...]:
-        """Series that may be in its place: `resampled`, or copies of this one.
+        """Samples of possible series: `resampled`, or copies of this one.
 
-        Each has a part from 0 to 2 of what precedes the first time if relaxation goes on with its slope.
+        Each has 0 to 2 times the relaxation before the first time that its slope there predicts.
         """
         drawn = self.resampled or (self,) * _DRAWS
         parts = 2 * np.random.default_rng(1).random(len(drawn))
@@ -119,10 +119,10 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @functools.cached_property
     def systematic(self) -> bool:
-        """Whether the deviations are waves rather than noise.
+        """Whether the deviations are waves rather than noise, or there is a `finer` fit.
 
-        They keep their sign for too long, at 1 % (runs of one sign: A. Wald, J. Wolfowitz, Ann. Math. Stat.
-        11, 147 (1940), DOI 10.1214/aoms/1177731909); or there is a `finer` fit.
+        Waves have too few runs of one sign, at 1 % (A. Wald, J. Wolfowitz, Ann. Math. Stat. 11, 147 (1940),
+        DOI 10.1214/aoms/1177731909).
         """
         if self.rms < _ROUNDING:
             return False
@@ -138,7 +138,7 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @functools.cached_property
     def finer(self) -> float | None:
-        """Twice as many times in each decade, if they would miss the data by less than half; else None."""
+        """Twice the times a decade, if these more than halve the misfit; else None."""
         if self.per_decade is None or sum(part.size for part in self.data.columns[1]) < 3 * len(self.times):
             return None
         density = 2 * self.per_decade
@@ -146,10 +146,10 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @functools.cached_property
     def resampled(self) -> tuple[Fit, ...]:
-        """Fits of tables that the noise of this one would have given, 200 or a few less; of no noise none.
+        """Fits of about 200 tables with other noise: a bootstrap; empty without noise.
 
-        Each has other deviations, drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1
-        (1979), DOI 10.1214/aos/1176344552), widened by what the fit has taken of them, and by Student's t.
+        Deviations are drawn from those of this fit with replacement (B. Efron, Ann. Stat. 7, 1 (1979), DOI
+        10.1214/aos/1176344552), and widened for the degrees of freedom, also by Student's t.
         """
         if self.systematic or self.rms < _DIGITS:
             return ()
@@ -165,7 +165,7 @@ class Fit(views.InNotebooks, views.Pictured):
                 np.maximum(p + wider * r[chosen] * s, 0.0)
                 for p, r, s in zip(predicted, deviations, scales(self.data), strict=True)
             ]
-            # A draw may be no relaxation where deviations are large.
+            # With large deviations a draw may be no relaxation.
             with suppress(InputError):
                 numbers: dict[str, Any] = dict(zip(self.data.names()[1:], columns, strict=True))
                 table = replace(self.data, **numbers, noise=0.99)
@@ -175,7 +175,7 @@ class Fit(views.InNotebooks, views.Pictured):
 
     @property
     def intervals(self) -> Floats | None:
-        """95 % intervals of shares and times of free branches, shape (branches, 2, 2); None if not known."""
+        """95 % intervals of shares and times of free branches, shape (branches, 2, 2); None if unknown."""
         shape = np.shape(self.series.branches)
         alike = [each.series.branches for each in self.resampled if np.shape(each.series.branches) == shape]
         if self.per_decade is not None or not shape[0] or len(alike) < _DRAWS // 2:
@@ -184,7 +184,7 @@ class Fit(views.InNotebooks, views.Pictured):
         return np.asarray(np.moveaxis(ends, 0, -1))
 
     def curve(self, points: int = 200) -> tuple[Floats, tuple[Floats, ...]]:
-        """Evaluate the fit between the first and the last of the data: log-spaced times, and its values."""
+        """Evaluate the fit at log-spaced times between the first and the last of the data."""
         points = checks.integer("points", points, least=2)
         x = self.data.columns[0]
         x = np.geomspace(x[x > 0][0], x[-1], points)
@@ -201,12 +201,12 @@ def fit(
     """Fit a generalized Maxwell solid to measured data by non-negative least squares.
 
     By default it takes the smallest number of free relaxation times, five at most, whose deviations look like
-    noise: they are not `Fit.systematic`, and their rms is at most a quarter more than that of log-spaced
-    times. Else, as for broad spectra, it takes these: one or two in each decade, within the times of the data
-    or up to a decade beyond, by Akaike's criterion, AICc.
+    noise: they are not `Fit.systematic`, and their rms is at most a quarter above that of log-spaced times.
+    Otherwise, as for broad spectra, it takes log-spaced times: one or two a decade, within the times of the
+    data or up to a decade beyond, by Akaike's criterion, AICc.
 
-    Only losses, and a value at time 0, tell of times before the first. Where relaxation there, with the slope
-    of the first decade, changes J(first) by 1 % or more, one branch more stands for it. See
+    Only losses, or a value at time 0, measure relaxation before the first time. If such relaxation, with the
+    slope of the first decade, would change J(first) by 1 % or more, it is added as one branch. See
     `Fit.alternatives`.
 
     Parameters
@@ -214,20 +214,22 @@ def fit(
     data
         A `Relaxation`, `Creep` or `Dynamic`; `read` makes one of a file.
     per_decade
-        Times per decade, from 0.2 to 10, log-spaced; those that the data do not need get no branch. More of
+        Log-spaced times per decade, from 0.2 to 10; those that the data do not need get no branch. Many of
         them follow the noise of the data.
     branches
-        In its place: how many free relaxation times.
+        Number of free relaxation times, in place of `per_decade`.
     extrapolate
-        "plateau": the last modulus, or compliance, is assumed to stay after the last time, and is fitted too,
-        by as many points as there are over two decades. No time before the first is known all the same.
+        "plateau": assume that the last modulus, or compliance, stays after the last time. Two decades of it
+        are fitted by as many points as the data have.
 
     Raises
     ------
     InputError
-        It is no data, `per_decade` or `branches` is out of its range, or a plateau is asked of a `Dynamic`.
+        The data are of another class, a number is out of range, or a plateau is asked of a `Dynamic`.
     """
-    _refuse_others(data)
+    expected, advice = "a Relaxation, Creep or Dynamic", "relaxation.read(path)"
+    if not isinstance(data, Measured):
+        raise InputError("data", expected=expected, got=checks.kind_of(data), advice=advice)
     if extrapolate is not None:
         if isinstance(data, Dynamic):
             expected = "none beside storage and loss moduli, which have no last modulus"
@@ -237,7 +239,7 @@ def fit(
     best = _found(alone, per_decade, branches)
     if data.extrapolate is None:
         return best
-    # The plateau has no say in how many times there are.
+    # The plateau does not count in the choice of the number of times.
     times = best.times if best.per_decade else _improved(data, best.times, best.beyond)
     return _with(data, times, best.per_decade, best.beyond)
 
@@ -259,7 +261,7 @@ def _found(data: Measured, per_decade: float | None, branches: int | None) -> Fi
 
 
 def _broad(data: Measured, grids: Sequence[tuple[float, int]]) -> Fit:
-    """Log-spaced times, as many as Akaike's criterion for few points asks for."""
+    """Fit log-spaced times, as many as AICc prefers."""
     values = sum(part.size for part in data.columns[1])
 
     def score(trial: Fit) -> float:
@@ -283,9 +285,9 @@ def _log_spaced(data: Measured, density: float, beyond: int) -> Fit:
 
 
 def _with_few_times(data: Measured, broad: Fit) -> Fit | None:
-    """The smallest number of free times that fit as well, and leave what looks like noise; None without one.
+    """The smallest number of free times that fit as well, and leave noise; None without one.
 
-    As many as decades stand for a broad spectrum: not where what precedes the data matters.
+    As many times as decades mean a broad spectrum: refused if relaxation before the data matters.
     """
     points = sum(values.size for values in data.columns[1])
     most = min(MOST_FREE, (points // 2 - 1) // 2)  # two points or more for each number
@@ -300,7 +302,7 @@ def _with_few_times(data: Measured, broad: Fit) -> Fit | None:
 
 
 def _free_times(data: Measured, beyond: int) -> Iterator[Floats]:
-    """One free time, two, and so on, which begin with those before and the one that helps most."""
+    """One free time, two, and so on; each search starts from those before and the best further one."""
     first, last = data.reach(beyond)
     places = np.geomspace(first, last, 2 * max(1, round(math.log10(last / first))) + 1)
     times = np.empty(0)
@@ -326,7 +328,7 @@ def _improved(data: Measured, times: Floats, beyond: int) -> Floats:
 
 
 def _deviations(data: Measured, logarithms: Floats) -> Floats:
-    """Deviations from a fit of times of these logarithms; 1 where there is none."""
+    """Deviations from a fit of times of these logarithms; 1 if it fails."""
     fitted = data.fitted
     try:
         return np.concatenate(_residuals(fitted, fitted.series(np.exp(logarithms))))
@@ -341,7 +343,7 @@ def _residuals(data: Measured, series: PronySeries) -> tuple[Floats, ...]:
 
 
 def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond: int = 0) -> Fit:
-    """A fit of given times; log-spaced ones go on before the first time of the data."""
+    """Fit branches of these times; log-spaced ones continue before the first time of the data."""
     fitted = data.fitted
     series, (first, last) = fitted.series(times), data.span
     of_data, of_all = (np.concatenate(_residuals(measured, series)) for measured in (data, fitted))
@@ -351,9 +353,3 @@ def _with(data: Measured, times: Floats, per_decade: float | None = None, beyond
     if per_decade is None or abs(result.unseen) < _SEEN:
         return result
     return replace(result, series=replace(data.continued(series), span=span, error=series.error))
-
-
-def _refuse_others(data: object) -> None:
-    if not isinstance(data, Measured):
-        expected, advice = "a Relaxation, Creep or Dynamic", "relaxation.read(path)"
-        raise InputError("data", expected=expected, got=checks.kind_of(data), advice=advice)

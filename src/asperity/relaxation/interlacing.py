@@ -1,11 +1,11 @@
-"""Relaxation times from retardation times, and back: each lie between the others.
+"""Relaxation times from retardation times, and back: they interlace.
 
 Relaxation in units of the instantaneous modulus, and creep in units of its inverse, with s = -x:
 
     s G(s) = p + sum_b g_b x tau_b/(x tau_b - 1) ,      s J(s) = 1 - sum_k j_k/(x theta_k - 1) - f/x
 
-are each other's inverse. So the zeros of one are the poles of the other; both functions are monotonic between
-their poles, and the residues follow from the slopes at the zeros.
+are inverse to each other. So the zeros of one are the poles of the other; both are monotonic between their
+poles, and the residues follow from the slopes at the zeros.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 r"""Power-law and fractional Zener relaxation, as Prony series of a stated accuracy over stated times.
 
-Both laws are integrals of exponentials with a positive spectrum of relaxation times. The shares are those of
-non-negative least squares, on as many log-spaced times as the accuracy needs.
+Both laws are integrals of exponentials with a positive spectrum of relaxation times. Non-negative least
+squares give the shares, for as many log-spaced times as the accuracy needs.
 
 The fractional Zener solid relaxes with the Mittag-Leffler function E_n. Integrated over the cumulative
 distribution c of its spectrum,
@@ -43,8 +43,8 @@ def power_law(
 ) -> PronySeries:
     """Approximate the modulus ``modulus * (t / time)**-exponent`` between two times.
 
-    Before `first` the series tends to a finite instantaneous modulus, after `last` to a permanent one:
-    there it says nothing about the law.
+    Before `first` the series tends to a finite instantaneous modulus, after `last` to a permanent one, unlike
+    the law.
 
     Parameters
     ----------
@@ -55,11 +55,11 @@ def power_law(
     time
         Time of reference, above 0.
     first, last
-        Times between which the series stands for the law: its `span`.
+        Times between which the series approximates the law: its `span`.
     accuracy
-        Largest relative error of G between them, from 1e-6 to 0.5. It does not bound the creep compliance J,
-        and so the area under a load: within a decade of `first` they were found off by up to 0.9 %, for the
-        series has no past before it.
+        Largest relative error of G between them, from 1e-6 to 0.5. It does not bound the error of the creep
+        compliance J, and of the area under a load: as the series has no relaxation before `first`, these were
+        up to 0.9 % off within a decade of it.
 
     Raises
     ------
@@ -92,12 +92,12 @@ def fractional_zener(
         G(t) = relaxed + (instantaneous - relaxed) E_n(-(t/time)^n)
 
     with the Mittag-Leffler function E_n of the exponent n: a stretched exponential at first, a power law
-    t^-n at last, and an exponential for n = 1. What relaxes before `first` does so in one branch.
+    t^-n at last, and an exponential for n = 1. One branch has all relaxation before `first`.
 
     Parameters
     ----------
     instantaneous, relaxed
-        Moduli at time 0, above 0, and at the end, not below 0 and below the first.
+        Moduli at time 0, above 0, and at infinite time, not below 0 and below the first.
     exponent, time
         n, from 0.02 to 1; relaxation time, above 0.
 
@@ -156,7 +156,7 @@ def _approximate(
     through: float,
     permanent: float | None,
 ) -> PronySeries:
-    """Series of a law that relaxes. Where the permanent part is given, the law is 1 at time 0."""
+    """Approximate a law by a series; with a `permanent` share the law is 1 at time 0."""
     between = _grid(first, last, 60)
     exact = law(between)
     if exact[-1] < 1 / LARGEST:
@@ -164,7 +164,7 @@ def _approximate(
         raise InputError("last", expected="times before all has relaxed, or a relaxed modulus", got=at)
     best = math.inf
     for density in _DENSITIES:
-        # Slower times than the last stand for what has not begun to relax; faster ones than the first have.
+        # Slower times than the last have not begun to relax; faster ones than the first have relaxed.
         fastest = first / math.log(4 / accuracy)
         slowest = last * (max(100, 0.1 / accuracy) if permanent is not None else 10)
         times = log_times(fastest, slowest, density, through)

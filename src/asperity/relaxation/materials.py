@@ -1,4 +1,4 @@
-"""A material: a half-space, and what is known of it besides its numbers."""
+"""A material: a half-space with the uncertainty and the origin of its parameters."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ from asperity.solids.continua import checked_poisson
 
 _READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
-_AT_ONCE, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
+_ELASTIC, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """A half-space, and what is known of it besides its numbers; `material` makes one.
+    """A half-space with the uncertainty and the origin of its parameters; `material` makes one.
 
     Attributes
     ----------
     solid
         The half-space, for `asperity.press`.
     fit
-        Of the relaxation table, at the temperature of the contact; None without a table.
+        Fit of the relaxation table, at the temperature of the contact; None without a table.
     draws
-        Series of E* that may be in place of that of the solid.
+        Samples of E* as series, such as a posterior.
     span
-        Times of which it is known, s.
+        Times of the data, s.
     facts
-        What identifies the table and how it was taken, for the record.
+        Origin of the table and treatment of its numbers, for the provenance.
     """
 
     solid: Solid
@@ -64,7 +64,7 @@ class Material:
 
     @property
     def spread(self) -> tuple[PronySeries, ...]:
-        """Its series, and those that may be in its place: of the fit, or the draws; empty without either."""
+        """Its series, and samples of it from the fit or the draws; empty without either."""
         if self.fit is not None:
             return (self.fit.series, *self.fit.alternatives)
         return (relaxing_of(self.solid), *self.draws) if self.draws else ()
@@ -101,36 +101,37 @@ def material(
     Parameters
     ----------
     source
-        A relaxation table: a file for `read`, or what that returns. Or a series; a half-space from
+        A relaxation table: a file for `read`, or its result. Or a series; a half-space from
         `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
         an inference. None: an elastic half-space of `young` or `modulus`.
     kind, columns, units, noise
-        How to read the file of a table, see `read`.
+        Options of `read`.
     branches, per_decade, extrapolate
-        How to fit a table, see `fit`. With "model" the branches of an inference go on beyond its data.
+        Options of `fit`. With "model" the branches of an inference also count beyond its data.
     modulus
-        What table or series are of: "young", Young's modulus E; "shear", the shear modulus G; "contact", E*.
-        By default what the names of columns say, else E. Or E* at once, of which they give the shares.
+        Modulus of the table or the series: "young", Young's modulus E; "shear", the shear modulus G;
+        "contact", E*. By default from the names of the columns, else E. Or a number: the instantaneous E*, to
+        which their shares apply.
     young
-        Young's modulus at once in its place.
+        The instantaneous Young's modulus, in place of this number.
     poisson
         Poisson's ratio, 0.35 by default, which does not relax: E* = E/(1 - nu^2) = 2 G/(1 - nu).
     temperature, reference
-        Of the contact and of table or series, K: shifts all times by Arrhenius or WLF.
+        Temperatures of the contact, and of table or series, K: shift all times by Arrhenius or WLF.
     activation_energy, wlf
         The energy, J/mol; or the constants c1 and c2 (K). See `arrhenius` and `asperity.relaxation.wlf`.
     shift
-        In place of these four: the factor on all times.
+        Factor on all times, in place of these four.
     hardness
         Pressure under which the rough surface yields; see `asperity.solids.Solid.with_hardness`.
     draws
-        Branches that may be in place of those of a solid, such as draws of a posterior: 2 lists or more of
-        pairs of a share of the modulus and a relaxation time, s.
+        Samples of the branches of a solid, such as draws of a posterior: 2 lists or more of pairs of a share
+        of the modulus and a relaxation time, s.
 
     Raises
     ------
     InputError
-        Something is wrong, or is not about such a source.
+        An argument is out of range, or does not apply to the source.
     """
     arguments = {name: value for name, value in locals().items() if name != "source" and value is not None}
     times: tuple[float, float] | None = None
@@ -159,8 +160,8 @@ def material(
         options = {name: arguments[name] for name in _FITTING if name in arguments}
         fitted = fit(table.shifted(factor), **options)
         series, measured = fitted.series, measured or fitted.data.measured
-    at_once, of = _at_once(series, measured, arguments)
-    solid = half_space(**at_once, branches=series.branches if series else (), hardness=hardness)
+    modulus_arguments, of = _instantaneous(series, measured, arguments)
+    solid = half_space(**modulus_arguments, branches=series.branches if series else (), hardness=hardness)
     span = series.span if series else (0.0, math.inf)
     if fitted is None:
         return Material(solid, draws=_draws(draws, solid), span=span)
@@ -171,15 +172,15 @@ def material(
 
 def _about(source: object) -> tuple[str, tuple[str, ...]]:
     if source is None:
-        return "an elastic solid", _AT_ONCE
+        return "an elastic solid", _ELASTIC
     if isinstance(source, Solid):
         return "a solid, for it is about a relaxation table", ("draws",)
     if isinstance(source, PronySeries):
-        return "a series, for it is about a relaxation table", (*_AT_ONCE, *_SHIFT, "draws")
+        return "a series, for it is about a relaxation table", (*_ELASTIC, *_SHIFT, "draws")
     if isinstance(source, str | Path | Measured):
         of_file = _READING if isinstance(source, str | Path) else ()
         description = "a relaxation table" if of_file else "a table that was read"
-        return description, (*of_file, *_FITTING, *_AT_ONCE, *_SHIFT)
+        return description, (*of_file, *_FITTING, *_ELASTIC, *_SHIFT)
     expected = "a relaxation table or its file, a series, or a half-space"
     advice = "asperity.relaxation.read(path)"
     raise InputError("material", expected=expected, got=checks.kind_of(source), advice=advice)
@@ -192,7 +193,7 @@ def _shift(
     wlf: tuple[float, float] | None = None,
     shift: float | None = None,
 ) -> float:
-    """Shift factor by Arrhenius or WLF, or as it is given."""
+    """Factor on all times: `shift`, or that of Arrhenius or WLF."""
     if (temperature, reference, activation_energy, wlf) == (None, None, None, None):
         return 1.0 if shift is None else checks.number("shift", shift, above=0)
     for name, value in (("temperature", temperature), ("reference", reference)):
@@ -210,17 +211,20 @@ def _shift(
     return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
 
 
-def _at_once(series: PronySeries | None, measured: Any, given: dict[str, Any]) -> tuple[dict[str, Any], str]:
-    """The modulus at once, as `half_space` takes it, and what gives it: a number, or what series are of."""
-    ratio = checked_poisson("poisson", given.get("poisson", POISSON))
-    at_once = {name: given[name] for name in ("modulus", "young") if name in given}
-    if isinstance(at_once.get("modulus"), str) and at_once["modulus"] in _WORDS:
-        del at_once["modulus"]
-    elif isinstance(at_once.get("modulus"), str) and not has_unit(at_once["modulus"]):
-        expected = "'young', 'shear' or 'contact', or E* at once, such as '3 GPa'"
-        raise InputError("modulus", expected=expected, got=checks.shown(at_once["modulus"]))
-    if at_once or series is None:
-        return at_once | ({"poisson": ratio} if "young" in at_once else {}), "shares"
+def _instantaneous(
+    series: PronySeries | None, measured: Any, arguments: dict[str, Any]
+) -> tuple[dict[str, Any], str]:
+    """The instantaneous modulus, as arguments of `half_space`; and the modulus that the series has."""
+    ratio = checked_poisson("poisson", arguments.get("poisson", POISSON))
+    moduli = {name: arguments[name] for name in ("modulus", "young") if name in arguments}
+    word = moduli.get("modulus")
+    if isinstance(word, str) and word in _WORDS:
+        del moduli["modulus"]
+    elif isinstance(word, str) and not has_unit(word):
+        expected = "'young', 'shear' or 'contact', or the instantaneous E*, such as '3 GPa'"
+        raise InputError("modulus", expected=expected, got=checks.shown(word))
+    if moduli or series is None:
+        return moduli | ({"poisson": ratio} if "young" in moduli else {}), "shares"
     if measured == "contact":
         return {"modulus": series.modulus}, measured
     factor = 2 * (1 + ratio) if measured == "shear" else 1
@@ -243,8 +247,8 @@ def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid
     return tuple(solids)
 
 
-def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float, float] | None]:
-    """The half-space of a file, with a modulus that it may lack; draws; times of the data of its branches."""
+def _of_toml(path: Path, arguments: dict[str, Any]) -> tuple[Solid, Any, tuple[float, float] | None]:
+    """The half-space of a file, with the modulus of the arguments if it has none; draws; times of data."""
     try:
         keys = tomllib.loads(content_of(path).decode())["solid"]
         kind, draws = keys.pop("kind", "none"), keys.pop("draws", None)
@@ -261,17 +265,17 @@ def _of_toml(path: Path, given: dict[str, Any]) -> tuple[Solid, Any, tuple[float
         names = {key: key if key == "temperature" else f"creep_{key}" for key in parameters_of(law)}
         keys["creep"] = law(**{key: keys.pop(name, None) for key, name in names.items()})
     if "modulus" not in keys and "young" not in keys:
-        keys |= {name: given.pop(name) for name in _AT_ONCE if name in given}
+        keys |= {name: arguments.pop(name) for name in _ELASTIC if name in arguments}
     if "young" in keys:
         keys.setdefault("poisson", POISSON)
     times = None if last is None else (si.quantity(first or 0.0, "s"), si.quantity(last, "s"))
     return half_space(**keys), draws, times
 
 
-def _origin(table: object, found: Fit) -> dict[str, object]:
+def _origin(table: object, fitted: Fit) -> dict[str, object]:
     path = expanded(table) if isinstance(table, str | Path) else None
     facts: dict[str, object] = {"table": "", "table_sha256": ""}
     if path is not None:
         facts = {"table": path.name, "table_sha256": hashlib.sha256(content_of(path)).hexdigest()}
-    facts |= {"kind": type(found.data).__name__, "points": int(found.data.columns[0].size)}
-    return facts | ({"extrapolate": found.data.extrapolate} if found.data.extrapolate else {})
+    facts |= {"kind": type(fitted.data).__name__, "points": int(fitted.data.columns[0].size)}
+    return facts | ({"extrapolate": fitted.data.extrapolate} if fitted.data.extrapolate else {})

@@ -1,15 +1,15 @@
-r"""A generalized Maxwell solid as a Prony series: its relaxation, its creep, and its answer to a load.
+r"""A generalized Maxwell solid as a Prony series: its relaxation, its creep, and its response to a load.
 
     G(t) = G0 [ p + sum_b g_b exp(-t/tau_b) ],        p = 1 - sum_b g_b
 
 with the instantaneous modulus G0, shares g_b of it, relaxation times tau_b, and the permanent share p.
-The creep compliance is the inverse of G in the sense of Carson's transform, s J(s) = 1/(s G(s)). It has
-the same form, with retardation times theta_k that interlace the relaxation times:
+The creep compliance is the inverse of G by Carson's transform, s J(s) = 1/(s G(s)). It has the same form,
+with retardation times theta_k that interlace the relaxation times:
 
     J(t) = [ 1 + f t + sum_k j_k (1 - exp(-t/theta_k)) ] / G0
 
-The retardation rates are the zeros of s G(s) between its poles, found by bisection, so that J is exact for
-any number of branches over any number of decades. The fluidity f is 0 unless p = 0.
+The retardation rates are the zeros of s G(s) between its poles. Bisection finds them, so J is exact for any
+number of branches and decades. The fluidity f is 0 unless p = 0.
 
 References
 ----------
@@ -36,18 +36,18 @@ from asperity.solids.branches import ROUNDING, Branches, check_branches
 
 @dataclass(frozen=True)
 class PronySeries:
-    """A generalized Maxwell solid: shares of one modulus, each of which relaxes with a time of its own.
+    """A generalized Maxwell solid: shares of one modulus, each with its relaxation time.
 
     Parameters
     ----------
     modulus
-        Instantaneous modulus G0, above 0: of any kind, in any unit. J is in its inverse, loads in theirs.
+        Instantaneous modulus G0, above 0: of any kind, in any unit. J is in the inverse unit.
     branches
         Pairs of a share of G0 and a relaxation time, see `check_branches`; none for an elastic solid.
     span
-        Times between which it stands for a law or for data.
+        Times between which it approximates a law or data.
     error
-        Largest relative error with which it does so; 0 where it is itself the law.
+        Largest relative error of this approximation; 0 if it is exact.
     """
 
     modulus: float
@@ -114,23 +114,23 @@ class PronySeries:
         return dataclasses.replace(self, branches=branches, span=(factor * first, factor * last))
 
     def effective_load(self, times: ArrayLike, loads: ArrayLike) -> Floats:
-        """Load on the instantaneous solid that makes the contact which a history of load has made.
+        """Load on the instantaneous solid that makes the same contact as a history of load.
 
             effective(t) = G0 integral J(t - s) dF(s)
 
-        The load F is 0 before the first time, linear between the times, and jumps at the first and where a
-        time stands twice. The integral is exact. The contact of a separable viscoelastic solid is that of
-        the elastic one at this load as long as F has never fallen.
+        The load F is 0 before the first time, linear between the times, and jumps at the first time and at
+        equal times. The integral is exact. A separable viscoelastic solid has the contact of the elastic
+        solid at this load as long as F has never fallen.
 
         Parameters
         ----------
         times, loads
-            Times that do not fall, and the loads F at these; shape (n,), as that of the result.
+            Times that do not fall, and their loads F; shape (n,), as that of the result.
 
         Raises
         ------
         InputError
-            The shapes differ, or a time is before the one ahead of it.
+            The shapes differ, or times fall.
 
         References
         ----------
@@ -167,7 +167,7 @@ class PronySeries:
 
 
 def of_weights(weights: Floats, times: Floats) -> PronySeries:
-    """Series of weights of branches, shape (m + 1,), the last permanent, and their times, shape (m,)."""
+    """Series of weights, shape (m + 1,), of branches of times of shape (m,); the last one is permanent."""
     modulus = float(weights.sum())
     some = weights[:-1] > 0
     shares = weights[:-1][some] / modulus
@@ -209,7 +209,7 @@ def from_retardation(
 
 
 def combined(one: PronySeries, other: PronySeries) -> PronySeries:
-    """Two bodies in contact as one: their compliances add up, 1/E* = 1/E1* + 1/E2*, at every time."""
+    """Two bodies in contact as one: at every time their compliances add up, 1/E* = 1/E1* + 1/E2*."""
     compliance, fluidity = 0.0, 0.0
     delayed: list[tuple[float, float]] = []
     for series in (one, other):

@@ -1,4 +1,4 @@
-"""Shift factors: by what every relaxation time is multiplied at another temperature."""
+"""Shift factors, which multiply every relaxation time, for another temperature."""
 
 from __future__ import annotations
 

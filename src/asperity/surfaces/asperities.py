@@ -23,9 +23,9 @@ from asperity.surfaces.making import Length, Lengths, Shape
 from asperity.surfaces.surface import Surface
 
 _RADIUS = Quantity(
-    "radius of the asperity",
+    "radius of the ball",
     "m",
-    more="; of curvature of a paraboloid (one, or one an axis), of the face of a punch.",
+    more=", radius of curvature of the paraboloid (one, or one an axis), or radius of the punch's face.",
 )
 _Radius = Annotated[Length, Gt(0), _RADIUS]
 _Radii = Annotated[Lengths, Gt(0), Len(1, 2), _RADIUS]
@@ -53,7 +53,7 @@ _ROUNDING = 1e-12  # relative distance beyond an edge at which a site still is o
 def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
     r"""Make a ball: :math:`h = \sqrt{R^2 - r^2} - R`, at the distance r from the middle.
 
-    What lies beyond the ball, where the lattice is that large, is flat, at the height of its center, -R.
+    Beyond the ball the surface is flat, at the height of its center, -R.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edge
     pixel_size
         Distance between sites, one number or one an axis (dy, dx); in m, or with a unit.
     edges
-        What lies beyond the edges, see `Surface`. Where they are periodic, so are the distances.
+        See `Surface`. With periodic edges r is the distance to the nearest periodic image of the middle.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edge
     Raises
     ------
     InputError
-        A number is out of its range, or has a unit that is none of length.
+        A number is out of range, or its unit is not a length.
     """
     lattice = _lattice(shape, pixel_size)
     size = _lengths("radius", radius, least=max(lattice.spacing))
@@ -83,12 +83,12 @@ def sphere(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edge
 
 
 def paraboloid(shape: Shape, *, radius: _Radii, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
-    r"""Make a paraboloid: :math:`h = -y^2/(2 R_y) - x^2/(2 R_x)`, the shape of which Hertz is exact.
+    r"""Make a paraboloid: :math:`h = -y^2/(2 R_y) - x^2/(2 R_x)`, for which Hertz's theory is exact.
 
     Parameters
     ----------
     radius
-        Radius of curvature at its summit: one number, or one an axis (along y, along x), as of an ellipsoid.
+        Radius of curvature at the summit: one number, or one along y and one along x.
 
     Other arguments, result and errors are those of `sphere`.
     """
@@ -102,8 +102,8 @@ def paraboloid(shape: Shape, *, radius: _Radii, pixel_size: _PixelSize, edges: E
 def punch(shape: Shape, *, radius: _Radius, pixel_size: _PixelSize, edges: Edges = "free") -> Surface:
     r"""Make a flat circular punch: height 0 up to its edge, and one radius lower beyond it.
 
-    A site belongs to the face if its center does. So the face has the area of these sites, and its edge is
-    a staircase: :math:`\sqrt{\text{area}/\pi}` is a better measure of it than the radius.
+    A site belongs to the face if its center does. So the edge is a staircase, and
+    :math:`\sqrt{\text{area}/\pi}`, with the area of these sites, measures the face better than the radius.
 
     Parameters
     ----------
@@ -130,17 +130,15 @@ def array(
 ) -> Surface:
     """Put balls at given places; where two overlap, the higher one counts.
 
-    Beyond all balls it is flat, at the height of the lowest center.
+    Beyond all balls the surface is flat, at the height of the lowest center.
 
     Parameters
     ----------
     places
-        Where the balls are: pairs (y, x), shape ``(balls, 2)``, counted from the first site, which is at
-        (0, 0); in m, or with a unit. Each summit is on the lattice.
-    radii
-        Their radii: one number, or one a ball.
-    heights
-        Heights of their summits, likewise.
+        Pairs (y, x) of the summits on the lattice, shape ``(balls, 2)``, with the first site at (0, 0); in m,
+        or with a unit.
+    radii, heights
+        Radii of the balls, and heights of their summits: one number, or one a ball.
 
     Other arguments, result and errors are those of `sphere`.
     """
@@ -154,9 +152,9 @@ def array(
     return _made("array", lattice, balls, edges, **lists)
 
 
-def _made(kind: str, lattice: Lattice, made: Field, edges: Edges, **facts: float | list[float]) -> Surface:
+def _made(kind: str, lattice: Lattice, field: Field, edges: Edges, **facts: float | list[float]) -> Surface:
     origin = {"kind": kind, "shape": list(lattice.shape), **facts, "pixel_size": list(lattice.spacing)}
-    return Surface(made, "m", lattice.spacing, "m", {**origin, "length_unit": "m"}, edges)
+    return Surface(field, "m", lattice.spacing, "m", {**origin, "length_unit": "m"}, edges)
 
 
 def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Edges) -> Field:
@@ -174,7 +172,7 @@ def _balls(lattice: Lattice, places: Field, radii: Field, tops: Field, edges: Ed
 
 
 def _offsets(lattice: Lattice, place: Field, edges: Edges) -> tuple[Field, Field]:
-    """How far sites are from a place, in sites, along each axis: lengths, shapes (n, 1) and (1, m)."""
+    """Distances of the sites along each axis, shapes (n, 1) and (1, m), from a place in sites."""
     offsets = []
     for n, step, center in zip(lattice.shape, lattice.spacing, place, strict=True):
         sites = np.arange(n) - center

@@ -1,4 +1,4 @@
-"""What is implausible in a measured surface, each with the flag that cures it."""
+"""Remarks on what is implausible in a measured surface, each with the flag that cures it."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from asperity.surfaces.moments import Statistics
 _SLOPES = 1e-5, 10.0  # rms slopes: polished mirrors have 1e-4, the roughest fractures 3
 _FIELD = 1.0  # largest side of a scan, m
 _BOWED = 0.85, 0.9
-"""Parts of the variance in a bow, and of the highest pixels at the edges, from which on both are remarked:
-in one of 300 square parts of self-affine surfaces without a roll-off (H = 0.8), in none with one."""
+"""Shares of the variance in a bow, and of the highest pixels at the edges, above which both are remarked: in
+one of 300 square parts of self-affine surfaces without roll-off (H = 0.8), in none of 300 with roll-off."""
 
-_BOW = (
-    0.9  # part of the variance in a bow that is remarked wherever the contact is; in none of 600 such parts
-)
+_BOW = 0.9  # share of the variance in a bow above which it alone is remarked: in none of these 600 parts
 _UNEVEN = 1.5  # ratio of steps across rows to steps along them, above which it is remarked
-_REPEATED = 10  # times as many pixels as of any other height: it may be a void value
-_BORNE = 0.01  # share of the load on filled pixels that is remarked
+_REPEATED = 10  # a height that is so many times as frequent as any other may mark undefined pixels
+_BORNE = 0.01  # share of the load on filled pixels above which it is remarked
 
 
 def repeated(heights: Field) -> dict[str, float]:
-    """A height that may stand for undefined pixels, and how many have it, if there is one.
+    """Find a height that may mark undefined pixels, and count these; empty if there is none.
 
-    It occurs twice or more, further from the others than these from each other; or ten times as often as any.
+    It occurs at least twice, and farther from all others than these are from each other; or ten times as
+    often as any other height.
     """
     values, counts = np.unique(heights, return_counts=True)
     for at in (0, values.size - 1, int(counts.argmax())) if values.size > _REPEATED else ():
@@ -40,23 +39,22 @@ def repeated(heights: Field) -> dict[str, float]:
 
 
 def remarks(
-    facts: Mapping[str, Any], found: Statistics, size: tuple[float, ...] | None, across: float | None
+    facts: Mapping[str, Any], measures: Statistics, size: tuple[float, ...] | None, meters: float | None
 ) -> Iterator[str]:
-    """What may be no height of a surface, from its provenance, its statistics and its pixels.
-
-    `across` is the meters in a unit of the pixel size, or None.
-    """
+    """Remark on provenance, statistics and pixel size, whose unit is so many `meters`, if that is known."""
     if count := facts.get("repeated_pixels"):
         void = f"{facts['repeated_height']:.10g}"
         yield (
-            f"{count} pixels have the height {void}, far from all others or too often: if that stands for "
-            f"undefined pixels, try undefined_value = {void} (--undefined-value {void})"
+            f"{count} pixels have the height {void}, which is far from all others or too frequent: "
+            f"if it marks undefined pixels, try undefined_value = {void} (--undefined-value {void})"
         )
-    odd, side = [], max((n * pixel for n, pixel in zip(found.shape, size or (), strict=False)), default=0.0)
-    if found.slope_unit == "1" and found.rms_slope and not _SLOPES[0] <= found.rms_slope <= _SLOPES[1]:
-        odd.append(f"an rms slope of {found.rms_slope:.2g}")
-    if side * (across or 0.0) > _FIELD:
-        odd.append(f"a side of {side * (across or 0.0):.3g} m")
+    odd, slope = [], measures.rms_slope
+    side = max((n * pixel for n, pixel in zip(measures.shape, size or (), strict=False)), default=0.0)
+    side *= meters or 0.0
+    if measures.slope_unit == "1" and slope and not _SLOPES[0] <= slope <= _SLOPES[1]:
+        odd.append(f"an rms slope of {slope:.2g}")
+    if side > _FIELD:
+        odd.append(f"a side of {side:.3g} m")
     if odd:
         yield (
             f"{' and '.join(odd)}: unusual, check the units; "
@@ -80,7 +78,7 @@ def remarks(
             f"a polynomial of second order has {100 * share:.0f} % of the variance: "
             "if that is the bow of a scanner, try tilt = 'quadratic' (--tilt quadratic)"
         )
-    between, along = found.neighbor_steps[0], found.neighbor_steps[-1]
+    between, along = measures.neighbor_steps[0], measures.neighbor_steps[-1]
     # Rows that are further apart than columns differ by more.
     if between > _UNEVEN * along * (max(1.0, size[0] / size[-1]) if size else 1.0) > 0:
         cure = "" if facts.get("lines_rule") == "median" else "; try lines = 'median' (--lines median)"
@@ -91,7 +89,7 @@ def remarks(
 
 
 def load_on_filled(filled: Mask | None, forces: Field) -> tuple[str, ...]:
-    """Remark that pixels which nobody measured bear load; forces of one or of several maps."""
+    """Remark that filled pixels bear load; forces of one or of several maps."""
     if filled is None:
         return ()
     total = np.maximum(forces.sum(axis=tuple(range(-filled.ndim, 0))), np.finfo(float).tiny)
@@ -99,6 +97,6 @@ def load_on_filled(filled: Mask | None, forces: Field) -> tuple[str, ...]:
     if share <= _BORNE:
         return ()
     return (
-        f"{100 * share:.3g} % of the load is on filled pixels, which nobody measured: "
+        f"{100 * share:.3g} % of the load is on filled pixels, whose heights were not measured: "
         "crop the scan to its measured part (--crop), or measure another place",
     )

@@ -1,4 +1,4 @@
-"""One door for surface files of all kinds: what a file holds, and what the user says of it."""
+"""Read surface files of all kinds; units and pixel sizes of the user replace those of the file."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def with_lengths(
     pixel_size: float | str | Sequence[float | str] | None,
     length_unit: Length | None,
 ) -> RawSurface:
-    """Take what the user says of units and pixels in place of what the file says."""
+    """Replace units and pixel size of the file by those of the user."""
     if file_unit is not None:
         raw = dataclasses.replace(raw, unit=file_unit, unit_from="file_unit")
     if pixel_size is not None:
@@ -75,7 +75,7 @@ def with_lengths(
 
 
 def record_of(raw: RawSurface) -> Provenance:
-    """Describe the file's content as it was found; lengths are in the file's units."""
+    """Describe the content of the file, in its own units."""
     sizes = raw.pixel_size or ()
     return {
         "format": raw.format,
@@ -95,7 +95,7 @@ def record_of(raw: RawSurface) -> Provenance:
 
 
 def checked_file(path: str | Path) -> tuple[Path, str]:
-    """The file, and its checksum."""
+    """Return the file and its checksum; `SurfaceFileError` if it cannot be read."""
     got = ""
     try:
         file = expanded(path)

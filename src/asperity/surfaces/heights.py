@@ -1,4 +1,4 @@
-"""The one door through which heights come in."""
+"""Checks of heights and of the size of pixels."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ def check_heights(heights: ArrayLike) -> Field:
     ----------
     heights
         Heights of a profile, shape ``(n,)``, or of a surface, shape ``(n, m)``: an array of integers
-        or floats, nested lists of them, or anything that turns itself into one (``__array__``), such
-        as a `Surface`, a masked array without masked entries or an xarray DataArray.
+        or floats, nested lists of them, or an object with ``__array__``: a `Surface`, a masked array
+        without masked entries, an xarray DataArray.
 
     Returns
     -------
     ndarray of float64, C-contiguous
-        Always a copy: what the caller does to the original afterwards changes nothing.
+        Always a copy.
 
     Raises
     ------
     InputError
-        If the heights are not real numbers in one or two dimensions, are empty, or hold NaN,
-        infinite or masked entries; the message says how many, and where the first one is.
+        The heights are not real numbers in one or two dimensions, are empty, or hold NaN, infinite or
+        masked entries; the message counts these and names the first.
     """
     return checks.heights("heights", heights)
 
@@ -50,7 +50,7 @@ def sides_of_pixels(
 ) -> tuple[tuple[float, ...], str | None]:
     """Distance between pixels along each axis, and its unit; texts such as "1 um" are converted to it.
 
-    Where no unit is given, it is that of the first text, or the meter if that is none of the usual ones.
+    By default the unit is that of the first text, or the meter if that is not a usual one.
     """
     value = as_text(value)
     written = [value] if isinstance(value, str) else value

@@ -1,7 +1,7 @@
 """Files of microscopes and profilometers, through the optional library SurfaceTopography.
 
-That library puts x first and y second, such that the picture that an instrument's program shows is the
-transpose. Here a surface is that picture: rows downward, and columns to the right.
+The arrays of that library have x first and y second. Here they are transposed: a surface is the picture that
+the instrument's program shows, rows downward and columns to the right.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from asperity.errors import SurfaceFileError
 from asperity.surfaces.raw import PICTURE, RawSurface, spelled
 
 _OURS = ("asc", "xyz", "npy", "npz", "mat", "h5")  # formats that are read without the library
-_UNSIGNED = ("nms", "hgt")  # without a signature: any file of a suitable size would be taken for one
+_UNSIGNED = ("nms", "hgt")  # formats without a signature: any file of a suitable size would pass
 _PIXELS = 0.01, 100.0  # pixels of a confocal microscope, in um
 
 
@@ -36,8 +36,8 @@ def read_instrument(
 ) -> RawSurface | None:
     """Read one channel of heights, by its name or number; by None the default of the file.
 
-    Readers of the file's extension are tried first, then those that know it by its content; where `formats`
-    are given, those alone. None where no reader knows the file.
+    Readers of the file's extension are tried first, then those that recognize its content; or the readers of
+    `formats` alone. None where no reader knows the file.
     """
     with _quiet() as remarks:
         with checks.extra("instruments", f"{path}: reading an instrument's file"):
@@ -61,7 +61,7 @@ def read_instrument(
 
 
 def _opened(path: Path, formats: Sequence[str] | None) -> Any:
-    """Open a file; raise the error of the reader that should know it, None if there is none."""
+    """Open a file; None if no reader knows it, the error of the reader that should if it is damaged."""
     from SurfaceTopography.IO import readers
     from SurfaceTopography.IO.Reader import MagicMatch
 
@@ -95,7 +95,7 @@ def _opened(path: Path, formats: Sequence[str] | None) -> Any:
 
 
 def _without_metadata(reader: Any) -> Any:
-    """Let a reader look for no metadata beside units and sizes, such as dates: nobody needs them."""
+    """Keep a reader from metadata that are not used, such as dates."""
     channels = getattr(reader, "_channel_bindings", None)
     if not channels:
         return reader
@@ -104,7 +104,7 @@ def _without_metadata(reader: Any) -> Any:
 
 
 def _repaired(path: Path, begin: bytes) -> io.BytesIO | str:
-    """Spell as the library expects what others spell differently and mean the same."""
+    """The path; or the content with a header that the library reads in place of an equivalent one."""
     if begin.startswith(b"DSCOMPRESSED"):
         expected, got = "an uncompressed file", "a compressed one"
         raise SurfaceFileError(str(path), expected=expected, got=got, advice="saving it without compression")
@@ -194,7 +194,7 @@ def _require_whole(reader: Any, chosen: Any) -> None:
             _topography(other).heights()
         except CorruptFile:
             raise
-        # Any other trouble with a channel that nobody asked for is nobody's trouble.
+        # Other errors of channels that are not asked for do not matter.
         except Exception:
             continue
 
@@ -211,7 +211,7 @@ def _diagnosis(error: Exception) -> str:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[list[warnings.WarningMessage]]:
-    """Collect the library's warnings, and drop what it prints and logs about files that it does not like."""
+    """Collect the library's warnings; drop what it prints and logs."""
     logging_was_below = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:

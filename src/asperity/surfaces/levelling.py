@@ -17,18 +17,18 @@ Lines = Literal["none", "median"]
 Facts = dict[str, str | int | float | list[float]]
 
 SPIKE = 6.0
-"""Robust standard deviations above the median from which on a pixel is a spike; no Gaussian surface of
-less than a thousand million pixels has any."""
-_LOOKED_AT = 256  # pixels along an axis that tell a bow
-_ROUNDING = 128 * np.finfo(float).eps  # of the largest height; polynomials at random left 30 eps at most
-_FEW = 100  # pixels below which highest ones are too few to say where they are
+"""Robust standard deviations above the median beyond which a pixel is a spike: in Gaussian surfaces one in
+1e9 pixels."""
+_LOOKED_AT = 256  # pixels along an axis from which a bow is found
+_ROUNDING = 128 * np.finfo(float).eps  # of the largest height; random polynomials left 30 eps at most
+_FEW = 100  # pixels of which the highest 1 % are too few to say where they are
 
 
 def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[float]]:
-    """Remove the tilt, found from the defined pixels alone; also return what was removed.
+    """Remove the tilt of the defined pixels; also return its coefficients.
 
-    That is the height at pixel 0, the slope along each axis, a pixel, and of a polynomial of second order its
-    coefficients of i^2, i j and j^2, a pixel squared, where i counts rows and j columns.
+    They are the height at pixel 0 and the slope per pixel along each axis; of a polynomial of second order
+    also the coefficients of i^2, i j and j^2, where i counts rows and j columns.
     """
     axes = heights.ndim
     if rule == "none":
@@ -44,7 +44,7 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
     columns = [np.broadcast_to(math.prod(along[a] for a in term), heights.shape) for term in terms]
     parts = np.linalg.lstsq(np.stack([c[defined] for c in columns], axis=1), level[defined], rcond=None)[0]
     flat = np.asarray(level - sum(part * column for part, column in zip(parts, columns, strict=True)))
-    # What a perfect polynomial leaves is rounding, and no surface to press anything onto.
+    # A perfect polynomial leaves rounding, which is no roughness.
     if np.abs(flat[defined]).max() <= _ROUNDING * np.abs(heights[defined]).max():
         flat = np.zeros_like(flat)
     parts[0] += mean
@@ -57,10 +57,10 @@ def remove_tilt(heights: Field, defined: Mask, rule: Tilt) -> tuple[Field, list[
 def levelled(
     heights: Field, missing: Mask, tilt: Tilt, most_spikes: float | None, lines: Lines = "none"
 ) -> tuple[Field, Mask, Facts]:
-    """Level the defined pixels, then fill the others; the spikes too, unless None of the pixels may be any.
+    """Level the defined pixels, then fill the others, and the spikes unless `most_spikes` is None.
 
-    In this order, because pixels filled before the tilt is removed would be a wedge after it.
-    Returns the heights, the pixels that are filled, and what was done and found.
+    Holes that are filled before the tilt is removed would be wedges after it.
+    Returns the heights, the filled pixels, and the facts for the provenance.
     """
     filled = missing.copy()
     while True:  # without its spikes a surface has another tilt and deviation
@@ -83,7 +83,7 @@ def levelled(
 
 
 def _medians(heights: Field, defined: Mask) -> Field:
-    """Median of the defined pixels of each row, 0 of a row without any; shape (rows, 1)."""
+    """Median of the defined pixels of each row, shape (rows, 1); 0 for a row without any."""
     if heights.ndim == 1:
         expected = "'none' for a profile, which is a single line"
         raise InputError("lines", expected=expected, got="'median'")
@@ -93,18 +93,18 @@ def _medians(heights: Field, defined: Mask) -> Field:
 
 
 def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
-    """Defined pixels far above all others, and the highest in robust deviations; see `surfaces.read`."""
+    """Spikes among the defined pixels, and the highest pixel in robust deviations; see `surfaces.read`."""
     measured = heights[defined]
     median = np.median(measured)
     deviation = 1.4826 * float(np.median(np.abs(measured - median)))
-    if deviation == 0:  # most heights are equal: no measure of what is far
+    if deviation == 0:  # most heights are equal
         return np.zeros_like(defined), 0.0
     above = (heights - median) / deviation
     return (above > SPIKE) & defined, float(above[defined].max())
 
 
 def bow(heights: Field) -> dict[str, float]:
-    """Parts of the variance in a polynomial of second order, and of the highest 1 % in the outer tenth."""
+    """Share of the variance in a polynomial of second order; share of the highest 1 % in the outer tenth."""
     part = heights[tuple(slice(None, None, -(-n // _LOOKED_AT)) for n in heights.shape)]
     chosen = ~spikes(part, np.ones(part.shape, dtype=bool))[0]
     variance = float(part[chosen].var())

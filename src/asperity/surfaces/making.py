@@ -1,4 +1,4 @@
-"""Surfaces that are made in a unit: one decorator gives it to all functions that make heights."""
+"""A decorator that gives a unit to functions that make heights, and annotations of their arguments."""
 
 from __future__ import annotations
 
@@ -62,14 +62,14 @@ class Maker(Protocol[_P]):
     """Makes heights, or with a unit a surface."""
 
     @overload
-    def __call__(self, *args: Any, unit: str, **given: Any) -> Surface: ...  # type: ignore[overload-overlap]
+    def __call__(self, *args: Any, unit: str, **more: Any) -> Surface: ...  # type: ignore[overload-overlap]
 
     @overload
-    def __call__(self, *args: _P.args, **given: _P.kwargs) -> Field: ...
+    def __call__(self, *args: _P.args, **more: _P.kwargs) -> Field: ...
 
 
 def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
-    """Let what makes heights take a ``unit``, and with it texts such as ``"50 nm"`` for these arguments."""
+    """Let a maker of heights take a ``unit``, and with it texts such as ``"50 nm"`` for these lengths."""
 
     def decorated(make: Callable[_P, Field]) -> Maker[_P]:
         signature = inspect.signature(make)
@@ -79,30 +79,28 @@ def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
         ]
 
         @functools.wraps(make)
-        def call(*args: Any, unit: str | None = None, **given: Any) -> Any:
-            sizes = {name: given[name] for name in (*lengths, "spacing", "pixel_size") if name in given}
-            sizes = {name: units.either(name, value, unit or "m") for name, value in sizes.items()}
+        def call(*args: Any, unit: str | None = None, **options: Any) -> Any:
+            sizes = {
+                name: units.either(name, options[name], unit or "m")
+                for name in (*lengths, "spacing", "pixel_size")
+                if name in options
+            }
             if unit is None:
                 written = (name for name, value in sizes.items() if any(written_with_units([value])))
-                if odd := next((name for name in (*added, *written) if name in given), None):
+                if odd := next((name for name in (*added, *written) if name in options), None):
                     expected = f"the unit of all lengths beside {odd}"
                     raise InputError("unit", expected=expected, got="none", advice="unit='um'")
-                return make(*args, **given)
+                return make(*args, **options)
             checks.choice("unit", unit, LENGTHS)
-            taken = {"unit": unit, **given, **sizes}
-            heights = make(*args, **{name: argument for name, argument in taken.items() if name not in added})
-            facts = {
-                name: argument
-                for name, argument in given.items()
-                if isinstance(argument, float | int | list | tuple)
-            }
+            in_numbers = {"unit": unit, **options, **sizes}
+            heights = make(*args, **{name: x for name, x in in_numbers.items() if name not in added})
+            facts = {name: x for name, x in options.items() if isinstance(x, float | int | list | tuple)}
             size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
             return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        arguments = signature.parameters.values()
         parameters = [
             argument.replace(annotation=_ADDED.get(argument.name, argument.annotation))
-            for argument in arguments
+            for argument in signature.parameters.values()
         ]
         whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
         call.__signature__ = whole  # type: ignore[attr-defined]

@@ -1,6 +1,6 @@
 """Arrays of heights in files: numpy's ``.npy`` and ``.npz``, MATLAB's ``.mat``, and HDF5.
 
-An array carries no pixel size, and a unit only in HDF5. Its first axis is the rows, its second the columns.
+They state no pixel size, and a unit only in HDF5. The first axis is the rows, the second the columns.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _EXPECTED = "real numbers in one or two dimensions"
 _NUMERIC = re.compile("double|single|u?int(8|16|32|64)")  # MATLAB's classes of numbers
 # HDF5 of JPK and of pycroscopy, in which the pixels of an image are a column.
 _FLATTENED = re.compile(r"(^|/)Measurement_\d+/Channel_\d+/", re.IGNORECASE)
-# What stands beside heights in files of instruments.
+# Arrays beside heights in files of instruments.
 _OTHERS = re.compile(
     r"thumb|preview|phase|index|indices|mask|valid|error|ampl|intens|deflection", re.IGNORECASE
 )
@@ -49,7 +49,7 @@ def read_npy(path: Path, channel: str | int | None) -> RawSurface:
 
 
 def read_npz(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one array of a ``.npz`` file, by its name or number; by None where there is a single one."""
+    """Read one array of a ``.npz`` file, by its name or number; by None the only one."""
     with _one_error(path, ".npz", b"PK"), zipfile.ZipFile(path) as archive:
         shapes: dict[str, tuple[int, ...]] = {}
         for info in archive.infolist():
@@ -79,9 +79,9 @@ def read_mat(path: Path, channel: str | int | None) -> RawSurface:
 
 
 def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
-    """Read one array of an HDF5 file, by None the only one that neither name nor unit call something else.
+    """Read one array of an HDF5 file; by None the only one whose name and unit may be those of heights.
 
-    MATLAB writes columns first, and marks its arrays; all others have rows first.
+    Arrays of MATLAB, which it marks, have columns first; all others have rows first.
     """
     with checks.extra("instruments", f"{path}: reading HDF5"):
         import h5py
@@ -89,7 +89,7 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
 
     def visit(name: str, node: Any) -> None:
         if name[0] == "#" or not isinstance(node, h5py.Dataset) or node.is_scale:
-            return  # what MATLAB's cells refer to, a group, or coordinates
+            return  # data of MATLAB's cells, a group, or coordinates
         real = node.dtype.kind in "iuf" and len(node.shape or ()) in (1, 2) and node.size > 1
         named = _NUMERIC.fullmatch(_text(node, "MATLAB_class") or "double")
         if real and named and "MATLAB_empty" not in node.attrs:
@@ -127,7 +127,7 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
 
 @contextlib.contextmanager
 def _one_error(path: Path, kind: str, magic: bytes = b"") -> Iterator[None]:
-    """Check how a file begins; turn whatever libraries raise for damaged ones into one error."""
+    """Check how a file begins; turn all errors of libraries into one."""
     with path.open("rb") as file:
         begin = file.read(len(magic))
     if begin != magic[: len(begin)]:
@@ -135,18 +135,18 @@ def _one_error(path: Path, kind: str, magic: bytes = b"") -> Iterator[None]:
         raise SurfaceFileError(str(path), expected=f"a {kind} file", got=got, advice=advice)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # about headers that numpy mends, of Python 2 or damaged
+            warnings.simplefilter("ignore")  # about headers of Python 2
             yield
     except (SurfaceFileError, MemoryError):
         raise
-    # Headers are parsed as Python, members decompressed in four ways: a damaged byte leads anywhere.
+    # Damaged headers and members raise errors of many classes.
     except Exception as error:
         got = f"a damaged or truncated file ({reason_of(error)})"
         raise SurfaceFileError(str(path), expected=f"a {kind} file of numbers", got=got) from error
 
 
 def _header(file: IO[bytes], size: int) -> tuple[tuple[int, ...], str]:
-    """Read the shape of an array, and say what is wrong with it; "" if it may be heights.
+    """Read the shape of an array, and why it cannot be heights; "" if it can.
 
     `ValueError` if the header is damaged, or promises more than the `size` bytes of the file.
     """

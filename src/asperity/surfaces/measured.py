@@ -1,4 +1,4 @@
-"""Measured surfaces: from a file to heights that are ready for the solver, and the record of the way."""
+"""Measured surfaces: from a file to heights for the solver, with a record of each step."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
 from asperity.surfaces.files import Length
 from asperity.surfaces.levelling import Lines, Tilt
+from asperity.surfaces.points import LARGEST_READ
 from asperity.surfaces.surface import Provenance, Surface
 
 Periodic = Literal["mirror", "reflect", "taper", "wrap", "free"]
@@ -29,13 +30,13 @@ _Path = Annotated[
 ]
 _Undefined = Annotated[
     Literal["fill", "refuse"],
-    Quantity("what is done about undefined pixels", more=": fill (from their neighbors) or refuse."),
+    Quantity("treatment of undefined pixels", more=": fill (from their neighbors) or refuse."),
 ]
 _MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
 _UndefinedValue = Annotated[
     float | None,
     Quantity(
-        "height that stands for an undefined pixel",
+        "height that marks an undefined pixel",
         dimension="height unit",
         more=" in the file, such as -9999.",
     ),
@@ -51,9 +52,9 @@ _Lines = Annotated[
 _Periodic = Annotated[
     Periodic,
     Quantity(
-        "how the surface is made periodic",
+        "edges of the scan",
         more=". reflect: reflecting edges. wrap: the scan is periodic. taper: its border is brought to the "
-        "mean. mirror: four mirrored copies, for what must be periodic. free: the body ends.",
+        "mean. mirror: four mirrored copies, for a periodic solid. free: the body ends.",
     ),
 ]
 _Unit = Annotated[
@@ -107,9 +108,6 @@ _PixelSize = Annotated[
 ]
 _LengthUnit = Annotated[Length | None, Quantity("unit of that distance")]
 
-# Beyond it, moments of the heights would overflow; only damage or a wrong byte order leads there.
-_LARGEST = 1e60
-
 
 def read(
     path: _Path,
@@ -137,10 +135,9 @@ def read(
     Arrays (``.npy``, ``.npz``, ``.mat``, ``.h5``) and text (``.txt``, ``.csv``, ``.dat``, ``.asc``,
     ``.xyz``: a matrix of numbers, a profile, or points x, y, z) are read directly, everything else by the
     optional library SurfaceTopography. Row 0 is the top line of the picture that the instrument's program
-    shows, the first line of a text, or the largest y of points. Points lie on a regular grid, whose pixels
-    without a point are undefined. What is asked for is done in this order: a part is cut out, the tilt of the
-    defined pixels is removed, then the offsets of lines, undefined pixels and spikes are filled, pixels are
-    made square, waves left out, units converted, and the surface made periodic.
+    shows, the first line of a text, or the largest y of points. Points must lie on a regular grid; its pixels
+    without a point are undefined. The order of the steps: `crop`, `tilt`, `lines`, filling of undefined
+    pixels and spikes, `resample`, `longest` and `shortest`, `unit`, `periodic`.
 
     Parameters
     ----------
@@ -148,78 +145,68 @@ def read(
         The file.
     undefined
         "fill" gives each undefined pixel (NaN or masked) the mean of its neighbors on the pixel grid, once
-        the tilt is removed: the discrete harmonic function. No filled pixel is above the rim of its hole, so
-        filling creates no summit. `Surface.filled` says which these are. "refuse" raises if there is any.
+        the tilt is removed: the discrete harmonic function. No filled pixel is above the border of its hole,
+        so filling creates no summit. `Surface.filled` marks them. "refuse" raises if any pixel is undefined.
     max_undefined
         Largest fraction of undefined pixels that is filled, from 0 to below 1.
     undefined_value
-        Height that stands for an undefined pixel, as it is in the file: -9999, 0, 1e38.
+        Height that marks undefined pixels in the file: -9999, 0, 1e38.
     tilt
         "plane" removes the least-squares plane of the defined pixels, "quadratic" their least-squares
-        polynomial of second order, as a scanner bows; "mean" only their mean, "none" nothing.
+        polynomial of second order, such as the bow of a scanner; "mean" their mean, "none" nothing.
     despike
-        Take for undefined, and fill, the pixels that are more than 6 robust standard deviations above the
-        median height, once the tilt is removed: 1.4826 times the median distance from the median, which
-        no Gaussian height is (L. Davies and U. Gather, J. Am. Stat. Assoc. 88, 782 (1993), DOI
-        10.1080/01621459.1993.10476339). The tilt is then found without them. Repeated until
-        there is none.
+        Fill pixels that are more than 6 robust standard deviations (1.4826 times the median distance from the
+        median) above the median height, as no Gaussian height is (L. Davies and U. Gather, J. Am. Stat.
+        Assoc. 88, 782 (1993), DOI 10.1080/01621459.1993.10476339). Then remove the tilt of the other pixels,
+        and so on until there are no spikes.
     lines
-        "median" subtracts its median from each row, against offsets of the lines of a scan; waves along the
-        columns that are real go with them. "none" leaves the rows as they are.
+        "median" subtracts its median from each row, against offsets of scan lines; real waves along the
+        columns are lost, too. "none" leaves the rows as they are.
     unit
         None keeps the file's unit of height; "m", "mm", "um", "nm" and "pm" convert; "rms" divides by the
-        rms height of the pixels after the tilt was removed. The pixel size keeps the file's unit.
+        rms height after the tilt is removed. The pixel size keeps the file's unit.
     periodic
-        "reflect" leaves it as it is, with edges that reflect (`Surface.edges`), as of a part of a larger
-        surface. "mirror" is the same on four copies (of a profile two), for what must be periodic: it doubles
-        each axis, and all sums are those of the copies. "taper" brings a border of 10 % of each axis, on
-        either side, to the mean by a cosine; under a heavy load or after long creep the flat border touches
-        too, and counts as contact. "wrap" takes it as it is: the seam keeps its step. "free" takes it as a
-        body that ends there, which half-spaces know.
+        For a scan, take "reflect": the heights stay, with reflecting edges (`Surface.edges`). "mirror" makes
+        four mirrored copies (of a profile two), for a solid that must be periodic: it doubles each axis, and
+        all sums are those of the copies. "taper" brings a border of 10 % of each side to the mean by a
+        cosine; under a heavy load or after long creep this flat border touches, too. "wrap" takes the scan as
+        periodic: its seam keeps a step. "free" ends the body at the edges, for half-spaces.
     channel
-        Name or number of the channel or the array. None takes the default of an instrument's file, and the
-        only one of others.
+        Name or number of the channel or the array. By default that of an instrument's file, or the only one.
     resample
-        Make pixels that are not square, to 1 %, square: along the axis of the shorter spacing, means over the
-        larger one take the place of the heights, and what is left of the last pixel is dropped.
+        Make oblong pixels (by 1 % or more) square: means over the larger spacing replace the heights along
+        the axis of the shorter one, without the remainder at its end.
     crop, crop_unit
-        A part to cut out before anything else: where it begins and ends along each axis, ``[left, right]`` or
-        ``[top, bottom, left, right]``, in pixels or in a unit of length; see `Surface.crop`.
+        Part to cut out: ``[left, right]`` or ``[top, bottom, left, right]``, in pixels or in a unit of
+        length; see `Surface.crop`.
     longest, shortest
-        Wavelengths beyond which waves are left out, in the unit of the pixel size, or in pixels if it is
-        unknown. The waves are those of a surface with reflecting edges, or, with "wrap", of a periodic one.
+        Limits of the wavelengths that are kept, in the unit of the pixel size, or in pixels if that is
+        unknown. The waves are those of reflecting edges, or, with "wrap", of a periodic surface.
     file_unit
-        Unit of the heights in a file that does not say; or in place of what it says.
+        Unit of the heights, in place of that in the file.
     pixel_size, length_unit
-        Distance between pixels, one number, text such as ``"1 um"``, or one an axis, and its unit, of a file
-        that does not say; or in place of what it says.
+        Distance between pixels (one number or text such as ``"1 um"``, or one an axis) and its unit, in place
+        of those in the file.
 
     Returns
     -------
     Surface
-        Its provenance records the file, its checksum and every rule with its numbers.
+        Its provenance has the file, its checksum, and the numbers of each step.
 
     Raises
     ------
     SurfaceFileError
-        If the file is missing, empty, truncated or of another kind, has no such channel, or has more
-        undefined pixels than allowed; or holds scattered points, or two heights at one point.
+        The file is missing, empty, truncated or of another kind, has no such channel, more undefined pixels
+        than allowed, scattered points, or two heights at one point.
     MissingExtraError
-        If the format needs SurfaceTopography and it is not installed.
+        The format needs SurfaceTopography, which is not installed.
     InputError
-        If an option is none of the above, or the unit cannot be converted; if there are not two of the
-        larger pixels along the other axis; or if more pixels are spikes than undefined ones are filled.
+        An option is out of range, the unit cannot be converted, `resample` would leave less than two pixels
+        along an axis, or a larger fraction of the pixels than `max_undefined` are spikes.
     """
-    words: dict[str, str | None] = {
-        "undefined": undefined,
-        "tilt": tilt,
-        "lines": lines,
-        "periodic": periodic,
-        "unit": unit,
-    }
-    words |= {"crop_unit": crop_unit, "file_unit": file_unit, "length_unit": length_unit}
-    for name, value in words.items():
-        parameters_of(read)[name].checked(name, value)
+    arguments = locals()
+    for name in ("undefined", "tilt", "lines", "periodic", "unit", "crop_unit", "file_unit", "length_unit"):
+        parameters_of(read)[name].checked(name, arguments[name])
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)
@@ -267,15 +254,15 @@ def read(
 
 
 def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[int]) -> NDArray[np.bool_]:
-    """Say which pixels are undefined; refuse infinite or absurd ones, and too many undefined."""
+    """Return the mask of undefined pixels; refuse infinite or huge heights, and too many undefined."""
     fail = functools.partial(SurfaceFileError, str(file))
     infinite = np.argwhere(np.isinf(heights))
     if len(infinite):
         got = f"{len(infinite)} infinite of {heights.size}, the first at {infinite[0].tolist()}"
         raise fail(expected="finite heights, or NaN for undefined pixels", got=got)
     largest = float(np.nanmax(np.abs(heights), initial=0.0))
-    if largest > _LARGEST:
-        expected, advice = f"heights of at most {_LARGEST:g}", "the right byte order: that is no height"
+    if largest > LARGEST_READ:
+        expected, advice = f"heights of at most {LARGEST_READ:g}", "the right byte order: that is no height"
         raise fail(expected=expected, got=f"one of {largest:g}", advice=advice)
     missing = np.isnan(heights)
     count, fraction = int(missing.sum()), float(missing.mean())
@@ -290,7 +277,7 @@ def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[in
 
 
 def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> str:
-    """Advise to crop, or to crop more, where an undefined frame is what is too much."""
+    """Advise to crop an undefined frame, if the pixels within it suffice."""
     (box,) = scipy.ndimage.find_objects((~missing).astype(int))
     if missing[box].mean() > limit:
         return ""

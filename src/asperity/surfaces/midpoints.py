@@ -8,12 +8,12 @@ all corners start at 0. The center of each square gets
 
 where l is the distance from center to corner: L/sqrt(2) at first. The centers become corners of squares
 turned by 45 degrees, with l smaller by sqrt(2); and so on, down to l = 1, when every site has its height.
-Only the new centers get a random value at each step: that is what the paper says, and it differs from
-the *successive random additions* that Voss preferred, in which the old corners move too.
+As in the paper, only the new centers get a random value at each step. In the *successive random additions*
+that Voss preferred the old corners move, too.
 
 The increments of the surface grow as :math:`\langle[\xi(r) - \xi(0)]^2\rangle \sim r^{2H}` for distances
-between the mesh and L. That is approached from below: fitted to a single surface, half the slope for
-H = 1/2 is about 0.45 at L = 256 and 0.48 at L = 2048.
+between the mesh and L. Finite surfaces approach this from below: for H = 1/2 half the slope fitted to one
+surface is about 0.45 at L = 256 and 0.48 at L = 2048.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def self_affine(
     hurst
         Hurst exponent H, above 0 and up to 1.
     delta
-        Roughness at the scale of the mesh, Delta: the width of the random values at l = 1, in the
-        unit that the heights shall have.
+        Roughness at the scale of the mesh, Delta: the width of the random values at l = 1, in the unit of
+        the heights.
     seed, rng, unit, pixel_size
         As in `gaussian`.
 
@@ -76,8 +76,7 @@ def self_affine(
     Raises
     ------
     InputError
-        If the size is not a power of two, `hurst` is outside (0, 1], `delta` is not positive and
-        finite, or the seed is not an integer of 0 or more.
+        A number is out of range, or the size is not a power of two.
     """
     length = power_of_two("size", size)
     expected = "a number above 0 and up to 1"
@@ -97,7 +96,7 @@ def self_affine(
         pairs = corners + np.roll(corners, -1, axis=0)
         centers = (pairs + np.roll(pairs, -1, axis=1)) / 4 + noise(step / math.sqrt(2))
         xi[half::step, half::step] = centers
-        # The squares turned by 45 degrees have two old corners and two new centers around each edge's middle.
+        # Squares turned by 45 degrees have two old corners and two new centers around the middle of an edge.
         across = (pairs + centers + np.roll(centers, 1, axis=1)) / 4
         along = (corners + np.roll(corners, -1, axis=1) + centers + np.roll(centers, 1, axis=0)) / 4
         xi[half::step, ::step] = across + noise(half)

@@ -1,4 +1,4 @@
-"""What a surface measures: moments of its heights, slope, curvature, and the step at its periodic seam."""
+"""Statistics of a surface: moments of its heights, slope, curvature, and the step at its periodic seam."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Statistics:
     rms_height
         Standard deviation of the heights about their mean.
     rms_slope
-        Root mean square of the gradient, from finite differences: those of neighbors inside the surface (the
-        seam is left out), in `slope_unit`.
+        Root mean square of the gradient, from differences of neighbors without those across the seam, in
+        `slope_unit`.
     rms_curvature
         Root mean square of the mean curvature, half the Laplacian (of a profile: of the second derivative),
-        from finite differences: second differences where a site has both neighbors along each axis, in
-        `curvature_unit`; 0 for fewer than three sites along an axis. T. D. B. Jacobs, T. Junge and
-        L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, 013001 (2017), DOI 10.1088/2051-672X/aa51f8.
+        from second differences at sites with both neighbors along each axis, in `curvature_unit`; 0 for fewer
+        than three sites along an axis. T. D. B. Jacobs, T. Junge and L. Pastewka, Surf. Topogr.: Metrol.
+        Prop. 5, 013001 (2017), DOI 10.1088/2051-672X/aa51f8.
     skewness
         Third moment about the mean over ``rms_height**3``; NaN for a flat surface.
     kurtosis
@@ -43,7 +43,7 @@ class Statistics:
     unit, slope_unit, curvature_unit
         Units of heights, slope and curvature; "1" if none is known.
     undefined_pixels
-        How many pixels the measurement had left undefined.
+        Number of pixels that were not measured.
     """
 
     shape: tuple[int, ...]
@@ -66,8 +66,7 @@ class Statistics:
     def seam_ratio(self) -> float:
         """Largest step at a seam, in units of the usual step along the same axis.
 
-        About 1 where the surface is truly periodic, 0 where it was mirrored (the seam joins equal
-        heights), well above 1 where the solver would see a cliff.
+        About 1 for a periodic surface, 0 for a mirrored one, far above 1 if the solver would see a cliff.
         """
         ratios = [
             0.0 if seam == 0 else (seam / step if step else np.inf)
@@ -82,23 +81,21 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
     Parameters
     ----------
     heights
-        Whatever `check_heights` accepts.
+        As for `check_heights`.
     pixel_size
-        Distance between sites along each axis, in the unit of the heights if the slope shall be a
-        pure number; None counts in pixels.
+        Distance between sites along each axis, in the unit of the heights; None counts in pixels.
 
     Raises
     ------
     InputError
-        If the heights are refused by `check_heights`, or the pixel size does not hold one positive
-        number for each axis.
+        `check_heights` refuses the heights, or the pixel size is not one positive number for each axis.
     """
     xi = check_heights(heights)
     sizes = checked_spacing("pixel_size", 1.0 if pixel_size is None else pixel_size, xi.ndim)
     steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
     seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]
     mean = float(xi.mean())
-    # Rounding leaves a flat surface a tiny rms about its mean: decide by its extremes instead.
+    # Rounding leaves a flat surface a tiny rms.
     flat = bool(xi.min() == xi.max())
     rms = 0.0 if flat else float(xi.std())
     normal = np.full(1, np.nan) if flat else (xi - mean) / rms
@@ -130,5 +127,5 @@ def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
 
 
 def _rms(values: Field) -> float:
-    """Root mean square about zero; 0 for an axis of one site, which has no neighbors."""
+    """Root mean square about zero; 0 without values, as for neighbors along an axis of one site."""
     return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
-_OFF = 0.1  # how far a point may be off its grid, in spacings; coordinates are written with few digits
-_SAME = 1e-6  # difference of two coordinates that is rounding, as a part of the side of the scan
-_SPARSE = 10  # pixels for each point beyond which points are said to lie on no grid
-_DOUBLED = 0.01  # part of the points that may share x and y with others, where columns are taken for points
+_OFF = 0.1  # largest distance of a point from its grid, in spacings; coordinates are written with few digits
+_SAME = 1e-6  # largest difference of two equal coordinates, over the side of the scan
+_SPARSE = 10  # largest number of pixels for each point of a grid
+_DOUBLED = 0.01  # largest share of points that have x and y of others
 _MOST = 6  # columns of a list of points: x, y, z and a few more quantities
-_FEW = 5, 10  # coordinates from which on even ones are no heights: exact ones, and those of few digits
-_EVEN = 1e-3  # deviation from even spacing, in spacings
-_LARGEST = 1e60  # coordinates beyond it are damaged numbers
-_MISSING = 0.25  # part of the lines of a grid beyond which rounding, and not missing points, made the gaps
+_FEW = 5, 10  # least number of evenly spaced coordinates: exact ones, and those of few digits
+_EVEN = 1e-3  # largest deviation from even spacing, in spacings
+LARGEST_READ = 1e60  # larger numbers come of damage or a wrong byte order; moments of heights would overflow
+_MISSING = 0.25  # share of missing lines of a grid above which rounding made the gaps
 
 
 def are_points(matrix: Field) -> bool:
-    """Whether columns are evidently x, y, z, ...: few values of x and y, in pairs that hardly repeat."""
+    """Whether columns are x, y, z, ...: few different x and y, in pairs that hardly repeat."""
     rows, columns = matrix.shape
     if not 3 <= columns <= _MOST or rows < 4 or not np.isfinite(matrix[:, :2]).all():
         return False
@@ -32,7 +32,7 @@ def are_points(matrix: Field) -> bool:
 
 
 def coordinates(matrix: Field, *, sure: bool) -> list[int]:
-    """Columns of x, y and z, or of x and z; none of a matrix of heights, unless coordinates are `sure`."""
+    """Columns of x, y and z, or of x and z; none for a matrix of heights, unless coordinates are `sure`."""
     columns, first = matrix.shape[1], matrix[:, 0]
     number = int(columns > 3 and are_numbers(first) and are_points(matrix[:, 1:]))
     if number or are_points(matrix) or (sure and columns > 2):
@@ -44,8 +44,8 @@ def coordinates(matrix: Field, *, sure: bool) -> list[int]:
 
 
 def even_step(places: Field) -> float | None:
-    """Step of evenly spaced coordinates, but for the digits in which they are written; None of others."""
-    if places.size < _FEW[0] or not np.abs(places).max() < _LARGEST:
+    """Step of coordinates that are evenly spaced but for rounding of their digits; None for others."""
+    if places.size < _FEW[0] or not np.abs(places).max() < LARGEST_READ:
         return None
     step = float(places[-1] - places[0]) / (places.size - 1)
     if step == 0:
@@ -70,9 +70,9 @@ def are_numbers(labels: Field) -> bool:
 
 
 def without_labels(matrix: Field) -> tuple[Field, Field | None, Field | None]:
-    """Part the heights from evenly spaced labels of the lines and of the columns, None where there are none.
+    """Separate heights from evenly spaced labels of the lines and of the columns; None without labels.
 
-    Where another line or column is evenly spaced too, the first one is no label but a height.
+    If another line or column is evenly spaced, too, the first one has heights.
     """
     lines: Field | None = None
     columns: Field | None = None
@@ -113,7 +113,7 @@ def grid_of(name: str, points: Field) -> tuple[Field, tuple[float, ...]]:
 
 
 def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
-    """Numbers of the lines of a grid on which points lie, and their distance; None where there is no grid."""
+    """Number the lines of a grid on which points lie, and find their distance; None without a grid."""
     with np.errstate(over="ignore", invalid="ignore"):  # of coordinates that are no numbers
         from_first = places - places.min(initial=np.inf)
     side = float(from_first.max(initial=0.0))
@@ -123,7 +123,7 @@ def _numbered(places: Field) -> tuple[NDArray[np.intp], float] | None:
     gaps = gaps[gaps > _SAME * side]
     if not gaps.size:
         return None
-    # Of equal gaps, but for rounding: a line without any point leaves one of two spacings or more.
+    # Gaps of one spacing, but for rounding: a line without points leaves a gap of two or more.
     step = side / round(side / float(gaps[gaps < 1.5 * gaps.min()].mean()))
     number = np.rint(from_first / step)
     lines, line_of = np.unique(places, return_inverse=True)

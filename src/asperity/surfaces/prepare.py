@@ -1,4 +1,4 @@
-"""From measured heights to heights that a lattice can bear: the rules of `asperity.surfaces.read`."""
+"""Units, parts, bands and edges of measured heights: steps of `asperity.surfaces.read`."""
 
 from __future__ import annotations
 
@@ -15,18 +15,13 @@ from asperity.lattice import Field, Lattice, Mask
 
 # Powers of ten of the length units.
 _EXPONENTS = {"km": 3, "m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
-# What is left of a flat surface after its tilt is removed is rounding: this part of its largest height.
-_ROUNDING = 1e-12
+_ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
-
+_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")  # of figures and texts, rising by thousands
 
 LENGTHS = tuple(_EXPONENTS)
 """Units of length."""
-
-
-_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
-"""Units of length in which figures and words count, rising by thousands."""
 
 
 def is_length(unit: str | None) -> TypeGuard[str]:
@@ -35,12 +30,12 @@ def is_length(unit: str | None) -> TypeGuard[str]:
 
 
 def conversion(unit: str | None, target: str | None) -> float | None:
-    """How many of the `target` unit make one `unit`; None where one of them is no length."""
+    """One `unit` in the `target` unit; None if one of them is no length."""
     return length_factor(unit, target) if is_length(unit) and is_length(target) else None
 
 
 def display_unit(unit: str | None, span: float) -> tuple[str, float] | None:
-    """Unit of length in which a span is a number from 1 to 1000, and the factor to it, if there is one."""
+    """Unit of length in which a span is a number from 1 to 1000, and the factor to it; else None."""
     for name in _DISPLAY_UNITS:
         factor = 1.0 if name == unit else conversion(unit, name)
         if factor is not None and 1 <= span * factor < 1000:
@@ -49,7 +44,7 @@ def display_unit(unit: str | None, span: float) -> tuple[str, float] | None:
 
 
 def length_factor(unit: str, target: str) -> float:
-    """How many of the `target` unit make one `unit`; both must be lengths."""
+    """One `unit` in the `target` unit; both are lengths."""
     power = _EXPONENTS[unit] - _EXPONENTS[target]
     # A division by a whole power of ten rounds once; a product with 1e-3 would round twice.
     return 10.0**power if power >= 0 else 1 / 10.0**-power
@@ -62,7 +57,7 @@ def part_of(
     pixel_size: tuple[float, ...] | None,
     length_unit: str | None,
 ) -> tuple[slice, ...]:
-    """Find the pixels of a part of a surface of this shape; bounds and unit are those of `Surface.crop`."""
+    """Pixels of a part of a surface of this shape; bounds and unit are those of `Surface.crop`."""
     scale = [1.0] * len(shape)
     if unit != "pixel":
         if not is_length(unit):
@@ -93,7 +88,7 @@ def part_of(
 
 
 def checked_band(longest: float | None, shortest: float | None) -> dict[str, float]:
-    """Check the limits of a band of bounds; those that there are, by name."""
+    """Check the limits of a band of wavelengths, and return those that are not None by name."""
     bounds = {"longest": longest, "shortest": shortest}
     limits = {
         name: checks.number(name, bound, above=0) for name, bound in bounds.items() if bound is not None
@@ -107,9 +102,9 @@ def checked_band(longest: float | None, shortest: float | None) -> dict[str, flo
 def band(
     heights: Field, pixel_size: tuple[float, ...] | None, limits: Mapping[str, float], *, reflecting: bool
 ) -> Field:
-    """Leave out the waves beyond the limits of `checked_band`, in the unit of the pixel size or in pixels.
+    """Remove the waves beyond the limits of `checked_band`, in the unit of the pixel size or in pixels.
 
-    Waves of reflecting edges are cosines with their crests at the edges, as of a scan and its mirror images.
+    Waves of reflecting edges are cosines, those of a scan with its mirror images.
     """
     if not limits:
         return heights
@@ -123,7 +118,7 @@ def band(
 def fill(heights: Field) -> Field:
     """Fill undefined pixels, NaN, with the discrete harmonic function; at least one pixel is defined.
 
-    By its maximum principle filling creates no summit, so it creates no contact of its own.
+    By its maximum principle filling creates no summit.
     """
     flat = heights.ravel()
     missing = np.isnan(flat)
@@ -145,7 +140,7 @@ def fill(heights: Field) -> Field:
 
 
 def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Flat indices of all pairs (missing pixel, its neighbor on the grid); the grid is not periodic."""
+    """Flat indices of all pairs of a missing pixel and its neighbor; the grid is not periodic."""
     grid = np.arange(missing.size).reshape(shape)
     pairs = []
     for axis, n in enumerate(shape):
@@ -158,7 +153,7 @@ def _neighbors_of_missing(shape: tuple[int, ...], missing: Mask) -> tuple[NDArra
 def _clipped(
     solution: Field, links: scipy.sparse.csr_array, rim: NDArray[np.intp], rim_height: Field
 ) -> Field:
-    """Hold the solution between the lowest and the highest pixel of its hole's rim, in spite of rounding."""
+    """Clip the solution to the lowest and the highest pixel at the border of its hole, against rounding."""
     holes, hole = scipy.sparse.csgraph.connected_components(links, directed=False)
     lowest, highest = np.full(holes, np.inf), np.full(holes, -np.inf)
     np.minimum.at(lowest, hole[rim], rim_height)
@@ -191,7 +186,7 @@ def square(heights: Field, pixel_size: tuple[float, ...] | None) -> tuple[Field,
 
 
 def scale_factor(heights: Field, unit: str, target: str | None, *, largest: float) -> tuple[float, str]:
-    """Factor from a unit ("1" for none) to the wanted one, and its name; `largest` is before the tilt."""
+    """Factor from a unit ("1" for none) to the target, and its name; `largest` is the height with tilt."""
     if target is None or target == unit:
         return 1.0, unit
     if target == "rms":
@@ -218,7 +213,7 @@ def make_periodic(heights: Field, rule: str) -> Field:
     mean = heights.mean()
     weight = np.ones(heights.shape)
     for axis, n in enumerate(heights.shape):
-        # The seam lies half a pixel outside: zero weight there, so take the inner points of a wider window.
+        # The weight is 0 at the seam, half a pixel outside: take the inner points of a wider window.
         window = tukey(2 * n + 1, 2 * _BORDER)[1::2]
         weight *= window.reshape([-1 if a == axis else 1 for a in range(heights.ndim)])
     return np.asarray(mean + weight * (heights - mean))

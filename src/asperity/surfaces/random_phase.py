@@ -39,7 +39,7 @@ from asperity.surfaces.making import PixelSize, Rng, Seed, Shape, Unit, in_unit
 from asperity.surfaces.spectrum_files import read_spectrum
 
 _USUAL_CUTOFF = 8
-"""Shortest wavelength of a surface for which none is given, in units of the larger spacing."""
+"""Shortest wavelength by default, in units of the larger spacing."""
 
 _ROUNDING = 1e-9
 
@@ -118,9 +118,9 @@ def spectral(
         Shortest wavelength, two of the larger pixels or more; by default eight, or `roll_off` or the
         longest side where that is less.
     rms_height, rms_slope, rms_curvature
-        Roughness: one of the three, exactly that of the heights as a sum of waves; by default an rms height
-        of 1. The height is in the unit that the heights shall have, the slope in that over the unit of the
-        pixels, the curvature in that over its square.
+        Roughness: one of the three, exact for the heights as a sum of waves; by default an rms height of 1.
+        The rms height sets the unit of the heights. The slope is in that over the unit of the pixels, the
+        curvature in that over its square.
     pixel_size
         Distance between sites: one number, or one an axis; by default 1. Or `spacing`, the same.
     unit, seed, rng
@@ -134,14 +134,14 @@ def spectral(
     Raises
     ------
     InputError
-        If a number is out of its range, more than one measure of roughness is given, or no wave of the
-        lattice is as long as the cut-off.
+        A number is out of range, more than one measure of roughness is given, or all waves of the lattice
+        are shorter than the cut-off.
 
     Notes
     -----
     The amplitudes have no scatter: every surface has exactly this spectrum, and seeds differ in phases only.
     """
-    del unit  # of which `in_unit` makes a surface
+    del unit  # `in_unit` takes it
     lengths = checks.lattice_shape(shape)
     exponent = checks.number("hurst", hurst, least=0, most=1, expected="a number from 0 to 1", advice="0.8")
     sizes: dict[str, ArrayLike | None] = {"pixel_size": pixel_size, "spacing": spacing}
@@ -156,7 +156,7 @@ def spectral(
     phases = _phases(lengths, checks.generator(seed, rng))
     kept = (q > 0) & (q <= 2 * math.pi / shortest * (1 + _ROUNDING))
     if not kept.any():
-        expected = "a lattice on which a wave as long as the cut-off has room"
+        expected = "a lattice with a wave as long as the cut-off"
         got = f"{' x '.join(map(str, lengths))} sites, and a cut-off of {shortest:g}"
         raise InputError("shape", expected=expected, got=got)
     # In units of the cut-off the amplitudes neither overflow nor vanish, whatever the spacing.
@@ -180,7 +180,7 @@ def from_spectrum(
     seed: Seed = 0,
     rng: Rng = None,
 ) -> Field:
-    r"""Make a periodic surface of a power spectrum of one's own, with random phases.
+    r"""Make a periodic surface from any power spectrum, with random phases.
 
     Parameters
     ----------
@@ -188,26 +188,25 @@ def from_spectrum(
         Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
     spectrum
         C(q), the same in all directions, as `power_spectrum` measures it: a function of an array of wave
-        numbers, the pair (q, C) of a table with rising q, or the file of one, for `read_spectrum`. Between
-        the points of a table ln C is linear in ln q; outside of it there are no waves. q is in radians per
-        unit of the pixel size, C in the squared unit of the heights times the squared unit of the pixel size;
-        of a profile, times that unit.
+        numbers, the pair (q, C) of a table with rising q, or a file for `read_spectrum`. Between the points
+        of a table ln C is linear in ln q; outside there are no waves. q is in radians per unit of the pixel
+        size, C in the squared unit of the heights times that unit, squared except for a profile.
     pixel_size
         Distance between sites; unit, seed, rng and result are those of `spectral`.
 
     Raises
     ------
     InputError
-        If a number is out of its range, q does not rise, a value of C is negative or no number, or no
-        wave of the lattice has any power.
+        A number is out of range, q does not rise, a value of C is negative or no number, or no wave of the
+        lattice has any power.
 
     Notes
     -----
     The convention is that of T. D. B. Jacobs, T. Junge and L. Pastewka, Surf. Topogr.: Metrol. Prop. 5,
     013001 (2017), DOI 10.1088/2051-672X/aa51f8, for their two-dimensional spectrum: with the area A,
     :math:`C(\mathbf q) = A^{-1} |\int h\, e^{-i \mathbf q \mathbf r} d^2r|^2` and
-    :math:`\text{rms height}^2 = (2\pi)^{-2} \int C\, d^2q`. A spectrum of which the integral itself is the
-    squared rms height is to be multiplied by :math:`4\pi^2`, and one against 1/wavelength has :math:`q/2\pi`.
+    :math:`\text{rms height}^2 = (2\pi)^{-2} \int C\, d^2q`. If the integral itself is the squared rms height,
+    multiply C by :math:`4\pi^2`; if the abscissa is 1/wavelength, multiply it by :math:`2\pi`.
     The amplitudes have no scatter: every wave has exactly this power, and seeds differ in phases only.
     """
     lengths = checks.lattice_shape(shape)
@@ -237,13 +236,13 @@ def from_spectrum(
 
 
 def _phases(shape: tuple[int, ...], random: np.random.Generator) -> NDArray[np.complex128]:
-    """Numbers of magnitude 1 with random phases, for each mode of the half spectrum of a real field."""
+    """Random phase factors of magnitude 1 for the modes of the half spectrum of a real field."""
     noise = scipy.fft.rfftn(random.normal(size=shape))
     return np.asarray(noise / np.abs(noise))
 
 
 def _of_table(table: tuple[ArrayLike, ArrayLike], q: Field) -> Field:
-    """Power at wave numbers, ln C being linear in ln q between the points of a table."""
+    """Power at wave numbers, by linear interpolation of ln C in ln q between the points of a table."""
     try:
         wave_numbers, powers = table
     except (TypeError, ValueError):
@@ -278,7 +277,7 @@ def _band(
 def _roughness(
     height: float | None, slope: float | None, curvature: float | None, axes: int
 ) -> tuple[int, float]:
-    """The power of q in the measure that is given, and what it shall be."""
+    """Power of q of the measure of roughness that is not None, and its value."""
     measures = {"rms_height": height, "rms_slope": slope, "rms_curvature": curvature}
     chosen = {name: value for name, value in measures.items() if value is not None} or {"rms_height": 1.0}
     if len(chosen) > 1:

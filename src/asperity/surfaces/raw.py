@@ -1,4 +1,4 @@
-"""What a file holds, before any rule is applied to it."""
+"""The content of a surface file before any step of `asperity.surfaces.read`."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from asperity.base.version import __version__
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
 
-# Spellings of units in files; the third is UTF-8 that was taken for Latin-1.
+# Spellings of units in files; the third of um is UTF-8 read as Latin-1.
 _SPELLINGS = {
     "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
     "angstrom": ("\u00c5", "\u212b", "A"),
     "1": ("",),
 }
 
-_SINGLE = 1e-5  # part by which a number may differ from another that is written with six digits
+_SINGLE = 1e-5  # largest relative difference of a number from its six digits in a file
 PICTURE = "row 0 is the top line of the picture that the instrument's program shows"
 FIRST_LINE = "row 0 is the first line of numbers in the file"
 FIRST_ROW = "row 0 is the first row of the array"
@@ -28,16 +28,16 @@ LARGEST_Y = "row 0 has the largest y"
 
 @dataclass(frozen=True)
 class RawSurface:
-    """Heights as a file holds them, NaN where they are undefined, and what the file says about them.
+    """Heights of a file, NaN where they are undefined, and its metadata.
 
-    `channels` are all channels of heights and `channel` is the one that was read; formats without channels
-    have none. `remarks` is what the reader warned about.
+    `channels` are all channels of heights, `channel` is the one that was read; some formats have none.
+    `remarks` are warnings of the reader.
     """
 
     heights: Field
     format: str
     reader: str = f"asperity {__version__}"
-    """The software that read it."""
+    """Name and version of the software that read it."""
     unit: str = "1"
     """Unit of the heights; "1" if the file has none."""
     pixel_size: tuple[float, ...] | None = None
@@ -48,7 +48,7 @@ class RawSurface:
     orientation: str = FIRST_ROW
     """Which line of the file is row 0."""
     undefined_by: tuple[str, ...] = ()
-    """Values that stand for undefined pixels, where each comes from, and how many there are."""
+    """Values that mark undefined pixels, with their origin and their number."""
     size_from: str = "the file"
     unit_from: str = "the file"
     remarks: tuple[str, ...] = ()
@@ -62,7 +62,7 @@ def spelled(unit: str | None) -> str:
 
 
 def without(heights: Field, value: float, name: str, where: str = "") -> tuple[Field, str]:
-    """Take a value for undefined, as far as single precision tells; also say by which rule, and how often."""
+    """Replace a value, to single precision, by NaN; also describe the rule and count the pixels."""
     void = np.isclose(heights, value, rtol=_SINGLE, atol=0)
     return np.where(void, np.nan, heights), f"{name} {value:g}{where}: {void.sum()} pixels"
 

@@ -11,10 +11,9 @@ as T. D. B. Jacobs, T. Junge and L. Pastewka define it (Surf. Topogr.: Metrol. P
 10.1088/2051-672X/aa51f8). Over directions it is averaged in bins of equal width in ln q. A self-affine
 surface has :math:`C \sim q^{-2(1+H)}`, a profile :math:`C \sim q^{-(1+2H)}`.
 
-A surface whose opposite edges do not fit has steps at its seams, whose spectrum hides that of a smooth
-surface. There the least-squares plane is removed and the heights are multiplied by a Hann window along
-each axis, normalized so that white noise keeps its power. Waves of which fewer than three fit into the
-surface are left out then: the window blurs them.
+If opposite edges do not fit, the steps at the seams hide the spectrum of a smooth surface. Then the
+least-squares plane is removed and the heights are multiplied by a Hann window along each axis, normalized so
+that white noise keeps its power. Waves longer than a third of a side, which the window blurs, are left out.
 """
 
 from __future__ import annotations
@@ -42,20 +41,22 @@ if TYPE_CHECKING:
 
 _PER_DECADE = 10
 _BROAD = 5  # fewest bins of a range with a Hurst exponent: half a decade
-_FITTING_SEAM = 2.0  # ratio of a step at a seam to a usual one, up to which opposite edges fit each other
-_TOLERANCE = 0.1  # relative deviation of C from a power law that is no end of its range, rms over its bins
-_DRIFT = 1.5  # standard deviations that the first bins of the range, or the last, may be off the line
-# Standard deviations by which the mean power of the first bins may be below the line: where a surface rolls
-# off, the mean logarithms hide in their scatter that the few long waves have too little power.
+_FITTING_SEAM = 2.0  # largest ratio of a step at a seam to a usual one of opposite edges that fit
+_TOLERANCE = 0.1  # largest relative deviation of C from a power law, rms over the bins of its range
+_DRIFT = (
+    1.5  # largest deviation of the first or the last bins of the range from the line, standard deviations
+)
+# Largest deficit of the mean power of the first bins below the line, standard deviations: where a surface
+# rolls off, the scatter of the logarithms hides that the few long waves have too little power.
 _DEFICIT = 2.5
-# Mean square deviation of C itself from the line, over that of random waves and 10 %: of isotropic surfaces
-# below 1, of those stretched by 3 along one axis below 2, of grooves over a rough background 45.
+# Largest mean square deviation of C from the line, over that of random waves and 10 %. Isotropic surfaces
+# have less than 1, surfaces stretched by 3 along one axis less than 2, grooves over a rough background 45.
 _OFF_LINE = 3.0
-_ANISOTROPIC = 2.0  # median ratio of the spectra along the two axes, from which on it is remarked
-_ROUNDING = 1e-18  # part of the largest power up to which a wave is rounding
-_UNKNOWN = 0.25  # half width of the interval from which on a range is said to have no Hurst exponent
+_ANISOTROPIC = 2.0  # median ratio of the spectra along the two axes above which it is remarked
+_ROUNDING = 1e-18  # power over the largest below which a wave is rounding
+_UNKNOWN = 0.25  # largest half width of the interval of a Hurst exponent
 _SCATTER = math.pi / math.sqrt(6)  # standard deviation of ln of a mode's power: an exponential distribution
-_HANN = 35 / 18  # by how much a Hann window lowers the number of independent modes of an axis
+_HANN = 35 / 18  # factor by which a Hann window lowers the number of independent modes of an axis
 
 
 @dataclass(frozen=True)
@@ -68,14 +69,13 @@ class SelfAffineRange:
         Hurst exponent H.
     interval
         Its 95 % interval: Student's t times the standard error of a straight line through the logarithms of
-        the bins. Each is taken to scatter like random waves of this spectrum, and by 10 % more, or as they
-        do scatter, if that is more.
+        the bins. The scatter of a bin is that of random waves and 10 %, or the observed one if it is larger.
     longest, shortest
-        Ends of the range, wavelengths.
+        Longest and shortest wavelength.
     exponent
-        Of the wave number: -2 (1 + H), or -(1 + 2 H) of a profile.
+        Power of the wave number: -2 (1 + H), or -(1 + 2 H) of a profile.
     middle
-        A wave number, and C there on the fitted line.
+        A point of the fitted line: wave number and C.
     """
 
     hurst: float
@@ -101,18 +101,18 @@ class PowerSpectrum:
     power
         C(q), mean over the directions, in ``unit^2 length_unit^2``, or ``unit^2 length_unit`` of a profile.
     modes
-        Waves in each bin; a wave and its opposite count once.
+        Waves in each bin, with q and -q counted once.
     along
         For each axis, wave numbers and the mean spectrum of the profiles along it, in ``unit^2 length_unit``.
     hurst_along
         For each axis, the Hurst exponent of these profiles, or None.
     anisotropy
-        Factor by which the spectra along the two axes differ, the median over their bins; 1 for a profile.
+        Median ratio, above 1, of the spectra along the two axes; 1 for a profile.
     window
         "none", or "Hann" where opposite edges do not fit.
     fit
-        The self-affine range; None where no range of half a decade has a Hurst exponent from 0 to 1, known to
-        0.25 or better, with C itself on the line.
+        The self-affine range; None if no range of half a decade has a Hurst exponent from 0 to 1 with an
+        interval of at most ±0.25, and C itself on the line.
     unit, length_unit
         Units of heights ("1" if unknown) and of lengths ("pixel" if unknown).
     """
@@ -136,7 +136,7 @@ class PowerSpectrum:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What whoever takes an exponent from it should know."""
+        """A warning of anisotropy, which no single exponent describes."""
         if self.anisotropy <= _ANISOTROPIC:
             return ()
         columns, rows = ("none" if exponent is None else f"{exponent:.3f}" for exponent in self.hurst_along)
@@ -146,7 +146,7 @@ class PowerSpectrum:
         )
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw it, into axes that are given or a new figure; see `asperity.figures.plot_spectrum`."""
+        """Draw it into axes or a new figure; see `asperity.figures.plot_spectrum`."""
         axes: Axes = views.made_by("plot_spectrum")(self, ax)
         return axes
 
@@ -163,20 +163,18 @@ def power_spectrum(
     Parameters
     ----------
     surface
-        A `Surface`, of which the scan without mirror images is measured, or whatever `check_heights` accepts.
+        A `Surface`, of which the scan without mirror images is measured, or heights as for `check_heights`.
     pixel_size
         Distance between sites along each axis, for heights that are no `Surface`; None counts in pixels.
     longest, shortest
         Range of wavelengths in which the Hurst exponent is fitted. By default the broadest range, of half a
-        decade or more, whose bins lie on a power law to 10 % rms and the scatter of random waves, with an
-        exponent from 0 to 1 that is known to 0.25 or better, and whose first or last bins do not leave the
-        line together.
+        decade or more, whose bins lie on a power law to 10 % rms and the scatter of random waves, without a
+        drift at its ends, and with an exponent from 0 to 1 that is known to ±0.25.
 
     Raises
     ------
     InputError
-        If the surface is refused by `check_heights`, a number is out of its range, or the range holds less
-        than three bins of the spectrum.
+        `check_heights` refuses the surface, a number is out of range, or the range has less than three bins.
     """
     unit, length_unit = "1", "pixel"
     edges = ""
@@ -220,7 +218,7 @@ def power_spectrum(
 
 @dataclass(frozen=True, eq=False)
 class _Bins:
-    """Bins of the spectrum: ends, means, mean logarithms of the power and their standard deviations."""
+    """Bins of the spectrum: ends, means, and mean logarithms of the power with standard deviations."""
 
     low: Field
     high: Field
@@ -232,11 +230,11 @@ class _Bins:
 
 
 def _isotropic(level: Field, sizes: tuple[float, ...], windows: list[Field]) -> tuple[Field, Field]:
-    """Wave number and power of each wave of a half spectrum, of which each stands there once."""
+    """Wave number and power of each wave, with q and -q counted once."""
     lattice, weight = Lattice(level.shape, sizes), functools.reduce(np.multiply.outer, windows)
     power = np.abs(lattice.forward(level * weight)) ** 2 * (lattice.cell / float(np.sum(weight**2)))
     once = np.ones(lattice.spectral_shape, dtype=bool)
-    if level.ndim == 2:  # waves along the first axis come twice: with positive and negative wave number
+    if level.ndim == 2:  # the half spectrum has waves along the first axis twice, as q and -q
         once[level.shape[0] // 2 + 1 :, 0] = False
     return lattice.wave_number[once], power[once]
 
@@ -270,7 +268,7 @@ def _binned(q: Field, power: Field, least: float, most: float, correlated: float
 
 
 def _fit(bins: _Bins, axes: int, limits: dict[str, float]) -> SelfAffineRange | None:
-    """Fit a power law to the bins between the limits, or to the broadest range that is straight."""
+    """Fit a power law to the bins between the limits, or to the broadest straight range."""
     if limits:
         inside = bins.low >= 2 * math.pi / limits.get("longest", math.inf) * (1 - 1e-9)
         inside &= bins.high <= 2 * math.pi / limits.get("shortest", 1e-300) * (1 + 1e-9)
@@ -296,7 +294,7 @@ def _fit(bins: _Bins, axes: int, limits: dict[str, float]) -> SelfAffineRange | 
 
 
 def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, float, float, float, float]:
-    """Least squares of the mean logarithms; chi squared for each degree of freedom; drift; deficit; of C."""
+    """Least squares of the mean logarithms; reduced chi-squared; drift; deficit; deviation of C."""
     x, y = np.log(bins.q[chosen]), bins.logarithm[chosen]
     variance = bins.scatter[chosen] ** 2 + _TOLERANCE**2
     weight = 1 / variance
@@ -321,7 +319,7 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
     ends = np.stack([normal[:half], normal[: -half - 1 : -1]])
     root = np.sqrt(np.arange(1, half + 1))
     drift = np.abs(np.cumsum(ends, axis=-1)) / root
-    # Signed roots of the deviance of a gamma distribution of as many powers as are independent.
+    # Signed roots of the deviance of a gamma distribution of the independent powers.
     excess = np.log(bins.power[chosen]) - level - slope * (x - center)
     count = 1 / ((bins.scatter[chosen] / _SCATTER) ** 2 + _TOLERANCE**2)
     deviance = np.sign(excess) * np.sqrt(2 * count * np.maximum(np.expm1(excess) - excess, 0))
@@ -330,7 +328,7 @@ def _line(bins: _Bins, chosen: np.ndarray, axes: int) -> tuple[SelfAffineRange, 
 
 
 def _ratio(first: _Bins, second: _Bins) -> float:
-    """Factor by which two spectra differ at the wave numbers at which both have waves; 1 where none has."""
+    """Median ratio, above 1, of two spectra at common wave numbers; 1 without any."""
     logarithms = []
     for spectrum in (first, second):
         kept = spectrum.power > _ROUNDING * spectrum.power.max(initial=0.0)
@@ -343,7 +341,7 @@ def _ratio(first: _Bins, second: _Bins) -> float:
 
 
 def _along(level: Field, size: float, window: Field, first: int) -> tuple[Field, Field]:
-    """Mean spectrum of the profiles along the last axis, from the first wave; q and -q stand there once."""
+    """Mean spectrum of the profiles along the last axis, from the first wave on."""
     modes = scipy.fft.rfft(level.reshape(-1, window.size) * window, axis=-1)
     power = np.mean(np.abs(modes) ** 2, axis=0) * (size / float(np.sum(window**2)))
     return 2 * np.pi * scipy.fft.rfftfreq(window.size, size)[first:], power[first:]

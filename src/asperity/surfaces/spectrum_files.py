@@ -37,7 +37,7 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     Raises
     ------
     InputError
-        There is no such table, its columns are not understood, or one has a unit and none is given here.
+        There is no such table, its columns are not understood, or a column has a unit and `unit` is None.
     """
     power = 2 + checks.integer("dimension", dimension, least=1, most=2)
     wanted = (
@@ -54,7 +54,7 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
     places = {role.name: roles.index(role.name) for role in wanted}
     try:
         in_table = [written for role, at in places.items() if (written := columns.unit(role, at))]
-    except InputError as error:  # without the advice to state units, which nobody can here
+    except InputError as error:  # its advice to state units does not apply
         raise InputError(error.name, expected=error.expected, got=error.got) from None
     if in_table and unit is None:
         expected = f"the unit of the heights, as the table has {in_table[0]}"

@@ -24,14 +24,13 @@ if TYPE_CHECKING:
 Provenance = dict[str, Any]
 """Words, numbers, and lists of them, by name."""
 
-_SPIKY = 0.1  # largest part of the pixels that are filled as spikes
-
-_ALIKE = 1e-6  # relative difference up to which pixels of two surfaces are of one size
+_SPIKY = 0.1  # largest share of the pixels that are filled as spikes
+_ALIKE = 1e-6  # largest relative difference of pixel sizes that are the same
 
 
 @dataclass(frozen=True, eq=False)
 class Surface(views.InNotebooks):
-    """A surface with its unit and its history; it can be given for heights.
+    """Heights with units and provenance; a function that takes heights takes a surface.
 
     Parameters
     ----------
@@ -40,18 +39,18 @@ class Surface(views.InNotebooks):
     unit
         Unit of the heights: "nm", ..., "rms" (of its own rms height), or "1" if none is known.
     pixel_size
-        Distance between sites, one number or one an axis, in `length_unit`, or None if unknown. It may be
-        given as text with a unit, ``"1 um"`` or ``("1 um", "0.5 um")``.
+        Distance between sites, one number or one an axis, in `length_unit`, or text with a unit, ``"1 um"``
+        or ``("1 um", "0.5 um")``; None if unknown.
     length_unit
         Unit of the pixel size, by default that of its text, or None if unknown.
     provenance
-        Where it comes from, and everything that was done to it.
+        Origin, and all steps since then.
     edges
-        What lies beyond its edges: "periodic", the surface again; "reflecting", its mirror image along
-        each axis; "free", nothing, as the body ends there. Free edges are for half-spaces.
+        "periodic", "reflecting" (a mirror image lies beyond each edge), or "free" (the body ends there, for
+        half-spaces).
     filled
-        Pixels that nobody measured, of the shape of the heights; None if there are none. `level` fills them
-        anew, and whoever presses the surface is told if they bear load.
+        Mask of the pixels that were not measured, of the shape of the heights; None if there are none.
+        `level` fills them anew. Results remark if they bear load.
     """
 
     heights: Field
@@ -100,7 +99,7 @@ class Surface(views.InNotebooks):
 
     @property
     def has_lengths(self) -> bool:
-        """Whether it has a unit of any kind; without, heights and pixels count as plain numbers."""
+        """Whether heights or pixels have a unit of length."""
         return self.unit not in ("1", "rms") or self.length_unit is not None
 
     def in_meters(self) -> tuple[Field, tuple[float, ...]]:
@@ -109,7 +108,7 @@ class Surface(views.InNotebooks):
         Raises
         ------
         InputError
-            If the heights have no unit of length, or the pixels no size or unit of length; it says which.
+            The heights have no unit of length, or the pixels no size or unit of length.
         """
         heights, spacing, lateral = f"heights in {self.unit!r}", self.pixel_size, self.length_unit
         if not prepare.is_length(self.unit):
@@ -130,7 +129,7 @@ class Surface(views.InNotebooks):
 
     @property
     def scan(self) -> Surface:
-        """What was measured: of a surface made of a scan and its mirror images, the scan; else itself."""
+        """The scan without its mirror images; without such images the surface itself."""
         part = measured_part(self.shape, self.provenance)
         if math.prod(s.stop for s in part) == self.heights.size:
             return self
@@ -144,7 +143,7 @@ class Surface(views.InNotebooks):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What whoever presses it should know: what its reader remarked, and heights that may be none."""
+        """Remarks of the reader of its file, and on implausible heights."""
         facts, scan = self.provenance, self.scan
         if "kind" in facts:  # made, not measured
             return ()
@@ -153,7 +152,7 @@ class Surface(views.InNotebooks):
         return (*facts.get("reader_remarks", ()), *sentences)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the heights, into axes that are given or a new figure; see `asperity.figures.plot_surface`."""
+        """Draw the heights into axes or a new figure; see `asperity.figures.plot_surface`."""
         axes: Axes = views.made_by("plot_surface")(self, ax)
         return axes
 
@@ -186,21 +185,20 @@ class Surface(views.InNotebooks):
         Parameters
         ----------
         bounds
-            Where the part begins and ends along each axis, counted from the first pixel: ``[left, right]``
-            of a profile, ``[top, bottom, left, right]`` of a surface.
+            Begin and end of the part along each axis, from the first pixel: ``[left, right]`` of a profile,
+            ``[top, bottom, left, right]`` of a surface.
         unit
             "pixel", or a unit of length. Lengths are rounded to whole pixels.
 
         Returns
         -------
         Surface
-            With edges that reflect where they were periodic, unless it is the whole: a period would be a
-            cliff where it is cut.
+            With reflecting edges in place of periodic ones, unless the part is the whole surface.
 
         Raises
         ------
         InputError
-            If the bounds are not those of a part of the surface, or the pixels have no unit of length.
+            The bounds are not within the surface, or the pixels have no unit of length.
         """
         part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
@@ -212,22 +210,22 @@ class Surface(views.InNotebooks):
     def level(
         self, tilt: levelling.Tilt = "plane", *, despike: bool = False, lines: levelling.Lines = "none"
     ) -> Surface:
-        """Remove tilt, bow, spikes and offsets of lines; pixels that nobody measured are filled anew.
+        """Remove tilt, bow, spikes and offsets of lines; `filled` pixels are filled anew.
 
         Parameters
         ----------
         tilt, despike, lines
-            As `asperity.surfaces.read` takes them.
+            As for `asperity.surfaces.read`.
 
         Returns
         -------
         Surface
-            Of a scan with its mirror images, the scan alone.
+            The scan, without mirror images.
 
         Raises
         ------
         InputError
-            If tilt or lines are none of these, or more than a tenth of the pixels are spikes.
+            An argument is none of these, or more than a tenth of the pixels are spikes.
         """
         checks.choice("tilt", tilt, get_args(levelling.Tilt))
         checks.choice("lines", lines, get_args(levelling.Lines))
@@ -238,7 +236,7 @@ class Surface(views.InNotebooks):
         return dataclasses.replace(scan, heights=level, provenance=provenance, filled=filled)
 
     def band(self, *, longest: float | None = None, shortest: float | None = None) -> Surface:
-        """Leave out the waves that are longer or shorter than these; the mean stays.
+        """Remove the waves that are longer or shorter than these; the mean stays.
 
         Parameters
         ----------
@@ -248,13 +246,12 @@ class Surface(views.InNotebooks):
         Returns
         -------
         Surface
-            Of the waves that a lattice with its edges has, those in the band, unaltered; with free edges the
-            waves are those of reflecting ones.
+            The other waves of the lattice with its edges, unaltered; for free edges those of reflecting ones.
 
         Raises
         ------
         InputError
-            If a wavelength is not positive, or the shortest is not below the longest.
+            A wavelength is not positive, or the shortest is not below the longest.
         """
         limits = prepare.checked_band(longest, shortest)
         heights = prepare.band(self.heights, self.pixel_size, limits, reflecting=self.edges != "periodic")
@@ -262,28 +259,26 @@ class Surface(views.InNotebooks):
 
 
 def combined(first: Surface, second: Surface) -> Surface:
-    """Two rough bodies as one: the sum of the heights, each counted from its body towards the other.
+    """Two rough bodies as one: the sum of their heights, each counted from its body towards the other.
 
-    The gap between two rough surfaces depends on the sum of their heights alone, so an elastic body pressed
-    onto it touches where the two would; the elastic constants combine likewise (see
-    `asperity.solids.half_space`). Both are seen in the same coordinates: the scan of the second one, which
-    lies face down, is to be flipped along one axis first.
+    The gap between two rough surfaces depends on the sum of their heights alone; their elastic constants
+    combine in `asperity.solids.half_space`. Both have the same coordinates: flip the scan of the second body,
+    which lies face down, along one axis first.
 
     Parameters
     ----------
     first, second
-        Surfaces of the same shape, pixel size and edges, whose heights have units that can be added.
+        Surfaces of the same shape, pixel size and edges, with heights in units that convert to each other.
 
     Returns
     -------
     Surface
-        In the units of the first. Its provenance is that of the first, and ``other``: the file or the
-        kind of the second.
+        In the units of the first, with its provenance, and ``other``: the file or the kind of the second.
 
     Raises
     ------
     InputError
-        If they cannot be added; the message says why.
+        They cannot be added.
     """
     for name, surface in (("first", first), ("second", second)):
         checks.instance(name, surface, Surface, "asperity.surfaces.Surface(heights)")
@@ -295,12 +290,12 @@ def combined(first: Surface, second: Surface) -> Surface:
     ):
         if mine != other:
             raise InputError("second", expected=f"the {attribute} of the first, {mine}", got=other)
-    mine, own, unit = first.pixel_size, second.length_unit, first.length_unit
-    across = 1.0 if own == unit else prepare.conversion(own, unit) or math.nan
+    mine, other_unit, unit = first.pixel_size, second.length_unit, first.length_unit
+    across = 1.0 if other_unit == unit else prepare.conversion(other_unit, unit) or math.nan
     pixels = second.pixel_size and [across * side for side in second.pixel_size]
     if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
-        expected = f"the pixel size of the first, {_told_size(first)}"
-        raise InputError("second", expected=expected, got=_told_size(second))
+        expected = f"the pixel size of the first, {_pixel_words(first)}"
+        raise InputError("second", expected=expected, got=_pixel_words(second))
     if first.unit == second.unit == "rms":
         got = "heights in units of the rms of each"
         raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
@@ -319,12 +314,12 @@ def combined(first: Surface, second: Surface) -> Surface:
 
 
 def check_square(heights: ArrayLike) -> None:
-    """Refuse a surface with pixels that are not square, for a solid that is defined on sites.
+    """Refuse a `Surface` with pixels that are not square to 1 %, for a solid that is defined on sites.
 
     Raises
     ------
     InputError
-        It is a `Surface`, and its pixels are not square, to 1 %.
+        The pixels are not square.
     """
     size = heights.pixel_size if isinstance(heights, Surface) else None
     if isinstance(heights, Surface) and size is not None and not prepare.is_square(size):
@@ -336,12 +331,12 @@ def check_square(heights: ArrayLike) -> None:
 
 
 def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> tuple[slice, ...]:
-    """Slice out the scan, where the surface is made of it and of its mirror images; else everything."""
+    """Slices of the scan within a surface that has its mirror images; else of the whole surface."""
     mirrored = provenance.get("periodic_rule") == "mirror"
     return tuple(slice(0, n // 2 if mirrored else n) for n in shape)
 
 
-def _told_size(surface: Surface) -> str:
+def _pixel_words(surface: Surface) -> str:
     if surface.pixel_size is None:
         return "unknown"
     return f"{_sides(surface.pixel_size)} {surface.length_unit or '(no unit)'}"

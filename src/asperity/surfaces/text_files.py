@@ -1,7 +1,7 @@
 """Text files: matrices of heights, profiles and points, with the headers that programs write.
 
-The file is cut into blocks of lines of numbers; comments, blank lines and lines that begin with a word stand
-between them. Each block is a channel. Its header may name it, and give its size, unit and undefined value.
+Comments, blank lines and lines that begin with a word separate blocks of numbers. Each block is a channel.
+Its header may state name, size, unit and undefined value.
 """
 
 from __future__ import annotations
@@ -56,13 +56,13 @@ class _Block:
     header: list[str]
 
     def fact(self, name: str) -> list[str]:
-        """What the header says of something: a value, and a unit where there can be one."""
+        """A fact of the header: its value, and its unit if it may have one; empty if it is not there."""
         matches = (_FACTS[name].match(line) for line in self.header)
         return next(([part or "" for part in match.groups()] for match in matches if match), [])
 
     @property
     def strange(self) -> list[str]:
-        """Lines of the header that are not understood."""
+        """Lines of the header without a known fact."""
         return [line for line in self.header if not any(fact.match(line) for fact in _FACTS.values())]
 
 
@@ -104,14 +104,14 @@ def read_text(path: Path, channel: str | int | None) -> RawSurface:
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """Names of channels; of several that are the same, each with its number."""
+    """Names of channels, those that occur more than once with a number."""
     return [
         f"{name}#{names[:i].count(name)}" * (names.count(name) > 1) or name for i, name in enumerate(names, 1)
     ]
 
 
 def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
-    """What the readers of instruments find, if they find unit and size: they know other headers."""
+    """Read by the optional library, which knows other headers; None unless it finds unit and size."""
     with contextlib.suppress(SurfaceFileError, MissingExtraError):
         raw = read_instrument(path, channel, ("sdf", "bcr", "asc", "xyz"))
         return raw if raw and raw.unit != "1" and raw.pixel_size is not None else None
@@ -119,7 +119,7 @@ def _by_library(path: Path, channel: str | int | None) -> RawSurface | None:
 
 
 def _blocks(lines: list[str]) -> list[_Block]:
-    """Cut a file where something stands between lines of numbers."""
+    """Separate the blocks of numbers."""
     blocks: list[_Block] = []
     header: list[str] = []
     apart = True
@@ -141,7 +141,7 @@ def _blocks(lines: list[str]) -> list[_Block]:
 
 
 def _joined(path: Path, lines: list[str], blocks: list[_Block]) -> list[_Block]:
-    """Join blocks where blank lines part the lines of one matrix, or the points of one list."""
+    """Join blocks if blank lines separate the lines of one matrix, or the points of one list."""
     whole = _Block(blocks[0].first, blocks[-1].end, [line for block in blocks for line in block.header])
     apart = len(blocks) > 1 and any(block.end - block.first > 1 for block in blocks)
     if apart and len(re.split(r"[\s,;]+", lines[whole.first].strip())) == 3:
@@ -160,9 +160,9 @@ def _table(path: Path, lines: list[str], block: _Block) -> Table:
 
 
 def _roles(table: Table) -> list[tuple[str, str | None]]:
-    """What the columns are by their names, and their units, None for one that is no length.
+    """Roles of the columns by their names, and their units, None for one that is no length.
 
-    Nothing where x and heights are not among them; where there is no z, y are the heights.
+    Empty unless x and heights are among them; without z, y are the heights.
     """
     columns = Columns(table, _AXES)
     roles = (
@@ -190,7 +190,7 @@ def _surface(path: Path, table: Table, block: _Block, channel: str | int | None)
 def _points(
     path: Path, raw: RawSurface, table: Table, block: _Block, channel: str | int | None
 ) -> RawSurface | None:
-    """Lay points on their grid if columns are coordinates, by their names or their values; else None."""
+    """Heights of points on their grid, if names or values of columns are those of coordinates; else None."""
     used, units = points.coordinates(raw.heights, sure=path.suffix.lower() == ".xyz"), ["1", "1"]
     if roles := _roles(table):
         at = {role: [i for i, (each, _) in enumerate(roles) if each == role] for role in "xyz"}
@@ -224,7 +224,7 @@ def _points(
 
 
 def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
-    """Part labels of lines and columns from heights, and find the size of the pixels."""
+    """Separate labels of lines and columns from heights, and find the size of the pixels."""
     heights, *labels = points.without_labels(raw.heights)
     remarks, steps = list(raw.remarks), []
     for each, direction in zip(labels, ("lines", "columns"), strict=True):
@@ -244,7 +244,7 @@ def _matrix(path: Path, raw: RawSurface, block: _Block) -> RawSurface:
 
 
 def _size(path: Path, shape: tuple[int, ...], block: _Block) -> tuple[tuple[float, ...] | None, str | None]:
-    """Distance between rows and between columns that the header gives, and its unit."""
+    """Distance between rows and between columns by the header, and its unit."""
     stated = [block.fact(name) for name in ("nrows", "ncols")]
     if any(each and _number(each) != n for each, n in zip(stated, shape, strict=True)):
         expected = f"{' x '.join(each[0] if each else '?' for each in stated)} numbers, as the header says"

@@ -22,7 +22,7 @@ def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -
     shape
         Sites along each axis: ``(n, m)``, or ``n`` or ``(n,)`` for a profile.
     rms
-        Standard deviation of the heights, in the unit that the heights shall have.
+        Standard deviation of the heights, in their unit.
     seed
         Seed of the random numbers; the same seed gives the same surface.
     rng
@@ -39,8 +39,7 @@ def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -
     Raises
     ------
     InputError
-        If the shape is not one or two positive integers, `rms` is not positive and finite, or the
-        seed is not an integer of 0 or more.
+        The shape is not one or two positive integers, or a number is out of range.
     """
     lengths, width = checks.lattice_shape(shape), checks.number("rms", rms, above=0)
     return checks.generator(seed, rng).normal(scale=width, size=lengths)

@@ -82,8 +82,8 @@ def _findings(layer: Field, ratios: list[Estimate], gap: Estimate) -> Iterator[F
     near = (1 - MEASURED["gap_error"], 1 + MEASURED["gap_error"])
     lightest, heaviest = MEASURED.series["area"]["fraction"].values.tolist()
     pressures = np.log(PRESSURES)
-    found = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
-    yield WORDS.judge("lightest", found, ends=(0.0, MEASURED["least_pressure"]))
+    estimate = mean_of(lambda area: np.exp(np.interp(np.log(lightest), np.log(area), pressures)), layer)
+    yield WORDS.judge("lightest", estimate, ends=(0.0, MEASURED["least_pressure"]))
     yield WORDS.judge("heaviest", mean(layer[:, -1]), ends=(heaviest, 1.0))
     numbers = {f"{pressure:g}": one for pressure, one in zip(PRESSURES, ratios, strict=True)}
     yield WORDS.judge("area", numbers, ends=near)
@@ -98,9 +98,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         words = SOLIDS[kind].removeprefix("a ").removeprefix("the ")
         style.points(upper, rows, "pressure", kind, look, color, label=words)
     ends = MEASURED.series["area"]
-    known = {"s": 60, "color": style.VERMILION, "zorder": 3}
-    upper.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
-    upper.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
+    marker = {"s": 60, "color": style.VERMILION, "zorder": 3}
+    upper.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **marker)
+    upper.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **marker)
     error = MEASURED["gap_error"]
     style.points(lower, rows, "pressure", "ratio", "o-", style.INK)
     lower.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="within a tenth")

@@ -175,8 +175,8 @@ def read(path: Path) -> Experiment:
     columns = {
         (name, key): column for name, one in file.series.items() for key, column in one.columns.items()
     }
-    known = (file.title, file.doi, file.sources, file.input, series, columns, tuple(file.missing))
-    return Experiment(path.stem, *known)
+    facts = (file.title, file.doi, file.sources, file.input, series, columns, tuple(file.missing))
+    return Experiment(path.stem, *facts)
 
 
 def _dataset(series: _Series) -> xr.Dataset:

@@ -54,8 +54,8 @@ def corrections() -> tuple[Correction, ...]:
     """Return all of them, in the order of the paper, their numbers computed."""
     values, rows = _numbers(), []
     for key, words in sentences("corrections.toml").items():
-        said = (spelled(number) for number in words.get("numbers", ()))
-        numbers = tuple(zip(said, map(float, values.get(key, ())), strict=True))
+        names = (spelled(number) for number in words.get("numbers", ()))
+        numbers = tuple(zip(names, map(float, values.get(key, ())), strict=True))
         texts = {part: spelled(words[part]) for part in ("place", "printed", "correct", "why")}
         rows.append(Correction(key, numbers=numbers, **texts))
     return tuple(rows)

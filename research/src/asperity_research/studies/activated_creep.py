@@ -221,7 +221,7 @@ def analyse(evidence: Evidence) -> Outcome:
     rests, at_rest = _rests(evidence)
 
     def known(number: Callable[[Steps], Estimate | None]) -> dict[str, Estimate]:
-        return {one.words: found for one in every if (found := number(one)) is not None}
+        return {one.words: value for one in every if (value := number(one)) is not None}
 
     def deepest(one: Steps, *, in_series: bool) -> Estimate | None:
         return one.deepest() if one.creep_stress and (one.name in IN_SERIES) is in_series else None

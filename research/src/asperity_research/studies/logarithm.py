@@ -87,7 +87,7 @@ def _campaigns(seeds: int) -> Iterator[Campaign]:
     def campaign(
         name: str, purpose: str, relaxing: Relaxing, duration: float = _LAST, **sweep: object
     ) -> Campaign:
-        branches = [list(one) for one in relaxing.series.branches]
+        branches = [list(solid) for solid in relaxing.series.branches]
         half_space = {"kind": "half_space", "modulus": 1.0, "branches": branches}
         return Solid(relaxing.what, half_space, _PRESSURE).campaign(
             name,
@@ -100,11 +100,11 @@ def _campaigns(seeds: int) -> Iterator[Campaign]:
 
     for name, relaxing in RELAXATIONS.items():
         yield campaign(name, "Growth under a constant load", relaxing)
-    one = RELAXATIONS[_OF_LOADS]
+    solid = RELAXATIONS[_OF_LOADS]
     loads = [SIDE**2 * pressure for pressure in _PRESSURES]
-    yield campaign("loads", "Growth under other loads", one, load=loads)
+    yield campaign("loads", "Growth under other loads", solid, load=loads)
     loads = [SIDE**2 * _PRESSURE * factor for factor in _FACTORS]
-    yield campaign("elastic", "Area against load, before anything has relaxed", one, 1.0, load=loads)
+    yield campaign("elastic", "Area against load, before anything has relaxed", solid, 1.0, load=loads)
 
 
 def rate(time: Field, growth: Field, first: float = _FIRST, last: float = _LAST) -> float:

@@ -167,11 +167,11 @@ def growth(before: Mask, after: Mask) -> tuple[Sizes, Field, int]:
     of the area.
     """
     links = link_patches(before, after)
-    one, other = (links.pairs - 1).T
+    first, other = (links.pairs - 1).T
     whole = np.bincount(other, links.shared, links.after.size)
     part = links.after[other] * links.shared / whole[other]
     born = int(links.after[whole == 0].sum())
-    grown: Field = np.bincount(one, part, links.before.size) - links.before.astype(float)
+    grown: Field = np.bincount(first, part, links.before.size) - links.before.astype(float)
     return links.before, grown, born
 
 

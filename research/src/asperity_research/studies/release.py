@@ -124,14 +124,14 @@ def _runs(evidence: Evidence, name: str, solid: Solid, move: float) -> pd.DataFr
         each = zip(seeds, forces.after, forces.before, forces.first, strict=True)
         for seed, force, before, first in each:
             fall = float(before - force[0]) / float(first)
-            found = {
+            numbers = {
                 "before": float(before / first),
                 "released": float(force[0] / first),
                 "greatest": float(force[1:].max() / first),
                 "time_of_maximum": maximum(forces.time[1:] * waiting, force[1:]),
                 "superposed": superposed(series, waiting, fall) if branches else math.nan,
             }
-            rows.append({"solid": name, "move": move, "waiting": waiting, "seed": seed} | found)
+            rows.append({"solid": name, "move": move, "waiting": waiting, "seed": seed} | numbers)
     return pd.DataFrame(rows)
 
 
@@ -154,13 +154,13 @@ def analyse(evidence: Evidence) -> Outcome:
             "superposed_ratio": np.exp(np.log(estimates.to_numpy()).mean(axis=0)) / waiting,
             "runs": len(logs),
         }
-        one = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
-        measured = {"measured": "share" if (one.low, one.high) == HAS_MAXIMUM else "slope"}
-        facts = {"runs": one.estimate.runs, "verdict": one.verdict.value}
-        slopes.append(head | measured | columns("value", one.estimate, shared=True) | facts)
+        measurement = _measured(waiting, logs, f"{solid.what}, released by {move:g}")
+        measured = {"measured": "share" if (measurement.low, measurement.high) == HAS_MAXIMUM else "slope"}
+        facts = {"runs": measurement.estimate.runs, "verdict": measurement.verdict.value}
+        slopes.append(head | measured | columns("value", measurement.estimate, shared=True) | facts)
         every.append(runs)
         ratios.append(pd.DataFrame(head | course))
-        judged[name].append(one)
+        judged[name].append(measurement)
     tables = {
         "runs": pd.concat(every, ignore_index=True),
         "ratios": pd.concat(ratios, ignore_index=True),

@@ -183,8 +183,8 @@ def _ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
 
 def row(one: Measurement, ends: str = "range") -> dict[str, object]:
     """Return a number, its interval, and the ends of the range that bears a claim out, as columns."""
-    found = {end: float(getattr(one.estimate, end)) for end in ("value", "low", "high")}
-    return {"what": plain(one.what), **found, f"{ends}_low": one.low, f"{ends}_high": one.high}
+    interval = {end: float(getattr(one.estimate, end)) for end in ("value", "low", "high")}
+    return {"what": plain(one.what), **interval, f"{ends}_low": one.low, f"{ends}_high": one.high}
 
 
 def _brief(name: str, value: object) -> Markup:

@@ -161,8 +161,8 @@ class Lines(Slips):
                 hardly, rested = (after_rest(data.sel({REST: rest, "seed": seed})) for rest in rests)
                 rows.append(rested - hardly)
                 fields = evidence.fields(folder, **{REST: rests[-1], "seed": seed})
-                found = patches(fields["in_contact"].values[0]).sizes
-                longer.append((found**2).sum() / found.sum())
+                patch_sizes = patches(fields["in_contact"].values[0]).sizes
+                longer.append((patch_sizes**2).sum() / patch_sizes.sum())
             sizes.append(np.array(longer))
             excesses.append(np.array(rows))
         lengths = np.array([correlation_length(*waves, shape=(2**16,)) for waves in every])

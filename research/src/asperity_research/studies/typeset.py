@@ -83,9 +83,9 @@ def bounds(low: float, high: float) -> Markup:
 
 def _words(text: str) -> Markup:
     """Escape a text without tags; with powers of ten."""
-    found = _E_NOTATION.split(text)
-    pieces = [escape(found[0])]
-    for digits, exponent, after in zip(found[1::3], found[2::3], found[3::3], strict=True):
+    parts = _E_NOTATION.split(text)
+    pieces = [escape(parts[0])]
+    for digits, exponent, after in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
         pieces += [_scaled(digits, int(exponent)), escape(after)]
     return Markup("").join(pieces)
 
