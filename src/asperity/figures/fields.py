@@ -1,4 +1,4 @@
-"""What kept fields tell: patches over time, and how gaps, pressures and areas of patches are distributed."""
+"""Kept fields, drawn: patches over time, and how gaps, pressures and areas of patches are distributed."""
 
 from __future__ import annotations
 

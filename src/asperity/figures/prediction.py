@@ -1,4 +1,4 @@
-"""A prediction drawn: growth of the area, contact and pressure on the scan, what an instrument sees."""
+"""A prediction drawn: growth of the area, contact and pressure on the scan, the image of an instrument."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
-    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and what theory has."""
+    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and by theory."""
     unit, square = _areas(prediction)
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
@@ -209,7 +209,7 @@ def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
 
 @style.drawn
 def observed_figure(prediction: Prediction) -> Figure:
-    """Draw the contact at the last time, its image in the instrument, and what of it counts as contact."""
+    """Draw the contact at the last time, its image in the instrument, and the part that counts as contact."""
     observation = prediction.observed[-1]
     touching = np.asarray(prediction.dataset["in_contact"])[-1]
     figure = style.Drawing(figsize=(style.PAGE, 3.0))
@@ -231,7 +231,7 @@ def observed_figure(prediction: Prediction) -> Figure:
 
 
 def _ends(prediction: Prediction, name: str) -> NDArray[Any]:
-    """Of what the maps know, that at the first time under all of the load, and at the last."""
+    """A quantity of the maps at the first time under all of the load, and at the last."""
     rows = [row - 1 for row in rows_of_maps(prediction.dataset)]
     first = next(number for number, row in enumerate(rows) if row >= prediction.loaded)
     return np.asarray(prediction.dataset[name])[[first, -1]]

@@ -160,7 +160,7 @@ def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Ax
 
 
 class Panel(NamedTuple):
-    """One panel of a figure: what draws it, the label of its x axis, and its height."""
+    """One panel of a figure: its function, the label of its x axis, and its height."""
 
     draw: Callable[[Axes], object]
     along: str
@@ -187,7 +187,7 @@ def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
 
 
 def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
-    """Say what the surface was, what was prescribed, by default the load at first, and what the solid was."""
+    """Name the surface, the prescribed quantity, by default the load at first, and the solid."""
     attrs = dataset.attrs
 
     def say(name: str, unit: str) -> str:
