@@ -98,9 +98,9 @@ def draw(tables: Mapping[str, pd.DataFrame]) -> Figure:
         words = SOLIDS[kind].removeprefix("a ").removeprefix("the ")
         style.points(upper, rows, "pressure", kind, look, color, label=words)
     ends = MEASURED.series["area"]
-    known = {"s": 60, "color": style.VERMILION, "zorder": 3}
-    upper.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **known)
-    upper.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **known)
+    marks = {"s": 60, "color": style.VERMILION, "zorder": 3}
+    upper.scatter(ends["pressure"][0], ends["fraction"][0], marker="v", label="measured: below", **marks)
+    upper.scatter(ends["pressure"][1], ends["fraction"][1], marker="^", label="measured: above", **marks)
     error = MEASURED["gap_error"]
     style.points(lower, rows, "pressure", "ratio", "o-", style.INK)
     lower.axhspan(1 - error, 1 + error, color="0.9", zorder=0, label="within a tenth")
