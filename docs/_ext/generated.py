@@ -48,16 +48,16 @@ def write(app, config):
     """Write what has changed into docs/reference, so that what has not need not be built anew."""
     folder = DOCS / "reference"
     folder.mkdir(exist_ok=True)
-    made = {**reference.pages(), "house.svg": house.drawing()}
+    files = {**reference.pages(), "house.svg": house.drawing()}
     for source, name in COPIED.items():
         if "/" not in name:
-            made[name] = relinked(source.read_text(encoding="utf-8"), source, folder / name)
-    for name, text in made.items():
+            files[name] = relinked(source.read_text(encoding="utf-8"), source, folder / name)
+    for name, text in files.items():
         path = folder / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
     for path in folder.iterdir():
-        if path.name not in made:
+        if path.name not in files:
             path.unlink()
 
 

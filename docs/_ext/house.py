@@ -12,12 +12,12 @@ WIDTH, HEIGHT, STEP, CHARACTER, GAP = 620, 26, 50, 8.2, 14
 
 def rooms():
     """Each folder or module of the library and of the programs, with the rooms that it imports."""
-    found = {}
+    imports = {}
     for path in sorted(SOURCE.rglob("*.py")):
         room = _room(path.relative_to(SOURCE).with_suffix("").parts)
         if room not in ("", "app", "__init__") and not room.startswith("_"):
-            found.setdefault(room, set()).update(_imported(path) - {room})
-    return {room: {other for other in others if other in found} for room, others in found.items()}
+            imports.setdefault(room, set()).update(_imported(path) - {room})
+    return {room: {other for other in others if other in imports} for room, others in imports.items()}
 
 
 def _imported(path):
@@ -58,16 +58,16 @@ def needed(imports):
 
 def levels(imports):
     """Rooms by the length of the longest way down to a room that imports none."""
-    known = {}
+    lengths = {}
 
     def level(room):
-        if room not in known:
-            known[room] = 1 + max(map(level, imports[room]), default=-1)
-        return known[room]
+        if room not in lengths:
+            lengths[room] = 1 + max(map(level, imports[room]), default=-1)
+        return lengths[room]
 
     rows = [[] for _ in range(max(map(level, imports)) + 1)]
     for room in imports:
-        rows[known[room]].append(room)
+        rows[lengths[room]].append(room)
     return rows
 
 
@@ -90,7 +90,7 @@ def placed(rows, pieces):
     middle = {}
     for sweep in range(12):
         for row in rows if sweep % 2 else reversed(rows):
-            known = {
+            places = {
                 node: [
                     middle[end]
                     for piece in pieces
@@ -100,12 +100,12 @@ def placed(rows, pieces):
                 ]
                 for node in row
             }
-            row.sort(key=lambda node: sum(known[node]) / len(known[node]) if known[node] else 0)
+            row.sort(key=lambda node: sum(places[node]) / len(places[node]) if places[node] else 0)
             widths = [_width(node) for node in row]
-            left = WIDTH / 2 - (sum(widths) + GAP * (len(row) - 1)) / 2
+            x = WIDTH / 2 - (sum(widths) + GAP * (len(row) - 1)) / 2
             for node, width in zip(row, widths, strict=True):
-                middle[node] = left + width / 2
-                left += width + GAP
+                middle[node] = x + width / 2
+                x += width + GAP
     return middle
 
 
@@ -152,7 +152,7 @@ def listed():
         folder = SOURCE / "app" / room if (SOURCE / "app" / room).is_dir() else SOURCE / room
         files = sorted(folder.rglob("*.py")) if folder.is_dir() else [SOURCE / f"{room}.py"]
         first = folder / "__init__.py" if folder.is_dir() else files[0]
-        said = (ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
+        summary = (ast.get_docstring(ast.parse(first.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
         count = sum(len(file.read_text(encoding="utf-8").splitlines()) for file in files)
-        rows.append((room, " ".join(said.split()), len(files), count))
+        rows.append((room, " ".join(summary.split()), len(files), count))
     return rows

@@ -102,9 +102,9 @@ class Ledger(Directive):
     def run(self):
         """Return the table as nodes."""
         self.state.document.settings.env.note_dependency(str(STUDIES / self.arguments[0].split("/")[0]))
-        made = nodes.container()
-        self.state.nested_parse(StringList(self.lines()), self.content_offset, made)
-        return made.children
+        container = nodes.container()
+        self.state.nested_parse(StringList(self.lines()), self.content_offset, container)
+        return container.children
 
 
 class Rows(Ledger):

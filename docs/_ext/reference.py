@@ -31,11 +31,11 @@ def rooms():
 
 def public():
     """Every public name outside and inside the rooms, as one writes it, and what it is."""
-    found = {f"asperity.{name}": getattr(asperity, name) for name in asperity.__all__}
-    found = {name: thing for name, thing in found.items() if not isinstance(thing, ModuleType)}
+    names = {f"asperity.{name}": getattr(asperity, name) for name in asperity.__all__}
+    names = {name: thing for name, thing in names.items() if not isinstance(thing, ModuleType)}
     for room, module in rooms().items():
-        found |= {f"asperity.{room}.{name}": getattr(module, name) for name in module.__all__}
-    return found
+        names |= {f"asperity.{room}.{name}": getattr(module, name) for name in module.__all__}
+    return names
 
 
 def pages():
@@ -45,16 +45,16 @@ def pages():
     for name, thing in names.items():
         if inspect.isclass(thing) or inspect.isfunction(thing):
             first.setdefault(thing, name)
-    made = {f"{stem(name)}.rst": page(name, thing, first) for name, thing in names.items()}
+    files = {f"{stem(name)}.rst": page(name, thing, first) for name, thing in names.items()}
     outside = [name for name in names if name.count(".") == 1]
     verbs = [f"asperity.{name}" for name in ("press", "age", "relax", "predict", "observe")]
-    made["asperity.rst"] = room_page("asperity", list(dict.fromkeys(verbs + outside)), names)
+    files["asperity.rst"] = room_page("asperity", list(dict.fromkeys(verbs + outside)), names)
     for room, module in rooms().items():
-        made[f"{room}.rst"] = room_page(
+        files[f"{room}.rst"] = room_page(
             f"asperity.{room}", [f"asperity.{room}.{name}" for name in module.__all__], names
         )
     return (
-        made
+        files
         | commands()
         | {
             "keys.rst": keys(),
@@ -103,8 +103,8 @@ def room_page(name, inside, names):
     rows = []
     for one in inside:
         text = (inspect.getdoc(names[one]) or "").split("\n\n")[0]
-        said = "" if isinstance(names[one], str | float) else " ".join(text.split())
-        rows.append((f":doc:`{one.rsplit('.', 1)[-1]} <{stem(one)}>`", said))
+        summary = "" if isinstance(names[one], str | float) else " ".join(text.split())
+        rows.append((f":doc:`{one.rsplit('.', 1)[-1]} <{stem(one)}>`", summary))
     hidden = [f"   {one.rsplit('.', 1)[-1]} <{stem(one)}>" for one in inside]
     return "\n".join(
         (
@@ -127,18 +127,18 @@ def commands():
         sys.argv = words
     text = re.sub(r"(?<=[ (\[])(--\w[\w-]*)", r"``\1``", text[text.index("**Commands:**") :])
     start, *parts = re.split(r"^\.\. _cyclopts-[\w-]+:\n\n(?=(?:.+)\n-+\n)", text, flags=re.MULTILINE)
-    made = {}
+    files = {}
     for part in parts:
         name, _, body = part.split("\n", 2)
         if "^^^" not in body:  # groups of flags become sections, which the page lists
             body = re.sub(r"^\*\*(.+):\*\*$", lambda match: heading(match[1], "-"), body, flags=re.MULTILINE)
         if not name.startswith("-"):
-            made[f"command-{name}.rst"] = f"{heading(f'asperity {name}')}\n{body}"
+            files[f"command-{name}.rst"] = f"{heading(f'asperity {name}')}\n{body}"
     start = re.sub(r"^``(\w+)``$", r":doc:`\1 <command-\1>`", start, flags=re.MULTILINE)
-    names = sorted(path.removesuffix(".rst") for path in made)
+    names = sorted(path.removesuffix(".rst") for path in files)
     listed = [f"   {name.replace('command-', 'asperity ')} <{name}>" for name in names]
     contents = "\n".join((".. toctree::\n   :hidden:\n", *listed))
-    return made | {"commands.rst": f"{heading('The command line')}\n{start}\n{contents}\n"}
+    return files | {"commands.rst": f"{heading('The command line')}\n{start}\n{contents}\n"}
 
 
 def keys():
@@ -221,9 +221,9 @@ def dataset():
         ("Coordinates", "coordinate"),
     ):
         rows = [
-            (f"``{one.name}``", one.long_name, one.symbol, one.dimension, one.of.replace("all", ""))
-            for one in quantities.QUANTITIES
-            if one.home == home
+            (f"``{row.name}``", row.long_name, row.symbol, row.dimension, row.of.replace("all", ""))
+            for row in quantities.QUANTITIES
+            if row.home == home
         ]
         titles = ("name", "what it is", "paper", "dimension", "only of")
         parts += [heading(title, "-"), table(titles, rows, (22, 42, 12, 14, 10))]
@@ -233,8 +233,8 @@ def dataset():
 def house_page():
     """The rooms of the source."""
     rows = [
-        (f"``{room}``", said, str(files), f"{lines:,}")
-        for room, said, files, lines in reversed(house.listed())
+        (f"``{room}``", summary, str(files), f"{lines:,}")
+        for room, summary, files, lines in reversed(house.listed())
     ]
     return "\n".join(
         (

@@ -35,5 +35,5 @@ def box(figure, panels):
     labeled = next((axes for axes in panels if axes.get_xlabel()), panels[0])
     axes = next((axes for axes in panels if axes.images), labeled)
     bars = [bar.ax for image in axes.images if (bar := image.colorbar)]
-    found = Bbox.union([part.get_tightbbox() for part in (axes, *bars)]).padded(2)
-    return found.transformed(figure.dpi_scale_trans.inverted())
+    frame = Bbox.union([part.get_tightbbox() for part in (axes, *bars)]).padded(2)
+    return frame.transformed(figure.dpi_scale_trans.inverted())

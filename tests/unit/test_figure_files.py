@@ -103,17 +103,30 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
     np.testing.assert_allclose(found.values("area", 1), 1e-12 * y)
 
 
-def test_figures_have_the_widths_and_letters_of_a_journal(prediction, stepped):
+def test_figures_have_the_widths_and_letters_of_a_journal_and_cut_no_text(prediction, stepped):
     drawn = {name: one.figure for name, one in figures.prediction_pictures(prediction).items()}
     drawn |= {"history": figures.history_figure(stepped.dataset)}
     drawn["carried of legs"] = figures.carried_figure(stepped.dataset)
     drawn["fit"] = figures.fit_figure(growth(), quantity="area", unit_time="s", window=False)
     drawn["plot"] = prediction.plot("area").get_figure()
+    drawn["map"], drawn["legs"] = stepped.final.plot().get_figure(), stepped.plot().get_figure()
     for name, figure in drawn.items():
         assert figure.get_figwidth() in (COLUMN, PAGE), name
         figure.draw_without_rendering()
-        sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
-        assert sizes <= {7.0, 8.0}, name
+        texts = [text for text in figure.findobj(Text) if text.get_text()]
+        assert {text.get_fontsize() for text in texts} <= {7.0, 8.0}, name
+        ticks = {
+            label for axes in figure.axes for label in (*axes.get_xticklabels(), *axes.get_yticklabels())
+        }
+        for text in set(texts) - ticks:
+            box = text.get_window_extent()
+            inside = figure.bbox.x0 <= box.x0 + 1 and box.x1 - 1 <= figure.bbox.x1
+            assert inside or not text.get_visible(), (name, text.get_text())
+
+
+def test_a_column_of_the_time_axis_has_its_first_and_last_decade(stepped):
+    labels = [label.get_text() for label in stepped.plot().get_xticklabels()]
+    assert {"$10^{0}$", "$10^{2}$"} <= set(labels)
 
 
 def growth() -> Any:

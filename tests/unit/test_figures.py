@@ -347,7 +347,7 @@ def test_a_profile_shows_what_has_yielded_and_where_it_touches_now() -> None:
     solid = spring_lattice(k0=1.0, k1=3.0, hardness=1.0)
     profile = age(press(gaussian((64,)), solid, load=10.0), [1.0], fields_at=[0.0, 1.0])
     upper = figures.contact_figure(contact_maps(profile.dataset)).axes[0]
-    assert "what has yielded" in upper.get_legend_handles_labels()[1]
+    assert "has yielded" in upper.get_legend_handles_labels()[1]
     (touches,) = (line for line in upper.lines if line.get_label() == "contact at the end")
     heights = profile.final.heights[profile.final.in_contact]
     np.testing.assert_allclose(np.asarray(touches.get_ydata()), heights, rtol=0, atol=1e-12)

@@ -1,7 +1,7 @@
-"""Figures: what analysis found, drawn. Nothing is computed here, and no display is needed.
+"""Figures of results. Nothing is computed here, and no display is needed.
 
 Each function returns a `matplotlib.figure.Figure`, as wide as a column or a page of a journal; `write` writes
-it, with what it draws as a table beside it.
+it, and the drawn values as a table beside it.
 """
 
 from asperity.base.calls import answered as _answered

@@ -45,7 +45,7 @@ def aging_curve(
     Raises
     ------
     InputError
-        The history holds no time above 0; or what was measured is no area.
+        The history holds no time above 0; or the measured quantity is not an area.
     """
     checks.instance("summary", summary, AgingSummary, "asperity.analysis.aging_summary(history.dataset)")
     check_dataset(dataset)

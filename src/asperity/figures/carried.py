@@ -22,7 +22,7 @@ _LOOKS = ((style.BLUE, "o"), (style.VERMILION, "s"))
 _WIDE = 5.0
 """Ratio of resistances from which their axis is logarithmic."""
 
-_STICKS = "share of the contact\nthat sticks"
+_STICKS = "part of the contact\nthat sticks"
 _PANELS = {
     "stiffness": ("normal_stiffness", "tangential_stiffness"),
     "resistance": ("resistance",),

@@ -36,7 +36,7 @@ COLORS = {SiteState.KEPT: style.INK, SiteState.NEW: style.VERMILION, SiteState.L
 """How maps mark a site; the colors differ from each other, and from white, in luminance too."""
 
 _YIELDED = to_rgba(style.PURPLE)
-"""Color of what the rough surface has lost where it yielded."""
+"""Color of the parts of the rough surface that have yielded."""
 
 Region = tuple[slice, slice]
 _WHOLE: Region = np.s_[:, :]
@@ -270,7 +270,7 @@ def draw_profile(axes: Axes, maps: ContactMaps, labels: Mapping[int, str]) -> No
     now = heights - maps.indentation[first:last]
     axes.fill_between(place, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
     if (now < heights).any():
-        label = "what has yielded"
+        label = "has yielded"
         axes.fill_between(place, heights, now, step="mid", color=style.PURPLE, linewidth=0, label=label)
     light, dark = np.array([0.62, 0.79, 0.93]), np.array([0.0, 0.20, 0.42])  # blue
     for number, (surface, label) in enumerate(zip(surfaces, labels.values(), strict=True)):

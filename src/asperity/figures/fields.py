@@ -1,4 +1,4 @@
-"""What kept fields tell: patches over time, and how gaps, pressures and areas of patches are distributed."""
+"""Kept fields, drawn: patches over time, and how gaps, pressures and areas of patches are distributed."""
 
 from __future__ import annotations
 
@@ -23,9 +23,6 @@ _GAINS = (
     ("gained_by_births", "new patches", style.ORANGE),
 )
 _LOSSES = (("lost_by_shrinkage", "shrinkage", style.GRAY), ("lost_by_deaths", "patches gone", "#C8C8C8"))
-
-_LEGEND = 0.2
-"""Room for a legend, of the height of an axis."""
 
 _LOOKS = ((style.GRAY, "--"), (style.VERMILION, "-"))
 
@@ -59,15 +56,12 @@ def patch_figure(dataset: xr.Dataset) -> Figure:
     for name, color in sizes:
         style.curve(size, time, dataset[f"{name}_patch_size"].values, "o-", color, name)
     size.set_ylabel("size of a patch [sites]")
-    low, high = size.get_ylim()
-    drawn = np.concatenate([dataset[f"{name}_patch_size"].values for name, _ in sizes])
-    if drawn.max() >= 10 * drawn[drawn > 0].min(initial=1.0):
+    if dataset["largest_patch_size"].max() >= 10:
         size.set_yscale("log")
-        low, high = size.get_ylim()
-        size.set_ylim(top=high * (high / low) ** _LEGEND)
+        style.few_ticks(size.yaxis)
     else:
-        size.set_ylim(0.0, high * (1 + _LEGEND))
-    size.legend(framealpha=0.95, loc="upper center", ncols=3)
+        size.set_ylim(bottom=0)
+    size.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
     for parts, sign in ((_GAINS, 1), (_LOSSES, -1)):
         names, labels, colors = zip(*parts, strict=True)
         sums = [sign * np.cumsum(dataset[name].values) for name in names]

@@ -1,4 +1,4 @@
-"""Measured growth against hold time: the data, the laws fitted to them, and what the laws miss."""
+"""Measured growth against hold time: the data, the laws fitted to them, and the residuals."""
 
 from __future__ import annotations
 

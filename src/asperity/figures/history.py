@@ -52,7 +52,7 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
     Raises
     ------
     InputError
-        The history has no protocol and no time above 0; or what was measured is no area.
+        The history has no protocol and no time above 0; or the measured quantity is not an area.
     """
     table = leg_table(dataset)
     if not table:
@@ -99,7 +99,7 @@ def draw_legs(axes: Axes, dataset: xr.Dataset, name: str) -> Field:
 
 
 def head(grid: list[Axes], time: TimeAxis, dataset: xr.Dataset, per_site: float | None = None) -> None:
-    """Label the times below panels, and say above them what happens; of the area, if a site is so much."""
+    """Label the times below panels, and the legs above; with the area of a site also the lowest area."""
     along = _EACH_LEG if len(time.columns) > 1 else "hold time $t$" if time.columns else "time $t$"
     grid[-1].set_xlabel(style.over_time(dataset, along))
     if time.columns:
@@ -125,7 +125,7 @@ def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]
 
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
-    """Values as they are drawn, their label, and what one of the series (of the area: a site) is in them."""
+    """Values as they are drawn, their label, and the factor from the series (of the area: from sites)."""
     quantity = select().get(name)
     label = quantity.label if quantity else name.replace("_", " ")
     values = dataset[name].values.astype(np.float64)
@@ -141,7 +141,7 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
 
 
 def _draw(axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str) -> float:
-    """Draw one series: each entry once, and what joins them; what one of the series is in what is drawn."""
+    """Draw one series with its band; return the factor from its values to the drawn ones."""
     values, label, factor = shown_series(dataset, name)
     axes.set_ylabel(label, multialignment="center")
     shade(axes, time, dataset, "contact_area" if name == "area" else name, values)
@@ -165,7 +165,7 @@ def shade(
 def join(
     axes: Axes, time: TimeAxis, values: Field, color: str = style.BLUE, look: str = "o", label: str = ""
 ) -> None:
-    """Draw each entry of a series once, and what joins them."""
+    """Draw each entry of a series once, and lines between them; a jump is dashed."""
     path, jumps = [], []
     gap, points = (math.nan, math.nan), list(zip(time.place, values, strict=True))
     for i, point in enumerate(points):
@@ -196,7 +196,7 @@ def join(
 
 
 def _head(axes: Axes, time: TimeAxis, say: Say, per_site: float | None) -> None:
-    """Say above each column what happens before it and in it, and above the last one what happens after."""
+    """Write above each column the legs before and in it, and above the last one those after it."""
     table, columns = time.table, time.columns
     for number, column in enumerate(columns):
         earlier = columns[number - 1].row.number if number else -1
@@ -236,7 +236,7 @@ def _mark_lowest(axes: Axes, time: TimeAxis, per_site: float) -> None:
 
 
 def jump(row: LegRow, say: Say) -> str:
-    """Say what changes at once, from what to what."""
+    """Say which quantity jumps, from which value to which."""
     if row.leg.speed:
         return row.leg.words(say)
     by_load = row.leg.jumps and row.leg.target in ("load", "pressure")

@@ -1,4 +1,4 @@
-"""What a curve determines, drawn: the curve and its band, each parameter, pairs of them; and a page."""
+"""An inference, drawn: the curve and its band, each parameter, pairs of them; and a page."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def corner_figure(inference: Inference) -> Figure:
     side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
     figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),))
     figure.table = {"quantile": shares} | {name: np.quantile(x, shares) for name, x in drawn.items()}
-    figure.elsewhere = "the draws in posterior.nc"
+    figure.elsewhere = "the samples in posterior.nc"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
@@ -124,7 +124,7 @@ def corner_figure(inference: Inference) -> Figure:
 
 
 def inference_pictures(found: Inference) -> dict[str, Picture]:
-    """Draw what a curve determines: pictures by the names of their files, without suffix, in order."""
+    """Draw an inference: pictures by the names of their files, without suffix, in order."""
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
     drawn = {
         "curve": (curve_figure(found), "The data, and the curve to ten times the last of them."),
@@ -136,7 +136,7 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
         ),
         "corner": (
             corner_figure(found),
-            "Draws of the posterior: every pair of parameters that the curve contains.",
+            "Samples of the posterior: every pair of parameters that the curve contains.",
         ),
     }
     return {name: Picture(caption, figure) for name, (figure, caption) in drawn.items()}
@@ -145,7 +145,7 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
 def inference_page(
     found: Inference, pictures: Mapping[str, Picture], *, source: str = "", command: str = ""
 ) -> str:
-    """Write what a curve determines as a page of HTML, with the pictures of `inference_pictures`.
+    """Write an inference as a page of HTML, with the pictures of `inference_pictures`.
 
     The source of the data and the command line that made it may be empty.
     """

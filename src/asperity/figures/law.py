@@ -1,4 +1,4 @@
-"""The law of a contact: pressure, stiffness and what else it tabulates, at each age."""
+"""The law of a contact: approach, stiffness, conductances and area against pressure, at each age."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A prediction as one page of words and pictures that needs no network: what a referee would ask for."""
+"""A prediction as one page of words and pictures that needs no network."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def prediction_pictures(
     if prediction.observed:
         figures["observed"] = drawn.observed_figure(prediction)
     captions = _CAPTIONS | {"growth": _of_growth(prediction)}
-    beside = " Diamonds: measured, and below them the ratio to what is computed." * (measured is not None)
+    beside = " Diamonds: measured, and below them measured over computed." * (measured is not None)
     first = next(iter(figures))
     return {name: Picture(captions[name] + beside * (name == first), each) for name, each in figures.items()}
 

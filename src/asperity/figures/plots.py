@@ -1,4 +1,4 @@
-"""Single plots: what `Contact.plot`, `History.plot` and the like draw, into axes of the user or new ones."""
+"""Single plots, such as `Contact.plot` and `History.plot`, into axes of the user or new ones."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
 @views.maker
 @style.drawn
 def plot_kind(thing: views.Pictured, kind: str | None = None, ax: Axes | None = None) -> Axes:
-    """Draw one panel of what a result shows.
+    """Draw one panel of a result.
 
     Parameters
     ----------
@@ -329,7 +329,7 @@ def _explain(axes: Axes, maps: ContactMaps) -> None:
 
 
 def _said(contact: Contact, maps: ContactMaps) -> str:
-    """What touches, and under which load."""
+    """The part in contact, the load, and the changes."""
     force = "N/m" if contact.lattice.dimension == 1 else "N"
     load = style.spaced(written(contact.load, force if contact.si else "1"))
     changes = [(word, maps.count(-1, state)) for state, word in _SINCE.items() if state != SiteState.KEPT]
@@ -338,7 +338,7 @@ def _said(contact: Contact, maps: ContactMaps) -> str:
 
 
 def _limit_of(dataset: xr.Dataset, quantity: str, limit: Contact | None) -> float | None:
-    """The quantity in the relaxed state, where that is known."""
+    """The quantity in the relaxed state; None where nobody computed it."""
     relaxed = dataset.attrs.get(f"relaxed_{quantity}")
     if limit is not None:
         relaxed = getattr(checks.instance("limit", limit, Contact, "asperity.relax(contact)"), quantity, None)

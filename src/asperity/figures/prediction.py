@@ -1,4 +1,4 @@
-"""A prediction drawn: growth of the area, contact and pressure on the scan, what an instrument sees."""
+"""A prediction drawn: growth of the area, contact and pressure on the scan, the image of an instrument."""
 
 from __future__ import annotations
 
@@ -28,6 +28,9 @@ from asperity.results.quantities import select
 
 _BINS, _WIDE = 60, 28
 """Of the distribution of pressures; and letters of a label that leave no room for another beside it."""
+
+_MIXED: dict[str, Any] = {"interpolation_stage": "rgba"}
+"""Colors of sites that share a pixel are mixed, rather than their values."""
 
 
 @style.drawn
@@ -99,7 +102,7 @@ def _draw_friction(axes: Axes, prediction: Prediction) -> None:
 
 
 def draw_growth(axes: Axes, prediction: Prediction) -> None:
-    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and what theory has."""
+    """Draw the area against the logarithm of time, raw and corrected for pixel rims, and by theory."""
     unit, square = _areas(prediction)
     counted, corrected = (
         square * prediction.series(name) for name in ("contact_area", "contact_area_corrected")
@@ -139,24 +142,21 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     tall = heights.shape[0] * prediction.spacing[0] / (heights.shape[1] * prediction.spacing[1])
     figure = style.Drawing(figsize=(style.PAGE, 1.0 + 4.8 * min(max(tall, 0.3), 1.6)))
     grid = figure.subplots(2, 2, sharex=True, sharey=True)
-    unit, extent = _extent(prediction, heights.shape)
+    of_axes = _pixel(prediction, prediction.spacing)
     low, high = color_range(heights)
     height_label, factor = style.scaled("height", "m", high - low)
     pressure_label, scale = style.scaled("contact pressure", "Pa", float(pressure.max()))
     limits = LogNorm(*np.quantile(pressure[pressure > 0] * scale, (0.02, 1.0)))
-    shown: dict[str, Any] = {"extent": extent, "interpolation_stage": "rgba", **style.PIXELS}
-    gray: dict[str, Any] = {"cmap": "gray", "clim": (low * factor, high * factor), "alpha": 0.75}
+    gray = {"cmap": "gray", "clim": (low * factor, high * factor), "alpha": 0.75, **_MIXED}
     for column in range(2):
         upper, lower = grid[:, column]
-        relief = upper.imshow(heights * factor, **gray, **shown)
+        relief = style.show_map(upper, heights * factor, *of_axes, **gray)
         _draw_touching(upper, prediction, -column)
         lower.set_facecolor("0.93")
         values = np.where(touching[column], pressure[column] * scale, np.nan)
-        image = lower.imshow(values, cmap=style.PRESSURE_MAP, norm=limits, **shown)
-        lower.set_xlabel(style.with_unit("x", unit))
-        upper.set_xlabel("")
-    for axes in grid[:, 0]:
-        axes.set_ylabel(style.with_unit("y", unit))
+        image = style.show_map(lower, values, *of_axes, cmap=style.PRESSURE_MAP, norm=limits, **_MIXED)
+    for axes in grid.flat:
+        axes.label_outer()
     figure.colorbar(relief, ax=grid[0, :], label=height_label, shrink=0.9, extend="both")
     style.bar_of_pressures(figure, image, grid[1, :], pressure_label)
     words = {
@@ -184,11 +184,8 @@ def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None
     colors[touching[0]] = to_rgba(COLORS[SiteState.LOST])
     colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
     colors[touching[0] & touching[1]] = to_rgba(COLORS[SiteState.KEPT])
-    unit, extent = _extent(prediction, touching[0].shape)
-    axes.imshow(colors, extent=extent, interpolation_stage="rgba", **style.PIXELS)
+    style.show_map(axes, colors, *_pixel(prediction, prediction.spacing), **_MIXED)
     axes.set_title(f"$t$ = ${power(time)}$ s: {100 * touching[1].mean():.3g} % of the pixels touch")
-    axes.set_xlabel(style.with_unit("x", unit))
-    axes.set_ylabel(style.with_unit("y", unit))
 
 
 def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
@@ -212,37 +209,29 @@ def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
 
 @style.drawn
 def observed_figure(prediction: Prediction) -> Figure:
-    """Draw the contact at the last time, its image in the instrument, and what of it counts as contact."""
+    """Draw the contact at the last time, its image in the instrument, and the part that counts as contact."""
     observation = prediction.observed[-1]
     touching = np.asarray(prediction.dataset["in_contact"])[-1]
     figure = style.Drawing(figsize=(style.PAGE, 3.0))
     grid = figure.subplots(1, 3, sharex=True, sharey=True)
-    unit, extent = _extent(prediction, touching.shape)
-    rows, columns = (n * side for n, side in zip(observation.image.shape, observation.spacing, strict=True))
-    factor = extent[1] / (touching.shape[1] * prediction.spacing[1])
-    seen_extent = (0.0, columns * factor, rows * factor, 0.0)
     assert observation.seen is not None
     above, sharp = f"above {observation.threshold:g} of full contact", {"interpolation": "nearest"}
-    maps = (
-        (touching, extent, style.PIXELS, "contact"),
-        (observation.image, seen_extent, style.PIXELS, "its image"),
-        (observation.seen, seen_extent, sharp, above),
+    maps: tuple[Any, ...] = (
+        (observation.seen, observation.spacing, sharp, above),
+        (observation.image, observation.spacing, {}, "its image"),
+        (touching, prediction.spacing, {}, "contact"),
     )
-    for axes, (field, where, look, title) in zip(grid, maps, strict=True):
-        axes.imshow(field, cmap="gray_r", clim=(0, 1), extent=where, **look)
+    for axes, (field, spacing, look, title) in zip(grid[::-1], maps, strict=True):  # all end as the last
+        style.show_map(axes, field, *_pixel(prediction, spacing), cmap="gray_r", clim=(0, 1), **look)
         axes.set_title(title)
-        axes.set_xlabel(style.with_unit("x", unit))
-        axes.set_xlim(extent[0], extent[1])
-        axes.set_ylim(extent[2], extent[3])
-    grid[0].set_ylabel(style.with_unit("y", unit))
-    shares = [float(np.mean(field)) for field, *_ in maps]
-    figure.table = {f"{title} [%]": [100 * share] for (*_, title), share in zip(maps, shares, strict=True)}
+        axes.label_outer()
+    figure.table = {f"{title} [%]": [100 * np.mean(field)] for field, *_, title in maps[::-1]}
     figure.elsewhere = "area_observed and in_contact in history.zarr"
     return figure
 
 
 def _ends(prediction: Prediction, name: str) -> NDArray[Any]:
-    """Of what the maps know, that at the first time under all of the load, and at the last."""
+    """A quantity of the maps at the first time under all of the load, and at the last."""
     rows = [row - 1 for row in rows_of_maps(prediction.dataset)]
     first = next(number for number, row in enumerate(rows) if row >= prediction.loaded)
     return np.asarray(prediction.dataset[name])[[first, -1]]
@@ -254,8 +243,9 @@ def _areas(prediction: Prediction) -> tuple[str, float]:
     return f"{style.spelled(unit)}²", factor**2
 
 
-def _extent(prediction: Prediction, shape: tuple[int, ...]) -> tuple[str, tuple[float, float, float, float]]:
-    """Unit of the axes, and left, right, lower and upper end."""
-    sides = [n * side for n, side in zip(shape, prediction.spacing, strict=True)]
+def _pixel(prediction: Prediction, spacing: tuple[float, ...]) -> tuple[list[float], str]:
+    """Sides of a pixel in the unit of the axes, and that unit."""
+    shape = prediction.dataset["heights"].shape
+    sides = (n * side for n, side in zip(shape, prediction.spacing, strict=True))
     unit, factor = readable("m", max(sides))
-    return unit, (0.0, sides[1] * factor, sides[0] * factor, 0.0)
+    return [side * factor for side in spacing], unit

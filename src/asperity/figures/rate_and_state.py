@@ -24,7 +24,7 @@ _MANY = 400
 
 @style.drawn
 def rate_and_state_figure(found: StateLaws) -> Figure:
-    """Draw record, both laws, what they miss, and where there are holds, static friction after them."""
+    """Draw record, both laws, their residuals, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     panels = style.panels_of(found)
     rows = [kind for kind in panels if kind != "healing"]

@@ -1,4 +1,4 @@
-"""Measured relaxation, creep or dynamic moduli, the fit, what it misses, and the branches that it found."""
+"""Measured relaxation, creep or dynamic moduli, the fit, its deviations, and its branches."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def draw_moduli(axes: Axes, fit: Fit) -> None:
 
 
 def _draw_deviations(axes: Axes, fit: Fit) -> None:
-    """Draw what the fit misses."""
+    """Draw the deviations of the data from the fit."""
     x, _ = fit.data.columns
     for i, deviation in enumerate(fit.residuals()):
         axes.plot(x, 100 * deviation, _MARKERS[i], **_look(i))
@@ -80,20 +80,20 @@ def _look(quantity: int) -> dict[str, Any]:
 
 
 def _draw_branches(axes: Axes, fit: Fit) -> None:
-    """Shares against relaxation times, at 1/time where the axis is that of frequencies."""
+    """Draw the branches at their times, or at 1/time on an axis of frequencies."""
     branches = np.array(fit.series.branches).reshape(-1, 2)
     at = 1 / branches[:, 1] if isinstance(fit.data, Dynamic) else branches[:, 1]
     axes.vlines(at, 0, 100 * branches[:, 0], color=style.GRAY, linewidth=1.2)
     axes.plot(at, 100 * branches[:, 0], "D", color=style.INK, markersize=4)
     axes.set_ylim(0, 150 * max(branches[:, 0], default=1.0))
-    axes.set_ylabel("share of each\nbranch [%]")
+    axes.set_ylabel("part of the\nmodulus [%]")
     axes.set_xscale("log")
-    text = f"permanent share {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
+    text = f"does not relax: {100 * fit.series.permanent:.3g} % of {written(fit.series.modulus, 'Pa', 3)}"
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5}
     axes.text(0.015, 0.93, text, transform=axes.transAxes, va="top", bbox=box)
 
 
 def _unit(fit: Fit) -> tuple[float, str]:
-    """By what the values are multiplied to be drawn, and their unit then."""
+    """Factor to the drawn values, and their unit."""
     name, factor = readable("Pa", fit.series.modulus)
     return (1 / factor, f"1/{name}") if isinstance(fit.data, Creep) else (factor, name)

@@ -10,7 +10,7 @@ import functools
 import json
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
@@ -22,6 +22,7 @@ from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -159,7 +160,7 @@ def stacked(size: tuple[float, float], *ratios: float) -> tuple[Drawing, list[Ax
 
 
 class Panel(NamedTuple):
-    """One panel of a figure: what draws it, the label of its x axis, and its height."""
+    """One panel of a figure: its function, the label of its x axis, and its height."""
 
     draw: Callable[[Axes], object]
     along: str
@@ -186,7 +187,7 @@ def figure_of(panels: Iterable[Panel]) -> tuple[Drawing, list[Axes]]:
 
 
 def conditions(dataset: xr.Dataset, prescribed: str = "") -> list[str]:
-    """Say what the surface was, what was prescribed, by default the load at first, and what the solid was."""
+    """Name the surface, the prescribed quantity, by default the load at first, and the solid."""
     attrs = dataset.attrs
 
     def say(name: str, unit: str) -> str:
@@ -274,6 +275,14 @@ def curve(axes: Axes, x: Field, y: Field, look: str, color: str, label: str | No
     """Draw computed values with open marks, joined or not; look and more are as matplotlib has them."""
     usual = {"linewidth": 1.2, "markersize": 4, "markerfacecolor": "white"}
     axes.plot(x, y, look, color=color, label=label, **{**usual, **more})
+
+
+def show_map(axes: Axes, field: Field, pixel: Sequence[float], unit: str, **look: Any) -> AxesImage:
+    """Draw a map with axes in a unit, in which the sides of a pixel are given; look as of ``imshow``."""
+    rows, columns = field.shape[:2]
+    axes.set_xlabel(with_unit("x", unit))
+    axes.set_ylabel(with_unit("y", unit))
+    return axes.imshow(field, extent=(0, columns * pixel[1], rows * pixel[0], 0), **{**PIXELS, **look})
 
 
 def swatch(color: Any, label: str, size: float = 7) -> Line2D:

@@ -129,16 +129,8 @@ def draw_heights(axes: Axes, view: SurfaceView) -> None:
 
 def draw_map(axes: Axes, view: SurfaceView) -> None:
     """Draw the heights of a surface, with axes in its unit of length."""
-    rows, columns = view.heights.shape
-    image = axes.imshow(
-        view.heights,
-        cmap=style.HEIGHT_MAP,
-        clim=view.height_range,
-        extent=(0.0, columns * view.pixel_size[1], rows * view.pixel_size[0], 0.0),
-        **style.PIXELS,
-    )
-    axes.set_xlabel(style.with_unit("x", view.length_unit))
-    axes.set_ylabel(style.with_unit("y", view.length_unit))
+    look = {"cmap": style.HEIGHT_MAP, "clim": view.height_range}
+    image = style.show_map(axes, view.heights, view.pixel_size, view.length_unit, **look)
     axes.set_title("height map")
     label = style.with_unit("height", view.unit)
     axes.figure.colorbar(image, ax=axes, label=label, shrink=0.85, extend="both")

@@ -43,9 +43,9 @@ def figure_3(evidence: Evidence) -> PaperFigure:
     figure = Figure(figsize=(PAGE, 2.7), layout="constrained")
     *panels, inset = figure.subplots(1, growth["k1"].nunique() + 1)
     inset.set(xscale="log", yscale="log")
-    for at, (axes, (k1, here)) in enumerate(zip(panels, curves.parts(growth, "k1"), strict=True)):
+    for at, (axes, (k1, curve)) in enumerate(zip(panels, curves.parts(growth, "k1"), strict=True)):
         axes.set_xscale("log")
-        for load, part in curves.parts(here, "load_per_site"):
+        for load, part in curves.parts(curve, "load_per_site"):
             curves.band(axes, part, "time", "area_ratio", looks[load], f"{load:g}")
             axes.plot(part["time"], part["fitted"], "-", color=style.INK, linewidth=0.6)
         curves.dress(axes, _TIME, _RATIO, panel=f"({'abcdefgh'[at]})")

@@ -77,8 +77,10 @@ def _drawn(sites: pd.DataFrame) -> Figure:
     return figure
 
 
-def _draw_state(axes: Axes, here: pd.DataFrame) -> None:
-    r, xi, u, anchors, touching = (here[name].to_numpy() for name in ("r", "xi", "u", "anchor", "in_contact"))
+def _draw_state(axes: Axes, state: pd.DataFrame) -> None:
+    r, xi, u, anchors, touching = (
+        state[name].to_numpy() for name in ("r", "xi", "u", "anchor", "in_contact")
+    )
     last = len(r) - 1
     floor, ceiling = axes.get_ylim()
     axes.bar(r, xi - floor, bottom=floor, width=0.62, color=_BAR, linewidth=0, zorder=1)
@@ -114,9 +116,9 @@ def _zigzag(
     return np.asarray(line + np.outer(aside, wave))
 
 
-def _name_symbols(axes: Axes, here: pd.DataFrame, rest: float) -> None:
+def _name_symbols(axes: Axes, state: pd.DataFrame, rest: float) -> None:
     """Point at one of each thing, below the flat surface where there is most room."""
-    xi, level = here["xi"].to_numpy(), float(here["u"].iloc[0])
+    xi, level = state["xi"].to_numpy(), float(state["u"].iloc[0])
     crests = np.lib.stride_tricks.sliding_window_view(xi, 2 * _ROOM + 1).max(axis=1)
     at = _ROOM + int(crests.argmin())
     low = (level + crests.min()) / 2
