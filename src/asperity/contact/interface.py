@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.adhesion import Adhesion
-from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
@@ -123,14 +122,14 @@ class Interface:
         if not math.isfinite(float(force.sum())):
             return math.inf
         force = self.of_contact(force)
-        worst, tension, load, contacts = extremes(force, in_contact)
-        worst = max(worst, tension + self.low)
+        pressing, free = force[in_contact], force[~in_contact]
+        worst = max(float(np.abs(free).max(initial=0.0)), self.low - float(pressing.min(initial=0.0)))
         if self.yields:
             excess = force - self.high
             worst = max(worst, float(excess.max()))
             if yielding is not None and yielding.any():
                 worst = max(worst, -float(excess[yielding].min()))
-        scale = max(load / contacts if contacts else 0.0, smallest_scale)
+        scale = max(float(pressing.mean()) if pressing.size else 0.0, smallest_scale)
         return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)
 
 
