@@ -239,7 +239,7 @@ class TrBdf2(Steps):
             expected = f"0, or times from {1 / LONGEST:.0e}"
             raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
         if stops.size and fastest * stops[-1] > LONGEST:
-            expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+            expected = f"times up to {LONGEST / fastest:.2g}: all creep has ended long before"
             advice = "asperity.relax for what comes in the end"
             raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
         if fastest > LONGEST:

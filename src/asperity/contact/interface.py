@@ -1,4 +1,4 @@
-"""What the interface of two bodies allows: bounds of the force of a site, and how far forces break them.
+"""The interface of two bodies: bounds of the force of a site, and how far forces violate them.
 
 A site is off contact, where its force is 0; in contact, where its force is within the bounds; or yielding,
 where its force is the upper bound and the elastic surface is below the rough one. The judge of a published
@@ -52,7 +52,7 @@ class Interface:
         return 0.0 if self.adhesion is None else self.cell * float(self.adhesion.energy(gap).sum())
 
     def borne(self, total: float) -> float:
-        """Sum of the contact forces, of the sum of all."""
+        """Sum of the contact forces, from the sum of all forces."""
         return total if self.external is None else total - float(self.external.sum())
 
     def of_contact(self, force: Field) -> Field:
@@ -85,7 +85,7 @@ class Interface:
             below &= ~above
 
     def lowered(self, heights: Field, u: Field) -> Field:
-        """The rough surface as a surface that may be below it leaves it."""
+        """The rough surface after it has yielded to an elastic surface u below it."""
         return np.minimum(heights, u) if self.yields else heights
 
     def yielding(self, force: Field) -> int:
@@ -100,9 +100,9 @@ class Interface:
         yielding: Mask,
         slack: tuple[float, float] = (0.0, 0.0),
     ) -> Mask:
-        """Sites that are not what their force and their gap say, by more than a slack of both.
+        """Contacts whose force is beyond a bound, free sites that penetrate, and yielding sites that do not.
 
-        Contacts whose force is beyond a bound, free sites that penetrate, and yielding ones that do not.
+        The bounds are wider by ``slack``, of force and of gap.
         """
         by_force, by_gap = slack
         beyond = (force < self.low - by_force) | (force > self.high + by_force)
