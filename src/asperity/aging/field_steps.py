@@ -88,10 +88,6 @@ class FieldSteps(TrBdf2):
             "earlier": earlier,
         }
 
-    def contacts_tried(self) -> int:
-        """See `Steps`."""
-        return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
-
     def state(self) -> State:
         """See `Steps`."""
         point, mechanics = self.point, self.system.mechanics

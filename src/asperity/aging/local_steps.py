@@ -91,10 +91,6 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return -self.position if self.system.load is not None else super().approach(origin, separation)
 
-    def contacts_tried(self) -> int:
-        """See `Steps`."""
-        return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
-
     def state(self) -> State:
         """See `Steps`."""
         now = self.states[0]
