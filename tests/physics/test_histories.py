@@ -290,9 +290,9 @@ def test_area_of_a_ramp_is_elastic_under_the_effective_load():
 def test_no_load_is_for_ramps_alone():
     rough, solid = correlated(16), asp.solids.half_space(modulus=10.0, branches=[(0.3, 0.5)])
     touching = asp.press(rough, solid, load=0.0)
-    with refuses("hold", "one without any"):
+    with refuses("hold", "a contact without load"):
         asp.age(touching, [1.0])
-    with refuses("hold", "one without any"):
+    with refuses("hold", "a contact without load"):
         asp.relax(touching)
     with refuses("load", "0"):
         asp.press(asp.press(rough, solid, load=1.0), load=0.0)

@@ -50,8 +50,8 @@ def test_what_cannot_be():
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], protocol=[Hold(1.0, hold="separation")])),
         ("separation", lambda: asp.age(HALF_SPACE, [1.0], hold="separation")),
         ("separation", lambda: asp.press(uncorrelated(16), HALF_SPACE.solid, separation=1.0)),
-        ("hold", "one without any", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
-        ("hold", "one without any", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
+        ("hold", "a contact without load", lambda: asp.age(LIFTED, [1.0], protocol=[Hold(1.0, hold="area")])),
+        ("hold", "a contact without load", lambda: asp.age(LIFTED, [1.0], protocol=[Ramp(1.0, load=3.0)])),
         ("distance", "0.3", lambda: asp.age(CONTACT, [1.0], protocol=[Slide(0.3, velocity=0.1)])),
         (
             "direction",

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from asperity.aging.tr_bdf2 import Arrays, Extent, Stage, State, TrBdf2, rms
 from asperity.contact.anchors import AnchorFields, AnchorModes
 from asperity.contact.arrays import largest
-from asperity.contact.branches import add_creep, damp_difference, weighted_sum
 from asperity.contact.choice import solved
 from asperity.contact.contact import Contact
 from asperity.contact.mechanics import ImplicitStep
@@ -89,10 +88,6 @@ class FieldSteps(TrBdf2):
             "earlier": earlier,
         }
 
-    def contacts_tried(self) -> int:
-        """See `Steps`."""
-        return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
-
     def state(self) -> State:
         """See `Steps`."""
         point, mechanics = self.point, self.system.mechanics
@@ -148,28 +143,29 @@ class FieldSteps(TrBdf2):
         return solution.iterations
 
     def _combined(self, u: Modes | float, numbers: Sequence[float], durations: Sequence[float]) -> Modes:
-        """Modes u and of each w_b tried a number of times and what u_b creeps at the rate there in a time."""
-        spectra = self.system.mechanics.spectra
+        """Modes u + sum of (n_i + t_i rate_b) w_b,i over the points i that were tried, one field a branch."""
         modes = np.empty_like(self.point.stretch)
         modes[...] = u
         for number, duration, point in zip(numbers, durations, self.tried, strict=True):
-            add_creep(modes, number, duration, spectra.rate, point.stretch)
+            for total, rate, w in zip(modes, self.system.mechanics.spectra.rate, point.stretch, strict=True):
+                total += (number + duration * rate) * w
         return modes
 
     def filtered_error(self, shares: Sequence[float]) -> float:
         """See `TrBdf2`, and the module."""
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
-        u, stiffness = weighted_sum(step.damped_stiffness, error), step.stiffness
+        u, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness
         if system.load is not None:  # the load decides the mean
             stiffness = step.load_controlled_stiffness
         free = 1.0 - self.contacts_tried() / system.sites
         u *= np.divide(free, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
-        damp_difference(step.damping, u, error)
-        remainder = np.subtract(u, error, out=error)
+        error -= u
+        error *= step.damping
+        error += u
         if system.load is not None:
-            remainder[system.mechanics.lattice.mean] = 0.0
-        return system.mechanics.rms(remainder)
+            error[system.mechanics.lattice.mean] = 0.0
+        return system.mechanics.rms(error)
 
     def advance(self) -> None:
         """See `TrBdf2`."""

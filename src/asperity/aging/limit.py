@@ -41,10 +41,10 @@ def relaxed(contact: Contact, control: Control, solver: ContactSolver | None = N
     expected = got = ""
     if some_soft and not all_soft:
         expected = "permanent stiffness above 0 at every wave vector but 0, or nowhere"
-        got = "some without, along which the limit depends on the path"
+        got = "0 at some, so the limit depends on the history"
     elif some_soft and mechanics.lattice.body:
         expected = "permanent stiffness above 0 where edges are free"
-        got = "none, so that the body sinks for ever"
+        got = "none: the body sinks for ever"
     if expected:
         raise InputError("solid", expected=expected, got=got, advice="asperity.age with late times")
     u, before, in_contact, position = contact.relative
@@ -74,7 +74,7 @@ def _without_law(mechanics: Mechanics) -> Mechanics:
         raise InputError(
             "creep",
             expected="a law that creeps under every stress",
-            got="one with a threshold, below which the limit depends on the path",
+            got="a law with a threshold: the limit depends on the history",
             advice="asperity.age with late times",
         )
     return mechanics_of(solid.without_law(), mechanics.lattice)
@@ -90,8 +90,8 @@ def _without_stiffness(system: System, step: ImplicitStep, before: Field, positi
     if load <= 0 or system.free_mean:
         raise InputError(
             "contact",
-            expected="a load that lasts until full contact, as nothing in this solid resists for ever",
-            got="a separation at which it dies out before, on a path-dependent shape",
+            expected="a load that lasts until full contact",
+            got="none: without permanent stiffness it vanishes before, so the limit depends on the history",
             advice="asperity.age with late times, or a solid with permanent stiffness",
         )
     return everywhere

@@ -91,10 +91,6 @@ class LocalSteps(TrBdf2):
         """See `Steps`."""
         return -self.position if self.system.load is not None else super().approach(origin, separation)
 
-    def contacts_tried(self) -> int:
-        """See `Steps`."""
-        return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
-
     def state(self) -> State:
         """See `Steps`."""
         now = self.states[0]
@@ -134,7 +130,8 @@ class LocalSteps(TrBdf2):
 
     def _extrapolated(self, weights: Sequence[float]) -> LocalState:
         """A guess, whose position goes with the present shape."""
-        latest, *earlier = (*reversed(self.tried), *self.states)
+        past = [*self.tried[::-1], *self.states]
+        latest, earlier = past[0], past[1:]
         terms = list(zip(weights[1:], earlier, strict=False))
         u = extrapolated(latest.u, *((weight, state.u) for weight, state in terms))
         force = extrapolated(latest.force, *((weight, state.force) for weight, state in terms))

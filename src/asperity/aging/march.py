@@ -166,8 +166,8 @@ class _March:
         state = self.now.state()
         if self.relative(state.moved, self.deformation) * self.controller.tolerance > self.rtol:
             raise ConvergenceError(
-                f"aging: the solver left forces that u0 balances only if it moves by {state.moved:.1e}, "
-                "more than rtol allows; try another solver"
+                f"aging: forces that the solver left move u0 by {state.moved:.1e}, more than rtol allows; "
+                "try another solver"
             )
         frame = published(self.start, self.now, state, self.origin, self.counts)
         self.counts = Counts()

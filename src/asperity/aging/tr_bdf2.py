@@ -202,6 +202,8 @@ class TrBdf2(Steps):
     0, is the ``origin``: logarithms are of the sum of both, for times that are short.
     """
 
+    tried: list[Any]
+    """States at the ends of the stages that were tried, the latest last."""
     through: ClassVar[int]
     """Number of states through which the polynomial that guesses a stage passes, where there are as many."""
 
@@ -209,6 +211,10 @@ class TrBdf2(Steps):
         self.system = system
         self.origin, *self.times = arrays["times"].tolist()
         self.time = self.times[0]
+
+    def contacts_tried(self) -> int:
+        """See `Steps`."""
+        return int(np.count_nonzero(self.tried[-1].u <= self.system.heights))
 
     def attempt(self, duration: float, aim: Aim) -> Attempt:
         """Try a time step; one whose stages are not solved has an infinite error."""
@@ -239,7 +245,7 @@ class TrBdf2(Steps):
             expected = f"0, or times from {1 / LONGEST:.0e}"
             raise InputError("times", expected=expected, got=f"{stops[0]:g}", advice=advice)
         if stops.size and fastest * stops[-1] > LONGEST:
-            expected = f"times up to {LONGEST / fastest:.2g}, long after all that creeps has crept"
+            expected = f"times up to {LONGEST / fastest:.2g}: all creep has ended long before"
             advice = "asperity.relax for what comes in the end"
             raise InputError("times", expected=expected, got=f"{stops[-1]:g}", advice=advice)
         if fastest > LONGEST:

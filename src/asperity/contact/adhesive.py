@@ -25,13 +25,13 @@ class Tuning:
     """Numbers of adhesion."""
 
     fewest_pixels: int = 6
-    """Pixels in the zone of a front, below which the lattice holds fronts where they are."""
+    """Least number of pixels in the zone of a front; with fewer the lattice pins fronts."""
 
     rough: float = 1e-3
-    """Residual of contacts on the way."""
+    """Residual of contacts before the attraction has settled."""
 
     rounding: float = 64 * float(np.finfo(float).eps)
-    """What is left for contacts to bear, over all that attracts, where it is rounding."""
+    """Load plus attraction, over the attraction, below which it is rounding."""
 
     most_rounds: int = 1000
     """Contacts without adhesion after which a sequence is given up."""
@@ -42,12 +42,12 @@ TUNING = Tuning()
 
 @dataclass(frozen=True)
 class Adhesive:
-    """A solver for contacts that stick, or not, around one for contacts that do not."""
+    """A solver of contacts with adhesion or without, by a solver of those without."""
 
     solver: ContactSolver
 
     def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
-        """Solve until the attraction is that of the gap; `PulledOff` where that does not bear the load."""
+        """Solve until the attraction is that of the gap; `PulledOff` if that does not bear the load."""
         interface, heights = problem.interface, problem.heights
         if interface.adhesion is None:
             return self.solver.solve(problem, guess, accuracy)
@@ -68,14 +68,13 @@ class Adhesive:
                 return replace(solution, iterations=iterations, set_changes=revisions)
             settled = stays
             guess = Guess(solution.u, solution.in_contact, disposable=True)
-        raise ConvergenceError(f"adhesion: {TUNING.most_rounds} rounds did not settle what attracts")
+        raise ConvergenceError(
+            f"adhesion: the attraction still changes after {TUNING.most_rounds} rounds; try another load"
+        )
 
 
 def check_zone(bodies: Bodies) -> None:
-    """Refuse pixels in which the zone of a front is not resolved.
-
-    The modulus is that at once: where a body is pressed or pulled, fronts pass in an instant.
-    """
+    """Refuse pixels that do not resolve the zone of a front, by the instantaneous modulus."""
     law = bodies.solid.adhesion
     if law is not None and (most := _largest_pixel(bodies, 0.0)) < max(bodies.lattice.spacing):
         raise InputError(
@@ -87,15 +86,15 @@ def check_zone(bodies: Bodies) -> None:
 
 
 def zone_remark(bodies: Bodies, time: float) -> str:
-    """What is to be said where the zone shrinks below what is resolved, as the modulus relaxes until a time.
+    """A remark if the lattice no longer resolves the zone after the modulus has relaxed for a time.
 
     Fronts that creep slowly feel the relaxed modulus.
     """
     if bodies.solid.adhesion is None or (most := _largest_pixel(bodies, time)) >= max(bodies.lattice.spacing):
         return ""
     return (
-        f"as the modulus relaxes, the zone of a front shrinks: in the end pixels of at most {most:.3g} "
-        f"resolve it, of {max(bodies.lattice.spacing):.3g} they may hold it back"
+        f"as the modulus relaxes, the zone of a front shrinks: only pixels of at most {most:.3g} resolve it "
+        f"in the end; those of {max(bodies.lattice.spacing):.3g} may pin the front"
     )
 
 

@@ -61,5 +61,5 @@ def _check_free(solid: Solid, dimension: int) -> None:
         "permanent stiffness beside a law of creep": solid.creep is not None and solid.permanent_share > 0,
     }
     if wrong := [case for case, is_so in got.items() if is_so]:
-        expected = "a half-space under a surface of two dimensions, where they are free"
+        expected = "a half-space under a 2-D surface, for free edges"
         raise InputError("edges", expected=expected, got=wrong[0], advice="edges='reflecting'")

@@ -448,13 +448,13 @@ def control_of(contact: Contact, hold: Hold | None) -> Control:
         return kept or Separation(contact.separation)
     sticks = contact.solid.adhesion is not None
     if hold == "area" and sticks:
-        expected = "'load' or 'separation' beside adhesion, where areas do not go with the load"
+        expected = "'load' or 'separation': with adhesion the load does not fix the area"
         raise InputError("hold", expected=expected, got="'area'")
     if contact.load <= 0 and not (sticks and contact.area):
         raise InputError(
             "hold",
-            expected="a contact that carries a load to hold",
-            got="one without any",
+            expected="a load above 0 to hold",
+            got="a contact without load",
             advice="a ramp first: age(contact, times, protocol=[Ramp(1.0, load=400.0)])",
         )
     return kept or Load(contact.load)

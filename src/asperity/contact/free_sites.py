@@ -100,7 +100,7 @@ class FreeSites:
 
         pinning = TUNING.pinning * _pinning(lattice, spectrum, contacts, neighbors, xp)
         self.coarse = coarse = _coarser(lattice)
-        longest = Lattice((2,) * lattice.dimension)
+        longest = Lattice(tuple(min(n, 2) for n in lattice.shape))
         cut = _stiffness_of_waves(spectrum, coarse) - _stiffness_of_waves(spectrum, longest)
         cut = max(cut, pinning)
         self.compliance = 1.0 / (stiffness + cut / unit)

@@ -88,7 +88,7 @@ def pressed_anew(
 def check_load(system: System) -> None:
     """Refuse a load under which a contact cannot be pressed anew."""
     if system.load == 0 and not system.sticks:
-        expected = "a load above 0, as 0 is for heights that nothing was pressed on yet"
+        expected = "a load above 0; only a first contact may have load 0"
         raise InputError("load", expected=expected, got="0", advice="a small load")
     system.held()
 
@@ -98,7 +98,7 @@ def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
     if solid.yields and any(sites.denominator > 1 for sites in by):
         raise InputError(
             "slide",
-            expected="whole sites, for a rough surface that yields is not smooth between them",
+            expected="whole sites: a surface that yields is not smooth between them",
             got=", ".join(map(str, by)),
             advice="substeps=1, a shift by whole sites, or a solid without hardness",
         )

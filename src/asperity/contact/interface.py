@@ -1,4 +1,4 @@
-"""What the interface of two bodies allows: bounds of the force of a site, and how far forces break them.
+"""The interface of two bodies: bounds of the force of a site, and how far forces violate them.
 
 A site is off contact, where its force is 0; in contact, where its force is within the bounds; or yielding,
 where its force is the upper bound and the elastic surface is below the rough one. The judge of a published
@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asperity.adhesion import Adhesion
-from asperity.contact.stencils import extremes
 from asperity.lattice import Field, Lattice, Mask
 from asperity.solids import Solid
 
@@ -53,7 +52,7 @@ class Interface:
         return 0.0 if self.adhesion is None else self.cell * float(self.adhesion.energy(gap).sum())
 
     def borne(self, total: float) -> float:
-        """Sum of the contact forces, of the sum of all."""
+        """Sum of the contact forces, from the sum of all forces."""
         return total if self.external is None else total - float(self.external.sum())
 
     def of_contact(self, force: Field) -> Field:
@@ -86,7 +85,7 @@ class Interface:
             below &= ~above
 
     def lowered(self, heights: Field, u: Field) -> Field:
-        """The rough surface as a surface that may be below it leaves it."""
+        """The rough surface after it has yielded to an elastic surface u below it."""
         return np.minimum(heights, u) if self.yields else heights
 
     def yielding(self, force: Field) -> int:
@@ -101,9 +100,9 @@ class Interface:
         yielding: Mask,
         slack: tuple[float, float] = (0.0, 0.0),
     ) -> Mask:
-        """Sites that are not what their force and their gap say, by more than a slack of both.
+        """Contacts whose force is beyond a bound, free sites that penetrate, and yielding sites that do not.
 
-        Contacts whose force is beyond a bound, free sites that penetrate, and yielding ones that do not.
+        The bounds are wider by ``slack``, of force and of gap.
         """
         by_force, by_gap = slack
         beyond = (force < self.low - by_force) | (force > self.high + by_force)
@@ -123,14 +122,14 @@ class Interface:
         if not math.isfinite(float(force.sum())):
             return math.inf
         force = self.of_contact(force)
-        worst, tension, load, contacts = extremes(force, in_contact)
-        worst = max(worst, tension + self.low)
+        pressing, free = force[in_contact], force[~in_contact]
+        worst = max(float(np.abs(free).max(initial=0.0)), self.low - float(pressing.min(initial=0.0)))
         if self.yields:
             excess = force - self.high
             worst = max(worst, float(excess.max()))
             if yielding is not None and yielding.any():
                 worst = max(worst, -float(excess[yielding].min()))
-        scale = max(load / contacts if contacts else 0.0, smallest_scale)
+        scale = max(float(pressing.mean()) if pressing.size else 0.0, smallest_scale)
         return worst / scale if scale > 0 else (0.0 if worst == 0 else math.inf)
 
 

@@ -4,13 +4,11 @@ A step of duration tau leads the forces s of the creeping springs to where, at e
 
     c s + tau v(s / a) = wanted,
 
-with a the area of a site, c its own compliance, and ``wanted`` what the rest of the solid, the
-rigid body and the rough surface leave for it. Newton's method linearizes v. Where the tangent errs too much
-the force of a site is found for itself, the rest staying as it is: there the equation has one root, which
-is bracketed, and no law overflows, however steep. Contacts are found on the way. (Newton's method for such
-problems: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).) A step is done when a linear one is
-solved over which the tangent errs too little to be noticed, or what the state lacks, measured afresh, is as
-little as it may be.
+with a the area of a site and c its compliance; ``wanted`` follows from the rest of the solid, the rigid body
+and the rough surface. Newton's method linearizes v. Where the tangent errs too much, the equation of the site
+alone is solved: it has one root, which is bracketed, so that no law overflows. Contacts are found on the way.
+(Newton's method for such problems: C. Graeser, R. Kornhuber, J. Comput. Math. 27, 1 (2009).) A step is done
+when the tangent errs too little over a linear step, or when the error of the state is small enough.
 """
 
 from __future__ import annotations
@@ -36,7 +34,7 @@ class Tuning:
     """Linear problems after which a step is given up."""
 
     unnoticed: float = 0.3
-    """Error of the law's tangent, in units of the error allowed, which need not be made up for."""
+    """Error of the tangent that is neglected, in units of the allowed error."""
 
     free_steps: int = 7
     """Newton steps for the force of a site after which the interval that holds it is to shrink fast."""
@@ -97,13 +95,13 @@ class LinearLaw:
         return (self.tau / self.area) * self.slope
 
     def bent(self, c: Field | float, change: Field, noticed: float) -> Mask:
-        """Sites at which the tangent errs by more than is noticed where their forces change so."""
+        """Sites at which the tangent errs by more than ``noticed`` over a change of their forces."""
         bend = self.area * self.law.bend(self.force / self.area)
         error = c * self.drag * change * change  # over a bend the slope changes by its own size
         return np.asarray((c > 0) & ~(error <= noticed * bend * (c + self.drag)))
 
     def forces(self, c: Field | float, change: Field, sites: Mask) -> Field:
-        """Forces by the law at some sites, for what the tangent says of forces that change so."""
+        """Forces at some sites by the law, in place of those by its tangent after a change."""
         c, force, change = np.broadcast_to(c, sites.shape)[sites], self.force[sites], change[sites]
         wanted = c * (force + change) + self.creep[sites] + self.drag[sites] * change
         return forces_of(self.law, c, self.tau, self.area, wanted, force + change)
@@ -143,15 +141,15 @@ class LocalRun(ABC):
 
     @abstractmethod
     def measure(self) -> float:
-        """Linearize the law, and revise the contacts; what the state lacks, a length, rms over the sites."""
+        """Linearize the law and revise the contacts; return the rms error of the state, a length."""
 
     @abstractmethod
     def improve(self, allowed: float, noticed: float) -> tuple[int, float]:
-        """Solve the linear step until no more than is allowed is left of it, or a small part.
+        """Solve the linear step to the allowed error, or to a small part of its residual.
 
-        Iterations; and by how much the tangent errs over what has changed, rms, where no more than is allowed
-        is left and the contacts are settled, else infinity. Forces of sites at which it errs by more than is
-        noticed are found by the law.
+        Returns the iterations, and the rms error of the tangent over the last change; infinity if the linear
+        step is not solved or the contacts still change. Sites whose tangent errs by more than ``noticed`` get
+        their forces from the law.
         """
 
     @abstractmethod
@@ -160,9 +158,9 @@ class LocalRun(ABC):
 
     @abstractmethod
     def filtered_error(self, error: Field) -> tuple[float, float]:
-        """Mean and rms of what the step, solved, leaves of an error of the shape, the contacts staying.
+        """Mean and rms of an error of the shape after one more such step, with the same contacts.
 
-        The rms is about the mean under a load.
+        Under a load the rms is about the mean.
         """
 
 
@@ -213,7 +211,7 @@ class ByLaw(ABC):
 
     @abstractmethod
     def indented(self, force: Field) -> float:
-        """How deep the largest force indents its site: under flat ones no other length tells rounding."""
+        """Indentation by the largest force: the only length that sets rounding where surfaces are flat."""
 
     @abstractmethod
     def balanced(self, state: LocalState, load: float | None) -> Field:

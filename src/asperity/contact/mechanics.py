@@ -24,7 +24,6 @@ from functools import cached_property
 
 import numpy as np
 
-from asperity.contact.branches import damp_difference, weighted_power, weighted_sum
 from asperity.contact.interface import RIGID, Interface, interface_of
 from asperity.contact.problem import ContactProblem, SpectralProblem, SpringProblem
 from asperity.contact.rigid_body import Prescribed, RigidBody
@@ -115,10 +114,10 @@ class Mechanics:
 
     def energy_of_modes(self, u: Modes, stretch: Iterable[Modes], held: Prescribed) -> float:
         """The same from Fourier modes."""
-        density = weighted_power(self.spectra.permanent[np.newaxis], u[np.newaxis])
+        density = self.spectra.permanent * _power(u)
         density.flat[0] = self.body.permanent * abs(u.flat[0] - self.lattice.sites * held.position) ** 2
         for stiffness, w in zip(self.spectra.creeping, stretch, strict=True):
-            density += weighted_power(stiffness[np.newaxis], w[np.newaxis])
+            density += stiffness * _power(w)
         return self.lattice.mean_over_modes(density) / 2
 
     def creeping_force(self, stretch: Field, load: float | None) -> Field:
@@ -177,7 +176,7 @@ class Mechanics:
 
     def rms(self, modes: Modes) -> float:
         """Rms over the sites of fields, one a branch, which count by the stiffness of the branches."""
-        power = weighted_power(self.weights, modes)
+        power = np.asarray(sum(w * _power(field) for w, field in zip(self.weights, modes, strict=True)))
         return float(np.sqrt(self.lattice.mean_over_modes(power) / self.lattice.sites))
 
     @cached_property
@@ -240,7 +239,7 @@ class ImplicitStep:
 
     def spectral_problem(self, heights: Field, anchors: Modes, held: Prescribed) -> SpectralProblem:
         """The same in Fourier modes."""
-        rhs = weighted_sum(self.damped_stiffness, anchors)
+        rhs = np.einsum("b...,b...->...", self.damped_stiffness, anchors)
         mechanics, lattice, stiffness = self.mechanics, self.mechanics.lattice, self.stiffness
         if held.load is None:
             rhs.flat[0] += mechanics.body.pull(held.position)
@@ -259,7 +258,8 @@ class ImplicitStep:
         """The same in Fourier modes, in the place of the anchors."""
         mean, modes = self.mechanics.lattice.mean, anchors
         before, surface = anchors[mean].real.copy(), float(u.flat[0].real)
-        damp_difference(self.damping, u, modes)
+        np.subtract(u, modes, out=modes)
+        modes *= self.damping
         if held.load is None:
             return modes, held.position
         how = self.damping[mean], held.load, held.position
@@ -352,6 +352,11 @@ class SpringImplicitStep(ImplicitStep):
     def problem_of_modes(self, heights: Field, anchors: Modes, held: Prescribed) -> SpringProblem:
         """See `ImplicitStep`."""
         return self.problem(heights, self.mechanics.lattice.backward(anchors), held)
+
+
+def _power(modes: Modes) -> Spectrum:
+    """Squared magnitudes."""
+    return np.asarray(modes.real**2 + modes.imag**2)
 
 
 def balanced(

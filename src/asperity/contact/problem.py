@@ -110,9 +110,9 @@ ContactProblem = SpectralProblem | SpringProblem
 class Guess:
     """Where a solver starts: a surface and the sites assumed in contact.
 
-    If no sites are named, those that the surface does not clear; if they are, those that it is below yield
-    where that is allowed. A solver may write into the surface of a guess that is disposable. Sites attract
-    each other at first as in the ``last`` state, where the surface of the guess is another.
+    By default those at which u is at most the height; with ``in_contact``, sites at which u is below the
+    height yield, where the interface does. A solver may overwrite u of a ``disposable`` guess. Adhesion is at
+    first that of the surface ``last``, by default u.
     """
 
     u: Field

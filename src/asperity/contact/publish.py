@@ -1,4 +1,4 @@
-"""The gate: a solution becomes a contact if the fields that are kept are in equilibrium."""
+"""A solution becomes a contact if the fields that it keeps are in equilibrium."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def contact_from(
 def _judged(
     system: System, u: Field, state: Balance, in_contact: Mask, yielding: Mask, floor: float
 ) -> float:
-    """The residual of a state, whose forces lose what is the rounding of a mean."""
+    """The residual of a state; subtracts from its forces a mean that is rounding."""
     mechanics = system.mechanics
     if system.load is None:
         size = float(np.abs(u).max()) * mechanics.body.stiffness
@@ -113,7 +113,7 @@ def _lowered(system: System, u: Field, heights: Field) -> Field:
 
 
 def _smallest_force(system: System, u: Field) -> float:
-    """Force whose last trusted digit is rounding: the scale where there is no load to speak of."""
+    """Smallest force that double precision resolves: the scale of residuals without a load."""
     heights = system.mechanics.lattice.cut(system.heights)
     largest = max(float(np.abs(field).max()) for field in (u, heights))
     return 4 * float(np.spacing(largest)) * system.mechanics.greatest_stiffness / ACCEPTED_RESIDUAL

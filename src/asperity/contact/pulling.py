@@ -1,4 +1,4 @@
-"""Bodies pulled apart at once, to the last contact, and back; what creeps is frozen."""
+"""Bodies pulled apart to the last contact, and pressed again, without creep."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from asperity.errors import PulledOff
 
 @dataclass(frozen=True)
 class Tuning:
-    """Numbers of ways."""
+    """Numbers of retreats and approaches."""
 
     first: float = 0.1
     """First step of a separation, in units of the reach of adhesion."""
@@ -28,7 +28,7 @@ class Tuning:
     """Least step: of a separation in units of that reach, of a load in those of the usual step."""
 
     little: float = 0.4
-    """Change of the load, over the usual one, below which the next step of a separation is twice as long."""
+    """Change of the load, over ``change``, below which the next step of a separation is twice as long."""
 
 
 TUNING = Tuning()
@@ -37,9 +37,9 @@ TUNING = Tuning()
 def retreat(
     contact: Contact, kind: type[Control], change: float, solver: ContactSolver | None
 ) -> list[Contact]:
-    """States from a contact to the last one that the bodies bear; through the separation, to the first apart.
+    """States from a contact to the last one before pull-off; by separation, to the first without contact.
 
-    The load changes by no more than ``change`` from state to state, except where contacts jump.
+    From state to state the load changes by at most ``change``, except at jumps.
     """
     states = [contact]
     if kind is Separation:
@@ -59,7 +59,7 @@ def retreat(
 def approach(
     last: Contact, to: Contact, kind: type[Control], change: float, solver: ContactSolver | None
 ) -> list[Contact]:
-    """States from the last of a retreat, apart, to the load or the separation where that began."""
+    """States from the last of a retreat to the load or the separation where that began."""
     if kind is Separation:
         return [last, *_through_separation(last, -1, change, solver, to.separation)]
     loads = np.arange(change, to.load, change).tolist() + [to.load] * (to.load > 0)

@@ -1,4 +1,4 @@
-"""Sums of fields, and forces and energies of the lattice of springs, by compiled loops.
+"""Sums of fields, and forces and energies of the lattice of springs.
 
 A lattice is periodic, or its edges are mirrors: the site beyond an edge is the image of the site at the edge.
 """
@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from asperity.contact.arrays import inner
 from asperity.contact.compiled import compiled, inlined
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 
 
 def lattice_force(u: Field, stretch: Field, k0: float, k1: float, *, mirrored: bool = False) -> Field:
@@ -41,49 +42,8 @@ def forces(u: Field, w: Field, k0: float, k1: float, mirrored: bool, out: Field)
 
 def bond_energy(u: Field, *, mirrored: bool = False) -> float:
     """Sum over the bonds of the squared difference between neighbors."""
-    rows = np.empty(len(u))
-    bond_energies(u, mirrored, rows)
-    return float(rows.sum())
-
-
-@compiled
-def bond_energies(u: Field, mirrored: bool, out: Field) -> None:
-    """Sum of the squared differences between neighbors, by rows."""
-    ny, nx = u.shape
-    for i in range(ny):
-        row, down = u[i], u[i + 1 if i < ny - 1 else (i if mirrored else 0)]
-        total = 0.0 if mirrored else (row[0] - row[nx - 1]) ** 2
-        for j in range(nx - 1):
-            total += (row[j + 1] - row[j]) ** 2
-        for j in range(nx):
-            total += (down[j] - row[j]) ** 2
-        out[i] = total
-
-
-def extremes(force: Field, in_contact: Mask) -> tuple[float, float, float, float]:
-    """Largest force off contact, largest tension in contact, the sum of the forces there, and contacts."""
-    rows, touching = np.atleast_2d(force), np.atleast_2d(in_contact)
-    measured = np.empty((len(rows), 4))
-    extremes_of_rows(rows, touching, measured)
-    worst, tension = measured[:, 0].max(), -measured[:, 1].min()
-    load, contacts = measured[:, 2:].sum(axis=0)
-    return float(worst), float(tension), float(load), float(contacts)
-
-
-@compiled
-def extremes_of_rows(force: Field, in_contact: Mask, out: Field) -> None:
-    """By rows: the largest size off contact, the least in contact (at most 0), the sum there, contacts."""
-    for i in range(force.shape[0]):
-        worst = least = total = count = 0.0
-        row, touching = force[i], in_contact[i]
-        for j in range(row.shape[0]):
-            carried = row[j] if touching[j] else 0.0
-            total += carried
-            count += 1.0 if touching[j] else 0.0
-            least = carried if carried < least else least
-            free = abs(row[j] - carried)
-            worst = free if free > worst else worst
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = worst, least, total, count
+    changes = (np.diff(u, axis=n) if mirrored else np.roll(u, -1, n) - u for n in range(u.ndim))
+    return sum(inner(change, change, np) for change in changes)
 
 
 def combined(first: Field, *terms: tuple[float, Field]) -> Field:

@@ -1,4 +1,4 @@
-"""A solid above a rough surface with the load or the separation prescribed: whatever is computed for it."""
+"""A solid above a rough surface under a prescribed load or at a prescribed separation."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ class System:
         if mechanics.body.stiffness == 0 and not control.load_controlled:
             raise InputError(
                 "separation",
-                expected="a solid that hangs on springs or on an apparatus",
-                got="one that carries the load as a rigid body, whose separation moves with it",
+                expected="springs or an apparatus, which hold the solid at a separation",
+                got="a solid without either",
                 advice="load=..., or half_space(..., apparatus=math.inf)",
             )
         return cls(mechanics, mechanics.lattice.extended(heights - datum, -math.inf), datum, control)
@@ -79,12 +79,12 @@ class System:
 
     @property
     def body(self) -> RigidBody:
-        """What hangs on the rigid body."""
+        """The rigid body, with its springs."""
         return self.mechanics.body
 
     @property
     def interface(self) -> Interface:
-        """Which forces a state may have."""
+        """Bounds of the forces of a state."""
         return self.mechanics.interface.beside(self.external)
 
     @property
@@ -98,14 +98,14 @@ class System:
         return self.mechanics.interface.adhesion is not None
 
     def pulled(self, u: Field) -> System:
-        """Return the system with the pull of adhesion under a surface among the external forces."""
+        """Return the system whose external forces include the adhesion under a surface u."""
         if not self.sticks:
             return self
         pull = self.mechanics.interface.pull(u - self.heights)
         return replace(self, external=pull if self.external is None else self.external + pull)
 
     def lowered(self, u: Field) -> System:
-        """Return the system above the rough surface as a surface that may be below it leaves it."""
+        """Return the system whose rough surface has yielded to a surface u below it."""
         heights = self.mechanics.interface.lowered(self.heights, u)
         return self if heights is self.heights else replace(self, heights=heights)
 
@@ -126,11 +126,11 @@ class System:
 
     @property
     def drift(self) -> float:
-        """Velocity at which a rigid body that moves carries the anchors along at time 0; 0 under a load."""
+        """Velocity of the rigid body, and of the anchors with it, at time 0; 0 under a load."""
         return self.control.rate if self.load is None else 0.0
 
     def moved(self, since: float, time: float) -> float:
-        """How far a moving rigid body carries the anchors along from a time to another; 0 under a load."""
+        """How far a moving rigid body takes the anchors from a time to another; 0 under a load."""
         return self.control.change(since, time) if self.load is None else 0.0
 
     @property

@@ -155,7 +155,7 @@ def half_space(
     K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 13.2, DOI 10.1017/CBO9781139171731.
     """
     if modulus is not None and poisson is not None:
-        expected = "none beside the contact modulus, which holds it"
+        expected = "none: the contact modulus contains it"
         raise InputError("poisson", expected=expected, got=checks.shown(poisson), advice="young=...")
     modulus = checked_modulus(modulus, young, poisson)
     permanent = checked_permanent(permanent)

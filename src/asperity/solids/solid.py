@@ -189,10 +189,10 @@ class Solid(views.InNotebooks):
         for name, part in parts.items():
             stated = getattr(self, name)
             if stated not in (None, (), []) and (tuple(stated) if name == "branches" else stated) != part:
-                expected = "none beside springs, or a stiffness and its shares"
+                expected = "nothing beside springs, or beside a stiffness and its shares"
                 raise InputError(name, expected=expected, got="both")
         if self.shares is not None and self.stiffness is None:
-            raise InputError("stiffness", expected="that of which the shares are", got="none")
+            raise InputError("stiffness", expected="a stiffness for the shares", got="none")
         if self.half_space and self.modulus is None:
             raise InputError("modulus", expected="the contact modulus of a half-space", got="none")
         if self.creep is not None and len(parts["branches"]) != 1:
@@ -207,7 +207,7 @@ class Solid(views.InNotebooks):
                 "a hardness": self.yields,
             }
             if wrong := [case for case, is_so in beside.items() if is_so]:
-                expected = "an elastic or viscoelastic continuum beside it, which does not yield"
+                expected = "an elastic or viscoelastic continuum without a hardness"
                 raise InputError("adhesion", expected=expected, got=wrong[0])
 
     def with_hardness(self, hardness: float | str | None = None) -> Solid:
@@ -317,7 +317,7 @@ class Solid(views.InNotebooks):
             raise InputError(
                 "creeping stiffness",
                 expected="more than 0 at wave vector 0: the normal load passes through it",
-                got="0, so no load can be carried",
+                got="0: it carries no load",
                 advice="k1 > 0",
             )
         if not whole.flat[1:].all():

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
 from asperity.base.calls import remark
-from asperity.contact import asperities, branches, stencils
+from asperity.contact import stencils
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.compiled import COMPILING, stamp_of, tell_of_place, watch
 from asperity.contact.multigrid.loops import one_field, rows, states, two_fields
@@ -24,21 +23,12 @@ def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], 
     What takes so long is reported before it begins, if anything has to be compiled; where the machine code is
     kept is a remark, if that is an unusual place. Both are a `Remark` by default.
     """
-    others = stencils.forces, asperities.overlap_by_rows, branches.add_power
-    of_multigrid = one_field.sweeps_1, rows.total, states.settle, two_fields.cycle_2
-    stamp = stamp_of(*of_multigrid, *others)
+    stamp = stamp_of(one_field.sweeps_1, rows.total, states.settle, two_fields.cycle_2, stencils.forces)
     tell_of_place(remark)
     if stamp is not None and stamp.exists():
         return
     watch.reported = True
     tell(COMPILING)
-    spectra = np.zeros((1, 2))
-    kinds: tuple[Any, ...] = (spectra, spectra.astype(complex))  # of reflecting edges, and of periodic ones
-    for modes in kinds:
-        branches.damp_difference(spectra, modes[0], modes)
-        branches.add_creep(modes, 1.0, 1.0, spectra, modes)
-        branches.weighted_sum(spectra, modes)
-        branches.weighted_power(spectra, modes)
     # Even, and large enough for the Fourier solver to start from a coarser lattice.
     heights = np.random.default_rng(0).normal(size=(66, 66))
     viscous = spring_lattice(k0=1.0, k1=3.0, R_viscous=0.1)

@@ -41,7 +41,7 @@ class Tuning:
     """Numbers that decide how accurate a state is beyond its tolerance."""
 
     margin: float = 0.1
-    """What of the tolerance is used: many small forces off contact together move the separation."""
+    """Part of the tolerance that cycles aim at: many small forces off contact shift the separation."""
     sum_tolerance: float = 1e-3
     """Largest sum of the forces off contact, and of the tension in a row, relative to what one force may be
     off. The former, because forces that all have one sign would shift the separation; tension, because it is

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TypeVar
 
@@ -11,7 +11,6 @@ import numpy as np
 from asperity.base import checks
 from asperity.contact.active_set import ActiveSet
 from asperity.contact.asperities import level_of_overlap
-from asperity.contact.first import First, UnsolvedError
 from asperity.contact.mechanics import Mechanics
 from asperity.contact.multigrid.loops import Sites
 from asperity.contact.multigrid.one_field import OneField
@@ -82,7 +81,12 @@ class Multigrid:
         ConvergenceError
             Neither cycles nor `ActiveSet` reached the tolerance.
         """
-        return First((Cycles(self), ActiveSet())).solve(problem, guess, accuracy)
+        outcome = self._by_cycles(problem, guess, accuracy)
+        if isinstance(outcome, Solution):
+            return replace(outcome, solver="Cycles")
+        guess, spent = outcome
+        solution = ActiveSet().solve(problem, guess, accuracy)
+        return replace(solution, iterations=spent + solution.iterations, solver="ActiveSet")
 
     def work_on(self, mechanics: Mechanics) -> TwoFields:
         """Work space for steps of creep on a lattice."""
@@ -97,15 +101,10 @@ class Multigrid:
             self._work["space"] = space = kind(sites, Processor())
         return space
 
-
-@dataclass(frozen=True)
-class Cycles:
-    """The cycles of multigrid as a solver, which may fail."""
-
-    multigrid: Multigrid
-
-    def solve(self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy) -> Solution:
-        """Solve, or raise `UnsolvedError`."""
+    def _by_cycles(
+        self, problem: ContactProblem, guess: Guess | None, accuracy: Accuracy
+    ) -> Solution | tuple[Guess | None, int]:
+        """Solve by cycles; else a guess for another solver, and the cycles spent."""
         stated = problem.in_neighbors()
         if stated is None:
             raise InputError(
@@ -116,7 +115,7 @@ class Cycles:
             )
         springs, heights = stated.springs, stated.heights
         if springs.creep and not (springs.relaxed and stated.external is None):
-            raise UnsolvedError(guess)  # steps of creep are `asperity.aging.spring_steps`
+            return guess, 0  # steps of creep are `asperity.aging.spring_steps`
         stated = stated.pulled()
         if springs.k0 == 0:
             return _independent(stated)
@@ -124,14 +123,14 @@ class Cycles:
             guess = Guess(np.full(heights.shape, _level(stated)), disposable=True)
         if stated.load is None and (springs.relaxed or (guess.u > heights).all()):
             # A stiff mean, which truncated corrections move; a free surface, which is one division.
-            raise UnsolvedError(guess)
+            return guess, 0
         u = np.maximum(guess.u, heights, out=guess.u if guess.disposable else None)
-        work = self.multigrid._workspace(OneField, heights.shape, mirrored=stated.mirrored)
-        done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.multigrid.max_cycles)
+        work = self._workspace(OneField, heights.shape, mirrored=stated.mirrored)
+        done, uniform, cycles = work.solve(stated, u, accuracy.residual, self.max_cycles)
         if done:
             stretch = np.broadcast_to(uniform / springs.k1, u.shape) if springs.relaxed else None
             return Solution(u, u <= heights, cycles, 0, stretch)
-        raise UnsolvedError(Guess(u) if np.isfinite(u).all() else None, cycles)
+        return Guess(u) if np.isfinite(u).all() else None, cycles
 
 
 def _independent(problem: SpringProblem) -> Solution:

@@ -99,7 +99,7 @@ class TwoFields(Corrections):
         self.wanted, self.known_stretch, self.shift, self.yielding = wanted, stretch, shift, yielding
 
     def damp(self) -> None:
-        """Find what the sweeps take of the lag."""
+        """Set the coefficients of the sweeps by the lag."""
         self.diagonal = self.lag + np.float32(4.0 * self.spread)
         self.damping = np.float32(1.0) / self.diagonal
         self.inverse = np.float32(1.0) / (np.float32(4.0) + np.float32(self.bed) * self.damping)
@@ -142,12 +142,12 @@ class TwoFields(Corrections):
         self.shift += gap
 
     def filtered_error(self, error: Single) -> tuple[float, float]:
-        """Mean and rms of what an implicit step leaves of an error of u0, while the contacts stay.
+        """Mean and rms of an error of u0 after an implicit step like the last one, with the same contacts.
 
-        The rms is about the mean where the load decides that. The equations are those of the step that was
-        solved last. One cycle of the coarse grids finds what is left of what they see of the error; of the
-        rest every site leaves what it would alone in contact, for errors are rough beside contacts. Springs
-        of k1/k0 = 60 leave up to twice that of an error that is rough everywhere. The error is overwritten.
+        Under a load the rms is about the mean. One cycle of the coarse grids treats the part of the error
+        that they resolve. The rest decays at each site as in contact alone, for errors are rough beside
+        contacts; of an error that is rough everywhere up to twice as much remains at k1/k0 = 60. The error is
+        overwritten.
         """
         grid, backend = self.grids[0], self.backend
         source = grid.source
@@ -185,7 +185,7 @@ class TwoFields(Corrections):
         return Two(e, f, self.bound, b, c, bed, spread, *creeping, shift, self.sites)
 
     def descend(self, *, correcting: bool, restricting: bool = True) -> Defects:
-        """Add what the coarse grids found, find the contacts and smooth, and bring the defects to them."""
+        """Add the corrections of the coarse grids, sweep, and restrict the defects to them."""
         return self.backend.cycle_2(
             self.equation(),
             self.proposed,
@@ -196,7 +196,7 @@ class TwoFields(Corrections):
         )
 
     def find_correction(self, contacts: float, missing: float, before: float) -> tuple[float, float]:
-        """Ask the coarse grids; the size of their correction of u0, rms, and the rate of the cycles."""
+        """Let the coarse grids find a correction; return its rms in u0, and the rate of the cycles."""
         shift = self.improve_on_grids(contacts, missing)
         e, f = self.proposed
         latest, self.latest = self.latest, e - f
