@@ -44,7 +44,7 @@ from scipy.stats import gumbel_r
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
-from asperity.analysis.bands import bearing, in_tiles, interval, student, without_each
+from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
@@ -87,9 +87,6 @@ _BY_TILE = {
     **dict.fromkeys(("stiffness", "tangential_stiffness", *_CONDUCTANCES.values()), "punch"),
 }
 """Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
-
-_CLOSED = 0.2
-"""Contact fraction above which stiffness and conductances have no band: it would be too narrow."""
 
 Row = dict[str, Any]
 
@@ -281,7 +278,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
         without = logs[_BY_TILE[name]] - logs["load"] + (1 - slope) * per_load
         ends[name] = rows[name].to_numpy() * interval(np.exp(student(without.T, bearing(sums["load"]))))
         if _BY_TILE[name] == "punch":
-            ends[name][:, rows["contact_fraction"] > _CLOSED] = math.nan
+            ends[name][:, rows["contact_fraction"] > CLOSED] = math.nan
     scale = in_tiles(rough[np.newaxis], np.maximum).std(ddof=1) * math.sqrt(6) / math.pi
     higher = scale * (gumbel_r.ppf([[0.025], [0.975]]) - gumbel_r.median())
     ends["approach"] = rows["approach"].to_numpy() + higher
