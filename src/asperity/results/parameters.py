@@ -115,10 +115,10 @@ def plain(name: str, value: object) -> dict[str, Plain]:
         if not isinstance(value[0], list | tuple):
             return {name: list(value)}
         if all(len(pair) == 2 for pair in value):
-            ends = ("_y", "_x") if name == "places" else ("_shares", "_times")
-            stem = name if name == "places" else name.removesuffix("es")
-            columns = zip(ends, zip(*value, strict=True), strict=True)
-            return {f"{stem}{end}": list(column) for end, column in columns}
+            of_branches = tuple(f"{name.removesuffix('es')}_{part}" for part in ("shares", "times"))
+            names = ("places_y", "places_x") if name == "places" else of_branches
+            columns = zip(names, zip(*value, strict=True), strict=True)
+            return {key: list(column) for key, column in columns}
         return {name: json.dumps(value)}
     if isinstance(value, bool):
         return {name: int(value)}
