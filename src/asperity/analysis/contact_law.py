@@ -268,8 +268,8 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
 def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
     """Add the bands to the rows of one direction and age, by increasing pressure."""
     sums = {name: np.array([tiles[name] for tiles in rows["tiles"]]) for name in rows["tiles"].iloc[0]}
-    with np.errstate(divide="ignore"):
-        logs = {name: np.log(without_each(tiles)) for name, tiles in sums.items()}
+    others = {name: without_each(tiles) for name, tiles in sums.items()}
+    logs = {name: np.log(np.where(part > 0, part, math.nan)) for name, part in others.items()}
     per_load = logs["load"] - np.log(without_each(in_tiles(np.ones((1, *rough.shape)))))
     pressure, ends = np.log(rows.index.get_level_values("pressure")), {}
     order: Any = min(2, len(rows) - 1)
