@@ -267,7 +267,7 @@ def age(
     method = chosen_solver(solver, contact.system())
     if carried is not None:
         checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)").of(contact)
-    always = set(schedule.switches) if protocol else {0.0}
+    entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
     keeper, resume = None, None
@@ -301,10 +301,8 @@ def age(
             of_its_time = not frame.passing
             if of_its_time and frame.time in wanted and not parted:
                 snapshots.append(snapshot_of(frame, carried))
-            recorded_now = frame.at_a_shift or (
-                of_its_time and (frame.time in recorded or frame.time in always)
-            )
-            if (frame.time > rows[-1]["time"]) if parted else recorded_now:
+            is_entry = frame.at_a_shift or (of_its_time and frame.time in entries)
+            if (frame.time > rows[-1]["time"]) if parted else is_entry:
                 rows.append(row_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"

@@ -255,7 +255,7 @@ def test_edges_of_a_scan_are_those_of_the_file(undrawn, asperity):
 def test_what_does_not_grow_is_remarked():
     slow = asp.solids.half_space(modulus=MODULUS, creep=asp.solids.Eyring(rate="1e-30 m/s", stress="90 MPa"))
     for solid, said in (
-        (asp.solids.half_space(modulus=MODULUS), "nothing grows: the solid is elastic"),
+        (asp.solids.half_space(modulus=MODULUS), "the contact does not grow: the solid is elastic"),
         (slow, "the contact does not grow by 1000 s: creep has not begun"),
     ):
         ours = asp.predict(solid, rough(0, 32), pressure="10 MPa", **SPAN)

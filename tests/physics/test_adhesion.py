@@ -433,7 +433,7 @@ def test_what_cannot_stick_is_refused():
     in_pa = asp.press(scan, half_space(modulus="1 MPa", adhesion=Dugdale("50 mJ/m^2", "1 um")), load="50 uN")
     with refuses("partial_slip", "adhesion"):
         in_pa.partial_slip(shear="1 uN", friction=0.5)
-    with refuses("pull_off", "one with it", advice="asperity.pull(contact)"):
+    with refuses("pull_off", "one with adhesion", advice="asperity.pull(contact)"):
         in_pa.pull_off(work="50 mJ/m^2")
     with refuses("units", "'50 mJ/m^2'"):
         asp.press(heights, half_space(modulus=1.0, adhesion=Dugdale("50 mJ/m^2", 1.0)), load=1.0)

@@ -44,7 +44,7 @@ from scipy.stats import gumbel_r
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
-from asperity.analysis.bands import bearing, in_tiles, interval, student, without_each
+from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
@@ -87,9 +87,6 @@ _BY_TILE = {
     **dict.fromkeys(("stiffness", "tangential_stiffness", *_CONDUCTANCES.values()), "punch"),
 }
 """Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
-
-_CLOSED = 0.2
-"""Contact fraction above which stiffness and conductances have no band: it would be too narrow."""
 
 Row = dict[str, Any]
 
@@ -271,8 +268,8 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
 def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
     """Add the bands to the rows of one direction and age, by increasing pressure."""
     sums = {name: np.array([tiles[name] for tiles in rows["tiles"]]) for name in rows["tiles"].iloc[0]}
-    with np.errstate(divide="ignore"):
-        logs = {name: np.log(without_each(tiles)) for name, tiles in sums.items()}
+    others = {name: without_each(tiles) for name, tiles in sums.items()}
+    logs = {name: np.log(np.where(part > 0, part, math.nan)) for name, part in others.items()}
     per_load = logs["load"] - np.log(without_each(in_tiles(np.ones((1, *rough.shape)))))
     pressure, ends = np.log(rows.index.get_level_values("pressure")), {}
     order: Any = min(2, len(rows) - 1)
@@ -281,7 +278,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
         without = logs[_BY_TILE[name]] - logs["load"] + (1 - slope) * per_load
         ends[name] = rows[name].to_numpy() * interval(np.exp(student(without.T, bearing(sums["load"]))))
         if _BY_TILE[name] == "punch":
-            ends[name][:, rows["contact_fraction"] > _CLOSED] = math.nan
+            ends[name][:, rows["contact_fraction"] > CLOSED] = math.nan
     scale = in_tiles(rough[np.newaxis], np.maximum).std(ddof=1) * math.sqrt(6) / math.pi
     higher = scale * (gumbel_r.ppf([[0.025], [0.975]]) - gumbel_r.median())
     ends["approach"] = rows["approach"].to_numpy() + higher

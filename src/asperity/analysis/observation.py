@@ -129,11 +129,11 @@ def observe(
     """
     brightness, sides, beyond, si = _scene(image, spacing, edges)
     shortest = min(side * n for side, n in zip(sides, brightness.shape, strict=True))
-    width = checks.number("blur", units.converted("blur", blur, "m", si=si), least=0, most=shortest)
+    width = checks.number("blur", _length("blur", blur, si), least=0, most=shortest)
     side = None
     if pixel is not None:
         most = shortest * (1 + _ROUNDING)
-        side = checks.number("pixel", units.converted("pixel", pixel, "m", si=si), above=0, most=most)
+        side = checks.number("pixel", _length("pixel", pixel, si), above=0, most=most)
     limit = None if threshold is None else checks.number("threshold", threshold)
     pixels = tuple(site if side is None else side for site in sides)
     seen = brightness
@@ -197,3 +197,11 @@ def _scene(
     if edges is not None:
         checks.choice("edges", edges, get_args(Edges))
     return brightness, tuple(np.broadcast_to(spacings, brightness.ndim).tolist()), edges or "periodic", False
+
+
+def _length(name: str, value: float | str, si: bool) -> float:
+    if not isinstance(value, str):
+        return value
+    if not si:
+        raise InputError(name, expected="a number: lengths have no unit here", got=checks.shown(value))
+    return units.quantity(value, "m", name)

@@ -86,12 +86,12 @@ def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None
         when = "at the largest load" if pressed else "at first"
         yield (
             f"the mean contact pressure is {written(pressure, 'Pa')} {when}, {share}: "
-            "real asperities would flow, and nothing flows at once here; try a hardness"
+            "real asperities would yield, and these do not; set a hardness"
         )
     if (most := float(fraction.max())) > 0.5:
         yield (
             f"{100 * most:.0f} % of the surface touches {'at last' if fraction[-1] == most else 'at most'}: "
-            "waves longer than the scan, which it does not have, would keep bodies further apart"
+            "on a larger surface longer waves would keep the bodies further apart"
         )
 
 
@@ -104,7 +104,7 @@ def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) 
         )
     if first.rim > 0.2:
         part = f"{100 * first.rim:.0f} % of the counted area {when}"
-        yield f"the rim takes {part}: patches are few pixels wide"
+        yield f"the correction of the rim removes {part}: patches are few pixels wide"
     if first.patches < 30:
         many = counted(first.patches, "patch", "patches")
         yield f"{many} {when}: too few for the statistics of a surface"
@@ -119,7 +119,7 @@ def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
     if rough.edges == "free":
         return ("edges are free: the body ends with the scan, and does not tilt",)
     return (
-        "edges reflect, as for a part of a larger surface; for a body that ends with the scan: "
+        "edges reflect, as for a part of a larger surface; if the body ends with the scan, set "
         "edges = 'free' (--edges free)",
     )
 
@@ -130,7 +130,7 @@ def remark_on_loading(times: Sequence[float] | Field, end: float, when: str) -> 
         return ()
     return (
         f"{counted(early, 'recorded time is', 'recorded times are')} before the end of the loading, {when}: "
-        "there the load still rises, and the area with it",
+        "load and area still rise there",
     )
 
 
@@ -140,7 +140,7 @@ def remarks_on_prediction(prediction: Prediction) -> Iterator[str]:
     if fit is not None and fit.assumed:
         yield fit.assumed
     if solid.creep is None and not solid.branches:
-        yield "nothing grows: the solid is elastic"
+        yield "the contact does not grow: the solid is elastic"
     elif np.ptp(prediction.series("contact_area")) == 0:
         begun = solid.creep is None or prediction.series("contact_fraction")[-1] == 1
         yield f"the contact does not grow by {written(last, 's')}{'' if begun else ': creep has not begun'}"

@@ -334,7 +334,8 @@ class Prediction(views.InNotebooks, views.Pictured):
     def band(self, name: str) -> tuple[Field, Field]:
         """Two ends of the 95 % band of an area, friction, or a carried quantity, at `time`.
 
-        NaN where fewer than three of the 16 tiles of the scan bear the load. `InputError` for other names.
+        NaN where fewer than three of the 16 tiles of the scan bear the load; of stiffness and resistance also
+        where more than 20 % of the surface touches. `InputError` for other names.
         """
         if (quantities := banded(self.dataset)) and name not in quantities:
             raise InputError("name", expected=f"one of {', '.join(quantities)}", got=repr(name))

@@ -100,12 +100,11 @@ def carried_rows(dataset: xr.Dataset) -> list[Row]:
 
 
 def _band(dataset: xr.Dataset, name: str, unit: str, at: int) -> str:
-    """The 95 % band of a quantity, if it has one."""
-    if f"{name}_low" not in dataset:
+    """The 95 % band of a quantity, if it has one there."""
+    if f"{name}_low" not in dataset or np.isnan(dataset[f"{name}_low"][at]):
         return ""
-    return " ({} to {})".format(
-        *(written(float(dataset[f"{name}_{end}"][at]), unit) for end in ("low", "high"))
-    )
+    low, high = (written(float(dataset[f"{name}_{end}"][at]), unit) for end in ("low", "high"))
+    return f" ({low} to {high})"
 
 
 def _value(dataset: xr.Dataset, name: str, at: int = 0, digits: int = 8) -> str:

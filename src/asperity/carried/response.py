@@ -92,10 +92,8 @@ def _of_both(name: str, values: Each, unit: str, *, si: bool) -> tuple[float, fl
     pair = values if isinstance(values, list | tuple) else (values, values)
     if len(pair) != 2:
         raise InputError(name, expected="one number, or one of each body", got=checks.shown(values))
-    first, second = (
-        checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair
-    )
-    return first, second
+    a, b = (checks.number(name, units.converted(name, value, unit, si=si), above=0) for value in pair)
+    return a, b
 
 
 def check_half_space(name: str, solid: Solid, lattice: Lattice) -> float:

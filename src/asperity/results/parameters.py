@@ -115,13 +115,10 @@ def plain(name: str, value: object) -> dict[str, Plain]:
         if not isinstance(value[0], list | tuple):
             return {name: list(value)}
         if all(len(pair) == 2 for pair in value):
-            singular = name.removesuffix("es")
-            names = (
-                ("places_y", "places_x") if name == "places" else (f"{singular}_shares", f"{singular}_times")
-            )
-            return {
-                which: list(column) for which, column in zip(names, zip(*value, strict=True), strict=True)
-            }
+            of_branches = tuple(f"{name.removesuffix('es')}_{part}" for part in ("shares", "times"))
+            names = ("places_y", "places_x") if name == "places" else of_branches
+            columns = zip(names, zip(*value, strict=True), strict=True)
+            return {key: list(column) for key, column in columns}
         return {name: json.dumps(value)}
     if isinstance(value, bool):
         return {name: int(value)}
