@@ -272,7 +272,7 @@ def sample(
             least = walkers * -(-rounds // 2)  # the later half: what the start has left wears off
             chains = np.stack([one.kept[-least:] for one in several])
             r_hat, worth = _agreement(chains, walkers)
-            told(f"ensembles: R-hat {r_hat:.3f} (below {agreement}), {worth:.0f} of {effective} draws")
+            told(f"sampling: R-hat {r_hat:.3f} (below {agreement}), {worth:.0f} of {effective} samples")
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(

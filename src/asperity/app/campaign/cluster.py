@@ -121,7 +121,7 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
         elif now - last_seen >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
-                "start some, and the same command does the rest"
+                "start workers and give the same command again"
             )
 
 

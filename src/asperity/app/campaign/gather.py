@@ -218,14 +218,14 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(ends)
 
 
-def _at_places(plan: Plan, found: Mapping[str, Field]) -> Field:
+def _at_places(plan: Plan, numbers: Mapping[str, Field]) -> Field:
     """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
-    first, *rest = next(iter(found.values())).shape
+    first, *rest = next(iter(numbers.values())).shape
     values = np.full((first, *map(len, plan.dimensions.values()), *rest), np.nan)
     for run in plan.runs:
-        if run.identity in found:
+        if run.identity in numbers:
             place: tuple[Any, ...] = (slice(None), *plan.place(run))
-            values[place] = found[run.identity]
+            values[place] = numbers[run.identity]
     return values
 
 

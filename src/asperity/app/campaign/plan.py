@@ -229,7 +229,7 @@ def name_of(plan: Plan, *runs: Run) -> str:
     """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
-    alike = {name: value for name, value in first.items() if all(one[name] == value for one in others)}
+    alike = {name: value for name, value in first.items() if all(labels[name] == value for labels in others)}
     shared = [f"{name} = {value}" for name, value in alike.items() if name in several]
     return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
@@ -421,17 +421,17 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
     return config.model_copy(update={"surface": surface})
 
 
-def _content(config: RunConfig, known: dict[str, str]) -> str:
+def _content(config: RunConfig, checksums: dict[str, str]) -> str:
     """Checksum of the surface file, if there is one."""
     if (file := config.surface.file) is None:
         return ""
     name = str(file)
-    if name not in known:
+    if name not in checksums:
         try:
-            known[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            checksums[name] = hashlib.sha256(file.read_bytes()).hexdigest()
         except OSError as error:
             raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
-    return known[name]
+    return checksums[name]
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:

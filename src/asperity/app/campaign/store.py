@@ -122,7 +122,7 @@ class Store:
         if lacking := sorted(present - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
             damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
-            remark(f"{damaged}, and not used; asperity sweep does it again")
+            remark(f"{damaged}, not used; asperity sweep repeats it")
 
     def checkpoint(self, identity: str) -> Path:
         """Where a run keeps its place."""
@@ -266,12 +266,12 @@ def _check(sound: object) -> None:
         raise ValueError
 
 
-def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
+def _damage(place: Path, part: str, fault: str = "is damaged") -> InputError:
     return InputError(
         "campaign",
         expected="runs as they were written",
         got=f"{place}, which {fault}",
-        advice=f"removing {what}, and the same sweep again",
+        advice=f"removing {part}, and the same sweep again",
     )
 
 

@@ -1,4 +1,4 @@
-"""One run of a campaign, in a worker process: idempotent, and something tiny comes back."""
+"""One run of a campaign in a worker process, which stores the results and returns a short report."""
 
 from __future__ import annotations
 

@@ -38,14 +38,14 @@ def fit(
 ) -> None:
     """Fit laws of growth to measured values against hold time: contact area, or static friction.
 
-    A value at time 0, if there is one, is taken as exact; several, or one with a standard error, are
+    A single value at time 0 without a standard error is taken as exact. Otherwise values at time 0 are
     measurements like others.
 
     Parameters
     ----------
     file
-        A table: two columns or more, separated by anything; also the aging.csv of a run. Lines
-        beginning with #, % or ; are comments.
+        Table of two columns or more with any separator, such as the aging.csv of a run. Lines beginning with
+        #, % or ; are comments.
     law
         Law to fit.
     out
@@ -59,15 +59,15 @@ def fit(
         to all values. [default: all]
     column_time
         Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
-        where column 0 is an index 0, 1, 2, ... without a name, as pandas writes it]
+        if column 0 is an index of pandas]
     column_value
         Column of the values. [default: the next]
     column_stderr
-        Column of their standard errors. [default: none are known]
+        Column of their standard errors. [default: none]
     quantity
-        What the values are, for the figure. [default: the name in the header]
+        Name of the values in the figure. [default: the name in the header]
     unit_time
-        Unit of the hold times, such as s, for the figure. [default: that of the table]
+        Unit of the hold times in the figure, such as s. [default: that of the table]
     """
     figures = check_figures("--out", out, drawn, overwrite=overwrite, source=file)
     if json is not None:

@@ -1,4 +1,4 @@
-"""The command ``asperity infer``: what a measured curve determines of a model."""
+"""The command ``asperity infer``: the parameters of a model that a measured curve determines."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, check_unit, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, OutFolder, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.errors import InputError
@@ -41,11 +41,11 @@ def infer(
     seed: int = 0,
     walkers: int = 1000,
     workers: int | None = None,
-    out: Out = Path("inference"),
+    out: OutFolder = Path("inference"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
 ) -> None:
-    """Infer which parameters of a model a curve of contact area, or friction, determines, and which not.
+    """Infer which parameters of a model a measured curve of contact area or friction determines.
 
     The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
     (determined, bounded, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml
@@ -54,24 +54,24 @@ def infer(
     Parameters
     ----------
     file
-        A table of hold times and areas, or static friction; or, for healing, the record of a slide-hold-slide
+        Table of hold times and areas or static friction; for healing also the record of a slide-hold-slide
         test: time, load point or slip, and friction.
     model
-        relaxation: a separable half-space of some relaxation times; power, logarithm: one whose creep is a
-        power, or a logarithm, of time; lattice: light contacts on the lattice of springs; eyring: contacts
+        relaxation: a half-space of some relaxation times; power, logarithm: a half-space whose creep is a
+        power or a logarithm of time; lattice: light contacts on the lattice of springs; eyring: contacts
         that flow; healing: friction that grows by B ln(1 + t/time); ball: depth or contact radius of a ball
-        under a held load, with relaxation times. All models of creep are fitted beside the chosen one.
+        under a constant load, with relaxation times. Other models of creep are fitted for comparison.
     quantity
-        What was measured of a ball. [default: what the name of the column says]
+        Quantity that was measured of a ball. [default: from the name of the column]
     branches
-        How many relaxation times, 1 to 3. [default: as many as Akaike's criterion asks for]
+        Number of relaxation times, 1 to 3. [default: by Akaike's criterion]
     priors
-        TOML file of what is known of parameters, a table each: [time_1], kind = "log_uniform", low = "1 s",
+        TOML file of priors, a table for each parameter: [time_1], kind = "log_uniform", low = "1 s",
         high = "1 h"; other kinds are uniform, normal (mean, deviation) and log_normal (median, factor).
-        [default: broad ones, which priors.toml states]
+        [default: broad priors, which priors.toml states]
     error
-        Standard error of all values, or a part of each, such as 1%, in place of a column of them. [default:
-        from the scatter about the best fit]
+        Standard error of all values, or relative to each, such as 1%, in place of a column. [default: from
+        the scatter about the best fit]
     column_time
         Column of the hold times: its name in the header, or a number counted from 0. [default: 0]
     column_value
@@ -81,20 +81,17 @@ def infer(
     unit_time
         Unit of the hold times. [default: that of the column's name, or s]
     unit_area
-        Unit of the areas, such as mm^2, where the load and the roughness are to count; 1 for areas over the
-        nominal one (lattice); of a ball, that of the lengths. [default: areas are known up to a factor;
-        lengths of a ball have the unit of the column, if it has one]
+        Unit of the areas, such as mm^2, if their size is to count; 1 for areas over the nominal area
+        (lattice); for a ball, unit of its lengths. [default: only ratios of areas count; the lengths of a
+        ball have the unit of the column, if it has one]
     ramp
-        Time within which the load was put on in proportion to time; times count from its beginning.
-        [default: instantly]
+        Time over which the load rose linearly; times count from its start. [default: instantly]
     seed
         Seed of the random numbers.
     walkers
         Walkers in each of four ensembles.
     workers
-        Processes. [default: one for each core, up to four]
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        Number of processes. [default: one for each core, up to four]
     """
     chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
@@ -141,7 +138,7 @@ def _data(
     model: str,
     quantity: str | None,
 ) -> tuple[Any, ...]:
-    """Times in s, values and errors; remarks on them, what was read, and what it is."""
+    """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
@@ -186,7 +183,7 @@ def _data(
 
 
 def _of_ball(quantity: str | None, name: str) -> str:
-    """Whether depth or radius was measured, by a flag or the name of the column."""
+    """Return the measured quantity, from a flag or from the name of the column."""
     patterns = {
         "depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac",
         "radius": "radius|rayon",
@@ -199,7 +196,7 @@ def _of_ball(quantity: str | None, name: str) -> str:
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:
-    """Standard errors of all values, from a number, or a part of each."""
+    """Standard errors of all values, from a number or a percentage of each."""
     import numpy as np
 
     from asperity.base import checks
@@ -216,7 +213,7 @@ def _error(error: float | str | None, value: Any, unit: float) -> Any:
 
 
 def _factor(flag: str, unit: str, target: str, expected: str) -> float:
-    """One unit over that of SI; 1 is left as it is."""
+    """Factor from a unit to that of SI."""
     from asperity.base import units
 
     factor = 1.0 if unit == "1" else units.factor(units.spelled(unit) or "", target)

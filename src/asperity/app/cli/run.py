@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, flags_for, given
+from asperity.app.cli.flags import Flags, OutFolder, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
 
@@ -25,7 +25,7 @@ def run(
     config: Path | None = None,
     /,
     *,
-    out: Out = Path("asperity-out"),
+    out: OutFolder = Path("asperity-out"),
     results: Results = _RESULTS,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     keys: Flags | None = None,
@@ -34,18 +34,16 @@ def run(
 
     Without arguments: a Gaussian surface of 200 x 200 sites, k1/k0 = 3, nine decades of hold time.
     Flags override the configuration file, whose sections are the groups below. On a half-space or a layer,
-    numbers may carry units where the surface has some: --modulus 3.8GPa --pressure "1 MPa".
+    numbers may have units if the surface has some: --modulus 3.8GPa --pressure "1 MPa".
 
     Parameters
     ----------
     config
-        Configuration, a TOML file; a run writes its own to the results as config.toml.
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        TOML file of the configuration; a run writes the complete one to its results, as config.toml.
     leg
-        A leg of the history of the load or the separation, as often as there are legs: "hold 10",
+        A leg of the history of the load or the separation, once for each leg: "hold 10",
         "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
-        "repeat 3" (the legs so far).
+        "repeat 3" (the legs before it).
         [default: one hold]
     """
     from asperity.app.config.legs import legs_from_words
@@ -70,7 +68,7 @@ def run(
         out,
         to_toml(settings),
         functools.partial(execute, settings),
-        report=lambda found, **how: words_of(run_rows(found, read=read, **how)),
+        report=lambda outcome, **how: words_of(run_rows(outcome, read=read, **how)),
         write=write_run,
         every=_CHECKPOINT_EVERY,
         results=results,

@@ -1,4 +1,4 @@
-"""The command ``asperity surface``: what a surface file holds, in words and as a figure."""
+"""The command ``asperity surface``: describes a surface file, and draws it."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def surface(
     ----------
     file
         A surface file of an instrument, a .npy array, or a text matrix; or a TOML file as for asperity run,
-        for the surface that it asks for.
+        of which the surface is made.
     out
-        Figure to write (.png, .pdf or .svg); by default the file's name with .png, in the current folder.
+        Figure to write (.png, .pdf or .svg). [default: the name of the file with .png, in the current folder]
     overwrite
         Replace the figure if it exists.
     """

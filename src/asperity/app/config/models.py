@@ -64,13 +64,14 @@ class Contact(Section):
 
     load: Load | None = usual(
         None,
-        "Normal load, the sum of all contact forces; 0 before a ramp, below 0 with adhesion. "
-        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
+        "Normal load; 0 before a ramp; may be negative with adhesion. "
+        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum see the pressure.",
     )
     pressure: LoadOverArea | None = usual(
-        None, "Load over nominal area, instead of the load. By default, on a continuum, 0.005 E* x rms slope."
+        None,
+        "Load over nominal area, in place of the load. By default, on a continuum, 0.005 E* x rms slope.",
     )
-    separation: Position | None = usual(None, "Mean height of the undeformed solid; instead of the load.")
+    separation: Position | None = usual(None, "Mean height of the undeformed solid, in place of the load.")
 
     @model_validator(mode="after")
     def _one_of_three(self) -> Self:
@@ -86,20 +87,20 @@ class Aging(Section):
 
     first: Duration | None = usual(
         None,
-        "First time to record. By default that of the table of relaxation, else a tenth of the "
+        "First time to record. By default that of the relaxation table, else a tenth of the "
         "shortest relaxation time, else 0.001.",
     )
     last: Duration | None = usual(
         None,
-        "Last time to record. By default that of the table of relaxation, else ten times the "
+        "Last time to record. By default that of the relaxation table, else ten times the "
         "longest relaxation time, else 1e+06.",
     )
     per_decade: Annotated[int, Field(ge=1, le=1000)] = usual(4, "Times to record in each decade.")
     times: Annotated[list[Time], Field(min_length=1)] | None = usual(
-        None, "Times to record, one by one; instead of first, last and times per decade."
+        None, "List of times to record, in place of first, last and times per decade."
     )
     hold: Literal["load", "separation"] | None = usual(
-        None, "Quantity to hold while the contact ages. By default the one that pressed it."
+        None, "Quantity that stays constant while the contact ages. By default the one that pressed it."
     )
     rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = usual(2e-3, "Relative tolerance of the time steps.")
 
@@ -165,12 +166,12 @@ class Friction(Section):
     """What makes friction of the contact area; without a shear strength, nothing does."""
 
     shear_strength: Pressure | None = usual(
-        None, "Shear strength of the contacts, an input; on the lattice of springs, force a site."
+        None, "Shear strength of the contacts; on the lattice of springs, force per site."
     )
     rate_coefficient: Share | None = usual(
-        None, "Relative growth of the shear strength for each factor e of velocity. By default none."
+        None, "Relative growth of the shear strength with ln(velocity). By default 0."
     )
-    reference_velocity: Velocity | None = usual(None, "Velocity of sliding at that shear strength.")
+    reference_velocity: Velocity | None = usual(None, "Sliding velocity that belongs to the shear strength.")
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -185,20 +186,20 @@ class Carried(Section):
     """What a half-space's contact carries besides its load, recorded at each time."""
 
     stiffness: bool = usual(
-        False, "Record the normal stiffness and, if the solid has one Poisson's ratio, the tangential one."
+        False, "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio."
     )
     resistivity: OneOrTwo[Resistivity] | None = usual(
-        None, "Electrical resistivity, of both bodies or of each: record the resistance."
+        None, "Electrical resistivity, one value or one for each body: record the resistance."
     )
     conductivity: OneOrTwo[Conductivity] | None = usual(
         None, "Thermal conductivity, likewise: record the thermal resistance."
     )
-    shear: Force | None = usual(None, "Shear force: record the share of the contact that sticks.")
+    shear: Force | None = usual(None, "Shear force: record the fraction of the contact that sticks.")
     friction_coefficient: Positive | None = usual(
-        None, "Coefficient of friction of the sites, for the shear force."
+        None, "Local coefficient of friction under the shear force."
     )
     work_of_adhesion: Work | None = usual(
-        None, "Work of adhesion: record the force to pull the contact apart, at once."
+        None, "Work of adhesion: record the pull-off force, without further creep."
     )
 
     @model_validator(mode="after")
@@ -229,20 +230,20 @@ class Output(Section):
     """What is written."""
 
     maps_at: list[Time] | None = usual(
-        None, "Times at which to keep and draw the contact. By default 0 and five others."
+        None, "Times at which the contact is stored and drawn. By default 0 and five others."
     )
     figures: list[Format] = usual(["png"], 'Formats of the figures; "" for none.')
     measured: str | None = usual(
         None,
-        "Table of a measured contact area against time, with units: drawn with its errors into the figure "
-        "of the area, above the ratio of both.",
+        "Table of a measured contact area against time, with units: the figure of the area shows it, and the "
+        "ratio measured / computed.",
     )
     pixel: Size | None = usual(
-        None, "Pixel of a microscope that looks at the maps; in sites if there are no units."
+        None, "Pixel of a microscope through which the maps are seen; in sites if there are no units."
     )
     blur: Size | None = usual(None, "Full width at half maximum of its point spread function, likewise.")
     threshold: Share | None = usual(
-        None, "Part of full contact from which a pixel counts as contact. By default all light counts."
+        None, "Fraction of contact above which a pixel counts as contact. By default the fractions are added."
     )
 
     @property

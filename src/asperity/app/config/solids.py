@@ -59,11 +59,11 @@ class OfTable(Section):
 
     relaxation: str | None = usual(
         None,
-        "Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
-        "that gives the branches; and Young's modulus, where no modulus is given.",
+        "Table of relaxation modulus, creep compliance, or storage and loss moduli, which "
+        "gives the branches; and Young's modulus, if no modulus is given.",
     )
     table_kind: Literal["relaxation", "creep", "dynamic"] | None = usual(
-        None, "What the table holds, if the names of its columns do not say it."
+        None, "Quantity in the table, if the names of its columns do not say it."
     )
     table_modulus: TableModulus | None = usual(
         None, "Modulus in the table. By default the one that its header names, else Young's modulus."
@@ -86,8 +86,8 @@ class OfTable(Section):
     )
     extrapolate: Beyond | None = usual(
         None,
-        "What to assume beyond the times of the data. plateau: the last modulus of a table "
-        "stays. model: branches with their times go on. By default other times are refused.",
+        "Assumption beyond the times of the data. plateau: the modulus keeps the last value of the table. "
+        "model: the branches continue. By default other times are refused.",
     )
 
 
@@ -351,10 +351,10 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
     )
 
     data_first: Duration | None = usual(
-        None, "First time of the data that gave the branches; earlier ones need extrapolate = model."
+        None, "First time of the data of the branches; earlier times need extrapolate = model."
     )
     data_last: Duration | None = usual(
-        None, "Last time of the data that gave the branches; later ones need extrapolate = model."
+        None, "Last time of the data of the branches; later times need extrapolate = model."
     )
 
     def check(self) -> None:

@@ -40,14 +40,14 @@ class Job:
     task: asyncio.Task[None] | None = None
     watchers: set[Callable[[], None]] = field(default_factory=set)
 
-    def take(self, what: str, content: Any) -> None:
+    def take(self, sort: str, content: Any) -> None:
         """Take a message of the process that computes it."""
         recording = self.recording
-        if what == "stage":
+        if sort == "stage":
             recording.stage = content
-        elif what == "scene":
+        elif sort == "scene":
             recording.scene, recording.heights = content
-        elif what == "row":
+        elif sort == "row":
             row, new_map = content
             recording.rows.append(row)
             recording.maps += [] if new_map is None else [new_map]

@@ -181,8 +181,8 @@ class Session:
             async with asyncio.timeout(_LONGEST_CHECK):
                 config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
         except TimeoutError:
-            said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
-            self._put({"kind": "mistakes", "job": "", "mistakes": mistake(said)})
+            text = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
+            self._put({"kind": "mistakes", "job": "", "mistakes": mistake(text)})
         except Exception as error:  # said to the user, in the page
             self._put({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)})
         else:
@@ -311,8 +311,8 @@ class Server:
                         async for chunk in request.stream():
                             size += len(chunk)
                             if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
-                                said = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
-                                return _refused(said, 413)
+                                text = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
+                                return _refused(text, 413)
                             stream.write(chunk)
                 part.replace(uploads / name)
         except ClientDisconnect:
@@ -351,8 +351,8 @@ class OwnPagesOnly:
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         own = origins == [f"http://{host}"] or (not origins and not changes)
         if host not in self._hosts or not own:
-            said = "asperity explore serves its own page alone"
-            refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(said, 403)
+            text = "asperity explore serves its own page alone"
+            refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(text, 403)
             await refusal(scope, receive, send)
             return
 
@@ -388,7 +388,7 @@ def free_socket(port: int | None) -> socket.socket:
     raise InputError("--port", expected="a free port", got=got, advice="another one, or none")
 
 
-def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], browser: bool) -> None:
+def serve(root: Path | None, *, port: int | None, tell: Callable[[str], None], browser: bool) -> None:
     """Serve the page, with a folder if any, until the process is interrupted.
 
     The port is a free one by default; the address is told, and opened in a browser if wanted.
@@ -409,7 +409,7 @@ def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], b
             timeout_graceful_shutdown=1,
         )
         server = uvicorn.Server(settings)
-        told(address)
+        tell(address)
         if browser:
             webbrowser.open(address)
         with contextlib.suppress(KeyboardInterrupt):

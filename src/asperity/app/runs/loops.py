@@ -21,8 +21,8 @@ from asperity.surfaces import self_affine
 def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], None] = remark) -> None:
     """Compile all loops and keep their machine code on disk, unless that has been done.
 
-    What takes so long is told before it begins, if anything has to be compiled; where the machine code is
-    kept is a remark, if that is an unusual place. Both are a `Remark` by default.
+    `tell` gets a text before anything is compiled, `remark` one on an unusual folder of the machine code.
+    Both are a `Remark` by default.
     """
     others = stencils.forces, asperities.overlap_by_rows, branches.add_power
     of_multigrid = one_field.sweeps_1, rows.total, states.settle, two_fields.cycle_2
