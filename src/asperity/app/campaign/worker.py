@@ -24,7 +24,7 @@ _CHECKPOINT_EVERY = 30.0
 def run_task(
     directory: str, identity: str, config: str, content: str = "", version: str = __version__
 ) -> Report:
-    """Do one run, unless it is done already or another process is at it.
+    """Do one run, unless it is done or another process computes it.
 
     The configuration is JSON; the content, if any, the checksum of the surface file, which must not have
     changed since it was planned; the version, of what planned it, must be the worker's. ``failed`` runs

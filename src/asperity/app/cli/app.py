@@ -46,9 +46,7 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
         path = app.install_completion(shell=shell)
     except ShellDetectionError:
         advice = "--install-completion --shell bash"
-        raise InputError(
-            "--shell", expected="bash, zsh, fish or powershell", got="an unknown shell", advice=advice
-        ) from None
+        raise InputError("--shell", expected="a known shell", got="another one", advice=advice) from None
     print(f"written {path}; completion begins with the next shell")
 
 

@@ -67,7 +67,7 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
         raise AsperityError(str(error)) from error
     if not work.quiet:
         unasked = ("scheduler", f"{work.scheduler} was not used: no run was to do")
-        rows = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
+        rows = tally_table(plan, end, *[unasked] * (idle and work.scheduler is not None))
         sys.stdout.write(f"{rows}\n")
     if end.failed:
         why = f"{shlex.join(('asperity', 'status', str(out)))} says why; try again with --retry-failed"
@@ -84,7 +84,7 @@ def _check_out(out: Path) -> None:
         raise InputError("--out", expected=expected, got=got, advice="another name")
 
 
-def tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
+def tally_table(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
     """A table of the tally, and a line for each reason why runs failed."""
     states = ("done", "running", "failed", "left")
     rows = [("runs", str(end.total)), *((name, str(getattr(end, name))) for name in states)]

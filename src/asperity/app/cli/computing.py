@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from asperity.app.cli.options import Results
 from asperity.app.cli.report import Row, aligned
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
@@ -34,12 +36,12 @@ def compute_into(
     results: Results,
     replaceable: Standing,
 ) -> None:
-    """Compute, and write dataset, summary and all else to a folder, or nothing.
+    """Compute, and write the dataset, if there is one, the summary and all else to a folder, or nothing.
 
     A long computation writes a checkpoint beside the folder every so many seconds. `replaceable` is from
     `check_free`, called before the engine was imported.
     """
-    with place_beside(out, asked) as place, listener(not results.quiet) as progress:
+    with _place_beside(out, asked) as place, listener(not results.quiet) as progress:
         resumed, started = place.exists(), clock.perf_counter()
         if resumed:
             progress.stage(f"resuming from {place}")
@@ -47,7 +49,8 @@ def compute_into(
         rows = report(result, seconds=clock.perf_counter() - started, resumed=resumed)
         progress.stage("writing the results")
         with folder_of_results(kind, out, rows, replaceable) as folder:
-            write_into(result.dataset, folder / "history.zarr")
+            if isinstance(dataset := getattr(result, "dataset", None), xr.Dataset):
+                write_into(dataset, folder / "history.zarr")
             rows += [("remark", remark) for remark in write(result, folder) or ()]
     tell_results(rows, out, results)
 
@@ -62,7 +65,7 @@ def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: St
 
 
 @contextmanager
-def place_beside(out: Path, asked: str) -> Iterator[Path]:
+def _place_beside(out: Path, asked: str) -> Iterator[Path]:
     """The checkpoint of this computation beside the folder of results; removed when that is written."""
     mark = hashlib.sha256(asked.encode()).hexdigest()[:8]
     place = beside(out, f".{mark}.checkpoint")

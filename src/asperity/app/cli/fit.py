@@ -12,10 +12,10 @@ from cyclopts import Parameter
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.new_files import check_figures, check_new_file
-from asperity.app.cli.options import Drawn, Reading
+from asperity.app.cli.options import CurveColumns, Drawn, Reading
 from asperity.errors import InputError
 
-_DRAWN, _READING = Drawn(), Reading()
+_DRAWN, _READING, _COLUMNS = Drawn(), Reading(), CurveColumns()
 
 
 @command()
@@ -30,9 +30,7 @@ def fit(
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
     reading: Reading = _READING,
     drawn: Drawn = _DRAWN,
-    column_time: str | None = None,
-    column_value: str | None = None,
-    column_stderr: str | None = None,
+    columns: CurveColumns = _COLUMNS,
     quantity: str | None = None,
     unit_time: str | None = None,
 ) -> None:
@@ -57,13 +55,6 @@ def fit(
     window
         Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
         to all values. [default: all]
-    column_time
-        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
-        if column 0 is an index of pandas]
-    column_value
-        Column of the values. [default: the next]
-    column_stderr
-        Column of their standard errors. [default: none]
     quantity
         Name of the values in the figure. [default: the name in the header]
     unit_time
@@ -77,10 +68,9 @@ def fit(
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
     from asperity.fits import measured_growth, read_measurements
 
-    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
-        data = read_measurements(file, **chosen, **vars(reading))
-    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
+        data = read_measurements(file, **columns.chosen(), **vars(reading))
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers
     from asperity.figures import fit_figure

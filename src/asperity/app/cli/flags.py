@@ -37,7 +37,7 @@ _QUIET = Parameter(help="Print neither progress nor summary.", negative=(), show
 Quiet = Annotated[bool, _QUIET, Parameter(name=("--quiet", "-q"))]
 Open = Annotated[bool, Parameter(name="--open", negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
-OutFolder = Annotated[Out, Parameter(help="Folder of the results; it must not exist yet.")]
+Folder = Annotated[Out, Parameter(help="Folder of the results; it must not exist yet.")]
 Whole = Annotated[int, Parameter(converter=_whole)]
 Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
@@ -83,8 +83,11 @@ def flags_for(*sections: str) -> type[Flags]:
     return Parameter(name="*")(flags)
 
 
-def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
-    """Gather the flags that were given, by section and key; with `units`, quantities need theirs."""
+def given(
+    flags: Flags | None, *, surface: Path | None = None, leg: Sequence[str] | None = None, units: bool = False
+) -> dict[str, dict[str, object]]:
+    """Gather flags by section and key, with --surface and --leg; with `units`, quantities need theirs."""
+    from asperity.app.config.legs import legs_from_words
     from asperity.app.config.mistakes import flag_of
 
     sections: dict[str, dict[str, object]] = {}
@@ -96,7 +99,9 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
             for pair in written if units and any(key.units) else ():
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
-    return sections
+    if surface is not None:
+        sections.setdefault("surface", {})["path"] = str(surface)
+    return sections | ({"protocol": {"legs": legs_from_words(leg)}} if leg else {})
 
 
 def flag(name: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, OutFolder, Switch, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, Folder, Switch, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.base.files import kind_of
@@ -42,7 +42,7 @@ def friction(
     reading: Reading = _READING,
     calibration: Path | None = None,
     strength_at_rest: Switch = False,
-    out: OutFolder = Path("friction"),
+    out: Folder = Path("friction"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
 ) -> None:
@@ -93,7 +93,7 @@ def friction(
         if several[0].si and isinstance(reference, float | int):
             raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
     replaceable = check_free(out, overwrite=results.overwrite)
-    # Late: what is no record is told before all is imported.
+    # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import folder_of_results, tell_results
     from asperity.app.cli.reports.friction import events_report, friction_report
     from asperity.figures import rate_and_state_figure, write

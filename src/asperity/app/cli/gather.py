@@ -13,7 +13,7 @@ from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
 _DRAWN = Drawn()
-_UNITLESS = ("sites", "seconds")
+_BARE = ("sites", "seconds")
 """Columns whose names are their units."""
 
 
@@ -64,9 +64,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         ends = with_ends(dataset)
-        units = {
-            name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _UNITLESS
-        }
+        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _BARE}
         runs = runs.rename(columns={name: with_unit(name, unit) for name, unit in units.items()})
     with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import shlex
 import sys
@@ -10,13 +11,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, OutFolder, check_unit, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, Folder, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Drawn, Reading, Results
+from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
 from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
-_RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
+_RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
 _SAME = ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
 _FLAGS = {name: flag(name) for name in _SAME} | {"absolute": "--unit-area"}
 
@@ -32,16 +33,14 @@ def infer(
     priors: Path | None = None,
     error: float | str | None = None,
     reading: Reading = _READING,
-    column_time: str | None = None,
-    column_value: str | None = None,
-    column_stderr: str | None = None,
+    columns: CurveColumns = _COLUMNS,
     unit_time: str | None = None,
     unit_area: str | None = None,
     ramp: str | None = None,
     seed: int = 0,
     walkers: int = 1000,
     workers: int | None = None,
-    out: OutFolder = Path("inference"),
+    out: Folder = Path("inference"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
 ) -> None:
@@ -72,12 +71,6 @@ def infer(
     error
         Standard error of all values, or relative to each, such as 1%, in place of a column. [default: from
         the scatter about the best fit]
-    column_time
-        Column of the hold times: its name in the header, or a number counted from 0. [default: 0]
-    column_value
-        Column of the values. [default: the next]
-    column_stderr
-        Column of their standard errors. [default: the one whose name has std, err or sigma]
     unit_time
         Unit of the hold times. [default: that of the column's name, or s]
     unit_area
@@ -93,7 +86,7 @@ def infer(
     workers
         Number of processes. [default: one for each core, up to four]
     """
-    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    chosen = columns.chosen()
     with in_flags(OF_TABLES):
         *data, remarks, read, about = _data(
             file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
@@ -101,14 +94,16 @@ def infer(
     if ramp is not None:
         check_unit("--ramp", ramp, "s")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
+    from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import inference_report, write_inference
     from asperity.app.config.reading import read_tables
     from asperity.base import checks
     from asperity.base.machine import cores
+    from asperity.inference import Inference
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
-    from asperity.progress import listener
+    from asperity.progress import Progress
+    from asperity.results import Checkpoint
 
     libraries()
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
@@ -116,17 +111,25 @@ def infer(
     how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
-    with place_beside(out, asked) as place, listener(not results.quiet) as progress:
-        columns = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
-        with in_flags(_FLAGS | columns):
-            inference = inferred(*data, **how, progress=progress, checkpoint=place)
-        inference = replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
-        rows = [("read", read), *inference_report(inference, str(file))]
-        progress.stage("writing the results")
-        with folder_of_results("inference", out, rows, replaceable) as folder:
-            typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(inference, folder, drawn.formats(), source=file.name, command=typed)
-    tell_results(rows, out, results)
+
+    def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
+        places = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
+        with in_flags(_FLAGS | places):
+            inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint.path)
+        return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
+
+    typed = shlex.join(["asperity", *sys.argv[1:]])
+    compute_into(
+        "inference",
+        out,
+        asked,
+        compute,
+        report=lambda inference, **_: [("read", read), *inference_report(inference, str(file))],
+        write=functools.partial(write_inference, formats=drawn.formats(), source=file.name, command=typed),
+        every=0.0,
+        results=results,
+        replaceable=replaceable,
+    )
 
 
 def _data(

@@ -9,17 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import (
-    Flags,
-    OutFolder,
-    Switch,
-    Whole,
-    check_unit,
-    flag,
-    flags_for,
-    given,
-    in_flags,
-)
+from asperity.app.cli.flags import Flags, Folder, Switch, Whole, check_unit, flag, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
 from asperity.errors import InputError
@@ -46,7 +36,7 @@ def law(
     ] = [],  # noqa: B006
     age: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     millimeters: Switch = False,
-    out: OutFolder = Path("law"),
+    out: Folder = Path("law"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
     keys: Flags | None = None,
@@ -76,14 +66,12 @@ def law(
     millimeters
         Write these files in N, mm, s, MPa in place of SI.
     """
-    flags = given(keys, units=True)
+    flags = given(keys, surface=surface, units=True)
     for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s"), ("age", age, "s")):
         check_unit(f"--{name}", quantities or [], unit)
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
-    if surface is not None:
-        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     solid, config = flags.setdefault("solid", {}), None
     if material is not None and material.suffix == ".toml":
         config = material
@@ -108,7 +96,7 @@ def law(
         expected = "--write beside it: it is for files of other programs"
         raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.cli.reports.law import law_report, write_law
     from asperity.app.runs.law import law_of_config
 

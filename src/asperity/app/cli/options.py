@@ -103,6 +103,30 @@ class Reading:
 
 
 @flags_of_fields
+class CurveColumns:
+    """The columns of a curve.
+
+    Parameters
+    ----------
+    column_time
+        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1 if
+        column 0 is an index of pandas]
+    column_value
+        Column of the values. [default: the next]
+    column_stderr
+        Column of their standard errors. [default: none; to infer, the one whose name has std, err or sigma]
+    """
+
+    column_time: str | None = None
+    column_value: str | None = None
+    column_stderr: str | None = None
+
+    def chosen(self) -> dict[str, str | None]:
+        """Arguments of `asperity.fits.read_measurements`."""
+        return {name.removeprefix("column_"): column for name, column in vars(self).items()}
+
+
+@flags_of_fields
 class Work:
     """How the runs of campaigns are done.
 

@@ -11,7 +11,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, OutFolder, Switch, Whole, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, Switch, Whole, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
@@ -56,7 +56,7 @@ def predict(
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     resolution_study: Switch = False,
     wanted: PredictFlags = _PREDICT,
-    out: OutFolder = Path("prediction"),
+    out: Folder = Path("prediction"),
     results: Results = _RESULTS,
     keys: Flags | None = None,
 ) -> None:
@@ -86,22 +86,16 @@ def predict(
     resolution_study
         Predict also without the shortest waves of the scan, to see what a finer scan would change.
     """
-    flags = given(keys, units=True)
-    if surface is not None:
-        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
+    flags = given(keys, surface=surface, leg=leg, units=True)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
-    if leg:
-        from asperity.app.config.legs import legs_from_words
-
-        flags["protocol"] = {"legs": legs_from_words(leg)}
     asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
     if output.measured is not None:
         from asperity.fits.measurements import measured_area
 
         measured_area(output.measured, si=True)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
 

@@ -18,3 +18,8 @@ def aligned(rows: Sequence[Sequence[str]]) -> str:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=False)]
         lines.append("  ".join(cells).rstrip())
     return printable("\n".join(lines))
+
+
+def table_row(name: str, table: Sequence[Sequence[str]]) -> list[Row]:
+    """Rows of a table within another, of which the first has the name."""
+    return [(name * (number == 0), line) for number, line in enumerate(aligned(table).splitlines())]

@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, OutFolder, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
 
@@ -25,7 +25,7 @@ def run(
     config: Path | None = None,
     /,
     *,
-    out: OutFolder = Path("asperity-out"),
+    out: Folder = Path("asperity-out"),
     results: Results = _RESULTS,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     keys: Flags | None = None,
@@ -46,17 +46,13 @@ def run(
         "repeat 3" (the legs before it).
         [default: one hold]
     """
-    from asperity.app.config.legs import legs_from_words
     from asperity.app.config.reading import read_config, to_toml
 
-    flags = given(keys)
-    if leg:
-        flags["protocol"] = {"legs": legs_from_words(leg)}
-    settings = read_config(config, flags)
+    settings = read_config(config, given(keys, leg=leg))
     table = getattr(settings.solid, "fit", None)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.cli.output import write_run
     from asperity.app.runs import execute
     from asperity.app.runs.words import run_rows

@@ -22,10 +22,10 @@ def status(out: Path, /) -> None:
     """
     check_campaign("status", out)
     from asperity.app.campaign import load_plan, tally
-    from asperity.app.cli.campaign import tally_told
+    from asperity.app.cli.campaign import tally_table
 
     plan = load_plan(out)
-    sys.stdout.write(f"{tally_told(plan, tally(plan, out))}\n")
+    sys.stdout.write(f"{tally_table(plan, tally(plan, out))}\n")
 
 
 def check_campaign(command: str, out: Path) -> None:

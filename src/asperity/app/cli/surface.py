@@ -44,8 +44,8 @@ def surface(
     settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
     figures = check_figures("--out", target, drawn, overwrite=overwrite, source=file)
-    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
-    from asperity.app.cli.reports.surface import drawn_and_told
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
+    from asperity.app.cli.reports.surface import drawn_and_described
 
-    figure, rows = drawn_and_told(settings)
+    figure, rows = drawn_and_described(settings)
     sys.stdout.write("\n\n".join([rows, *write_figures(figure, figures)]) + "\n")

@@ -26,6 +26,6 @@ def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
     from asperity.app.campaign import read_plan
 
     settings = read_plan(plan)
-    from asperity.app.cli import campaign  # takes a second: mistakes are told before
+    from asperity.app.cli import campaign  # takes a second: mistakes are reported before
 
     (campaign.dry_run if work.dry_run else campaign.sweep)(settings, out, work)

@@ -1,4 +1,4 @@
-"""How mistakes in a configuration are named: where they stand, what was expected, what came."""
+"""Messages on mistakes in a configuration: place, expectation, value."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def flag_of(section: str, key: str) -> str:
 def spelled(
     errors: Iterable[ErrorDetails], flags: Sections, path: Path | None, section: str = ""
 ) -> list[str]:
-    """One line for each mistake that pydantic found, first of names; those shown suggest what was meant."""
+    """One line for each mistake of pydantic, unknown names first, with suggestions for those shown."""
     return [
         _line(detail, [section, *detail["loc"]] if section else [*detail["loc"]], flags, path)
         + (_suggestion(detail, section) if number < SHOWN_PROBLEMS else "")
@@ -120,9 +120,9 @@ def _suggestion(detail: ErrorDetails, section: str) -> str:
 
 
 def _of_section(section: str, sentence: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of a section; keys that came, or may come, as flags are named so.
+    """One line for a mistake of a section, with flags for keys that came, or may come, as such.
 
-    Its keys stand before a colon, or are marked; advice has arguments of the library.
+    Keys are before a colon, or marked; advice has arguments of the library.
     """
     keys = flags.get(section, {})
 
@@ -140,7 +140,7 @@ def _of_section(section: str, sentence: str, flags: Sections, path: Path | None)
 
 
 def _of_all(sentence: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of the whole configuration: a key or a leg that came as a flag is named so."""
+    """One line for a mistake of the whole configuration, with flags of keys and legs that came as such."""
     place, mark, rest = sentence.partition(": ")
     if "protocol" in flags and (leg := place.removeprefix("protocol")) != place:
         return f"--leg {leg}{mark}{rest}"

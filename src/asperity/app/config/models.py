@@ -1,7 +1,7 @@
-"""What a run needs to know: the sections of its configuration, and what each key may be.
+"""The sections of the configuration of a run, and their keys.
 
-Every key has a default, except the path of a measured surface, and the contact's load, which follows
-from the surface and the solid. The flags of the command line are made of these models.
+Only the path of a measured surface has no default; the default load follows from the surface and the
+solid. The flags of the command line are made of these models.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ else:
 
 
 class Contact(Section):
-    """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
+    """A load, a pressure or a separation; by default about 1 % of the surface touches."""
 
     load: Load | None = usual(
         None,
@@ -83,7 +83,7 @@ class Contact(Section):
 
 
 class Aging(Section):
-    """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
+    """The times to record ([0.0]: only the start and the limit), the constant quantity, and the tolerance."""
 
     first: Duration | None = usual(
         None,
@@ -163,7 +163,7 @@ if not TYPE_CHECKING:
 
 
 class Friction(Section):
-    """What makes friction of the contact area; without a shear strength, nothing does."""
+    """The shear strength that gives friction from the contact area; none by default."""
 
     shear_strength: Pressure | None = usual(
         None, "Shear strength of the contacts; on the lattice of springs, force per site."
@@ -183,7 +183,7 @@ class Friction(Section):
 
 
 class Carried(Section):
-    """What a half-space's contact carries besides its load, recorded at each time."""
+    """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
     stiffness: bool = usual(
         False, "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio."
@@ -211,7 +211,7 @@ class Carried(Section):
         return self
 
     def asked(self, poisson: float | list[float] | None) -> dict[str, Any] | None:
-        """What `asperity.Carried` takes, beside Poisson's ratios; None where nothing is to be recorded."""
+        """Arguments of `asperity.Carried` with these Poisson's ratios; None if nothing is to be recorded."""
         facts = self.model_dump(exclude_defaults=True)
         if not facts:
             return None
@@ -227,7 +227,7 @@ class Carried(Section):
 
 
 class Output(Section):
-    """What is written."""
+    """Maps, figures, and an instrument."""
 
     maps_at: list[Time] | None = usual(
         None, "Times at which the contact is stored and drawn. By default 0 and five others."
@@ -248,7 +248,7 @@ class Output(Section):
 
     @property
     def instrument(self) -> dict[str, Any]:
-        """What looks at the maps, for `asperity.observe`; empty for none."""
+        """Arguments of `asperity.observe`; empty for none."""
         return self.model_dump(include={"pixel", "blur", "threshold"}, exclude_none=True)
 
     @model_validator(mode="after")
@@ -330,7 +330,7 @@ class RunConfig(Section):
 
     @property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs of the protocol; none where nothing changes."""
+        """The legs of the protocol, if any."""
         return tuple(leg.leg for leg in self.protocol)
 
     @property
@@ -340,13 +340,13 @@ class RunConfig(Section):
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time to record, where they are not listed one by one; of a leg the first."""
+        """First and last time to record, if not listed; with a protocol the first of each leg."""
         first, last = self.solid.span
         return self.aging.first or first, self.aging.last or last
 
     @property
     def carries(self) -> dict[str, Any] | None:
-        """What `asperity.Carried` takes; None where nothing is to be recorded."""
+        """Arguments of `asperity.Carried`; None if nothing is to be recorded."""
         return self.carried.asked(getattr(self.solid, "poisson", None))
 
     @property

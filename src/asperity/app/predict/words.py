@@ -31,10 +31,13 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         text += f"fit error {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
         rows.append(("relaxation", text))
     nominal = prediction.nominal_area
-    held = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
-    held += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
-    held = prediction.legs or held
-    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("load", held)]
+    pressed = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
+    pressed += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
+    rows += [
+        ("solid", "; ".join(prediction.words)),
+        *_branches(prediction),
+        ("load", prediction.legs or pressed),
+    ]
     loaded = prediction.loaded
     rows += _contacts(prediction)
     rows += _growth(prediction)

@@ -94,13 +94,12 @@ def _goodness(fit: FitResult) -> tuple[str, ...]:
 
 
 def _comparison(comparison: Comparison) -> list[tuple[str, ...]]:
-    odds = (
-        f"{comparison.relative_likelihood:.1g}" if comparison.relative_likelihood > 1e-6 else "less than 1e-6"
-    )
+    likelihood = comparison.relative_likelihood
+    odds = f"{likelihood:.1g}" if likelihood > 1e-6 else "less than 1e-6"
     words = {
         "saturation": f"the data prefer saturation: a logarithm without end is {odds} times as likely",
-        "logarithm": "the data prefer the logarithm: no sign of saturation, and none that halves the "
-        "slope within these times",
+        "logarithm": "the data prefer the logarithm: no sign of saturation, and none that halves the slope "
+        "within these times",
         "undecided": "these data do not tell a logarithm from a saturation",
     }
     worth = f"the values count as {comparison.effective_points:.0f} independent ones, "

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from asperity.analysis.scan import written
-from asperity.app.cli.report import Row, aligned
+from asperity.app.cli.report import Row, table_row
 from asperity.base.words import counted, uncertain
 from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
 from asperity.friction.export import columns_of
@@ -52,27 +52,15 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
     (second, length), (time_unit, unit) = laws.record.scales, laws.record.units
     heads = ("law", "stiffness", f"k (1/{unit})", "a", "b", f"D_c ({unit})", "mu_0", "misfit")
     table: list[tuple[str, ...]] = [heads]
-    for machine_fit in laws.every:
-        assert isinstance(machine_fit, MachineFit)
-        is_given = machine_fit.stiffness_stderr == 0
-        k = f"{machine_fit.stiffness * length:.4g}"
-        if machine_fit.stiffness_at_edge or machine_fit.stiffness_stderr > machine_fit.stiffness:
+    for other in laws.every:
+        assert isinstance(other, MachineFit)
+        k = f"{other.stiffness * length:.4g}"
+        if other.stiffness_at_edge or other.stiffness_stderr > other.stiffness:
             k = "not determined"
-        mu_0, misfit = (
-            uncertain(machine_fit.mu_0, machine_fit.mu_0_stderr),
-            f"{float(np.std(machine_fit.residual)):.2g}",
-        )
-        table.append(
-            (
-                machine_fit.law,
-                "given" if is_given else "fitted",
-                k,
-                *_numbers(machine_fit, length),
-                mu_0,
-                misfit,
-            )
-        )
-    rows = [("machine" * (n == 0), line) for n, line in enumerate(aligned(table).splitlines())]
+        mu_0, misfit = uncertain(other.mu_0, other.mu_0_stderr), f"{float(np.std(other.residual)):.2g}"
+        origin = "given" if other.stiffness_stderr == 0 else "fitted"
+        table.append((other.law, origin, k, *_numbers(other, length), mu_0, misfit))
+    rows = table_row("machine", table)
     moved: list[str] = []
     kept: list[str] = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
@@ -115,8 +103,7 @@ def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tu
         table.append(row)
         numbers = ["not fitted"] if fit is None else _numbers(fit, length)
         lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *numbers))
-    rows = [("events" * (n == 0), line) for n, line in enumerate(aligned(lines).splitlines())]
-    return rows, pd.DataFrame(table)
+    return table_row("events", lines), pd.DataFrame(table)
 
 
 def _law(laws: StateLaws, law: StateLaw) -> list[Row]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from asperity.app.cli.report import Row, aligned
+from asperity.app.cli.report import Row, table_row
 from asperity.base.files import Format
 from asperity.base.words import counted, tables_to_toml
 from asperity.figures import inference_page, inference_pictures, write
@@ -22,8 +22,7 @@ def inference_report(inference: Inference, source: str) -> list[Row]:
         [str(row[0]), *(f"{value:.3g}" for value in row[1:])]
         for row in inference.models.itertuples(index=False)
     ]
-    table = aligned([[*inference.models.columns], *cells]).splitlines()
-    rows += [("models" * (n == 0), line) for n, line in enumerate(table)]
+    rows += table_row("models", [[*inference.models.columns], *cells])
     sentences = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in inference.findings}
     rows += [("", sentence) for sentence in inference.sentences if sentence not in sentences]
     rows += inference.findings

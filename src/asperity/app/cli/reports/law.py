@@ -40,13 +40,9 @@ def law_report(outcome: Outcome, *, seconds: float, resumed: bool = False) -> li
             rows.append((name, f"{text}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
     rows.append(("approach", "of the mean surface, without the deformation of a flat solid"))
     if dataset.sizes["direction"] > 1:
-        rows.append(
-            ("unloading", "separate table: from the largest pressure at its age, without further creep")
-        )
+        rows.append(("unloading", "separate table: from the largest pressure at its age, without creep"))
     if dataset.sizes["time"] > 1:
-        text = (
-            "do not interpolate between ages while the load changes: creep depends on the history of the load"
-        )
+        text = "do not interpolate between ages while the load changes: creep depends on its history"
         rows.append(("ages", text))
     rows.append(("cost", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
     return [*rows, *(("remark", remark) for remark in outcome.remarks)]

@@ -17,7 +17,7 @@ from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
+def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
     """Make or read a surface, draw it and describe it; `AsperityError` if it, or its file, cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
