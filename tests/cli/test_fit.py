@@ -52,7 +52,7 @@ def test_friction_in_words_figure_and_numbers(says, friction):
     assert (low, high) == pytest.approx([np.log(10) * end for end in rate.interval("slope")], rel=1e-4)
     assert low < 0.01 < high
     assert "the data prefer the logarithm: no sign" in text or "these data do not tell" in text
-    assert "figure written: fit.png; what it draws: fit.csv\nnumbers written: n.json\n" in text
+    assert "figure written: fit.png; its data: fit.csv\nnumbers written: n.json\n" in text
     assert Path("fit.png").read_bytes().startswith(b"\x89PNG")
     found, fit = json.loads(Path("n.json").read_text()), logarithm(time, mu)
     written, straight = found["fits"]["logarithm"], found["straight_line"]

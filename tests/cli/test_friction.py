@@ -171,7 +171,7 @@ def test_what_a_record_leaves_open_is_not_called_the_same_for_all_laws(says):
     machine("lab.csv", places=["load_point_um"])
     for stop, b_is_open in (("45.3 s", True), ("46 s", False)):
         text = says("friction", "lab.csv", "--from", "30 s", "--to", stop, "--overwrite")
-        (same,) = [line for line in text.splitlines() if "whatever law" in line]
+        (same,) = [line for line in text.splitlines() if "for each law" in line]
         assert "a (" in same
         assert ("b (" in same) is not b_is_open
 

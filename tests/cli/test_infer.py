@@ -141,7 +141,7 @@ def test_an_interrupted_inference_goes_on(asperity, table, monkeypatch):
     monkeypatch.setattr("asperity.inference.sampling._advanced", interrupted)
     status, _, error = asperity(*words)
     assert status == 130
-    assert "the same command goes on from" in error
+    assert "the same command resumes from" in error
     assert not Path("G").exists()
     assert asperity(*words)[0] == 0
     assert not list(Path().glob("*.checkpoint"))

@@ -71,11 +71,11 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
         (place,) = (path for path in tmp_path.iterdir() if not path.name.startswith("."))
         assert place.name.startswith("out.")
         assert place.suffix == ".checkpoint"
-    assert error.splitlines()[-1] == f"asperity: interrupted; the same command goes on from {place}"
+    assert error.splitlines()[-1] == f"asperity: interrupted; the same command resumes from {place}"
     running = process("run", *flags, "--out", tmp_path / "out", before=often)
     text, error = running.communicate(timeout=60)
     assert running.returncode == 0
-    assert f"going on from {place}" in error
+    assert f"resuming from {place}" in error
     assert re.search(r"cost .* s in this session\n", text)
     assert "  t = 0.001" not in error
     assert main(["run", *flags, "--quiet", "--out", str(tmp_path / "undisturbed")]) == 0
@@ -132,7 +132,7 @@ if __name__ == "__main__":
     words = ("sweep", tmp_path / "plan.toml", "--out", tmp_path / "out", "--workers", "1", "--quiet")
     running = process(*words, before=early)
     assert running.communicate(timeout=100)[1] == (
-        "asperity: interrupted; 0 runs are done and kept, and the same command does the rest\n"
+        "asperity: interrupted; 0 runs are done, and the same command does the rest\n"
     )
     assert running.returncode == 130
 

@@ -46,7 +46,7 @@ def test_the_page_or_the_picture_is_opened_or_else_the_folder(opened, tmp_path):
 def test_where_nothing_opens_it_the_place_is_told(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(webbrowser, "open", lambda _: False)
     open_results(tmp_path)
-    assert capsys.readouterr().err == f"remark: nothing here opens {tmp_path}\n"
+    assert capsys.readouterr().err == f"remark: no program opens {tmp_path}\n"
 
 
 def test_bash_completes_commands_and_flags(says, monkeypatch, tmp_path):

@@ -306,7 +306,7 @@ def test_an_interrupted_prediction_goes_on(files, monkeypatch, asperity, scan, u
         hurried.setattr("asperity.progress.Progress", Impatient)
         status, _, said = asperity(*call)
     assert status == 130
-    assert "the same command goes on from" in said
+    assert "the same command resumes from" in said
     assert [path.suffix for path in tmp_path.iterdir()] == [".checkpoint"]
     assert asperity(*call) == (0, "", "")
     assert list(tmp_path.iterdir()) == []

@@ -29,7 +29,7 @@ def test_an_array(says):
         ("size", "not in the file"),
         ("unit of heights", "not in the file"),
         ("edges", "reflecting"),
-        ("figure written:", "rough.png; what it draws: rough.csv"),
+        ("figure written:", "rough.png; its data: rough.csv"),
     ):
         assert row(text, name) == said
     assert row(text, "sites").split("  ")[0] == "24 x 16"

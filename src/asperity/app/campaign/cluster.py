@@ -1,4 +1,4 @@
-"""Connect to a Dask cluster: a given one, or one made of this machine's cores."""
+"""Connect to a Dask cluster: an existing one, or a new one on this machine's cores."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 ATTEMPTS = 3
-"""How many deaths of its worker a run survives before it counts as failed."""
+"""Deaths of its worker after which a run counts as failed."""
 
 _THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 
 _ANSWER, _TELL, _PATIENCE = 30.0, 5.0, 300.0
-"""Seconds that a scheduler has to answer; to wait without any worker before that is said, and in all."""
+"""Seconds to wait: for a scheduler; without any worker before a remark; without any worker in all."""
 
 _LOOK, _COUNT = 0.02, 1.0
 """Seconds between two looks for runs that have ended, and between two counts of the workers."""
@@ -46,7 +46,7 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
         "distributed.nanny.pre-spawn-environ": dict.fromkeys(_THREADS, 1),
     }
     with dask.config.set(settings), ExitStack() as stack:
-        # Silence what the library logs when workers or schedulers go: the tally says what matters.
+        # Silence the log of lost workers and schedulers: the tally has what matters.
         # What a task of it failed by is logged as the task is collected: before logging is on again.
         stack.callback(logging.disable, logging.root.manager.disable)
         stack.callback(gc.collect)
@@ -77,7 +77,7 @@ def connect(workers: int | None, scheduler: str | None, runs: int) -> Iterator[C
 
 
 def _why(error: BaseException) -> str:
-    """What kept workers from starting: what the error began with, or else that they ended by themselves."""
+    """Why workers did not start: the first error, or that they ended on their own."""
     while (before := error.__cause__ or error.__context__) is not None:
         error = before
     if "failed to start worker process" in str(error):
@@ -87,7 +87,7 @@ def _why(error: BaseException) -> str:
 
 
 def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Future[Any], Any]]:
-    """Yield futures as they end, with what they returned; say it when no worker is there to end one.
+    """Yield futures as they end, with their results; remark if there are no workers.
 
     `AsperityError` after minutes without any worker.
     """
@@ -121,7 +121,7 @@ def ended(client: Client, futures: Sequence[Future[Any]]) -> Iterator[tuple[Futu
         elif now - last_seen >= _PATIENCE:
             raise AsperityError(
                 f"scheduler: expected workers, got none for {_PATIENCE:.0f} seconds; finished runs are kept; "
-                "start some, and the same command does the rest"
+                "start workers and give the same command again"
             )
 
 

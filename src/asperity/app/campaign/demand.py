@@ -1,4 +1,4 @@
-"""What a campaign has still to do: runs, memory and disk. How long they take, the first of them tell."""
+"""The remaining runs of a campaign, and the memory and disk that they need."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _BLOCK = 4096
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a campaign has still to do.
+    """The remaining work of a campaign.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Estimate:
 
 
 def estimate(plan: Plan, directory: str | Path) -> Estimate:
-    """Count what is left of a campaign; nothing is computed but the surfaces that are measured.
+    """Count the remaining runs of a campaign; only measured surfaces are read.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ _SCALARS = {
     "fit_C": ("(a - 1) q of the saturation law", "1"),
     "fit_misfit": ("rms misfit of the saturation law", "1"),
 }
-"""Long name and dimension of the numbers of a run that are no values of a series."""
+"""Long name and dimension of the single numbers of a run."""
 
 _WHICH = {"initial": "first", "final": "last"}
 _WHEN = {"initial": "at time 0", "final": "at the last time", "relaxed": "relaxed"}
@@ -218,21 +218,21 @@ def with_ends(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(ends)
 
 
-def _at_places(plan: Plan, found: Mapping[str, Field]) -> Field:
+def _at_places(plan: Plan, numbers: Mapping[str, Field]) -> Field:
     """Numbers of each run: their first axis, then the dimensions; NaN where it is not finished."""
-    first, *rest = next(iter(found.values())).shape
+    first, *rest = next(iter(numbers.values())).shape
     values = np.full((first, *map(len, plan.dimensions.values()), *rest), np.nan)
     for run in plan.runs:
-        if run.identity in found:
+        if run.identity in numbers:
             place: tuple[Any, ...] = (slice(None), *plan.place(run))
-            values[place] = found[run.identity]
+            values[place] = numbers[run.identity]
     return values
 
 
 def _times(
     plan: Plan, finished: Mapping[str, Finished], series: Mapping[str, Field]
 ) -> tuple[str, dict[str, object]]:
-    """Along what series go: times, where all runs have the same; else entries, and times of each point."""
+    """Dimension of the series: times, if all runs share them; else entries, with times of each point."""
     protocol = bool(plan.runs[0].config.protocol)
     first, *others = finished.values()
     if all(np.array_equal(one.series[0], first.series[0]) for one in others):
@@ -249,7 +249,7 @@ def _times(
 
 
 def _of_maps(plan: Plan, finished: Mapping[str, Finished]) -> xr.Dataset:
-    """What maps know of patches, over the runs; nothing where not all kept maps at the same times."""
+    """Patches of the maps over the runs; empty unless all stored maps at the same times."""
     maps = {name: run.maps for name, run in finished.items() if run.maps is not None}
     if len(maps) < len(finished):
         return xr.Dataset()
@@ -279,7 +279,7 @@ def _at_separation(run: Run) -> bool:
 
 
 def _in_common(plan: Plan, units: Units) -> dict[str, Any]:
-    """What all runs have in common, key by key, and the file of the campaign."""
+    """Keys that all runs share, and the file of the campaign."""
     tables = to_tables(plan.runs[0].config)
     swept: dict[str, Any] = {}
     for number, axis in enumerate(plan.axes):

@@ -49,7 +49,7 @@ MOST_RUNS = 100_000
 
 @dataclass(frozen=True)
 class Axis:
-    """A parameter that is swept: its section, its name, and its values as coordinates."""
+    """A swept parameter: its section, its name, and its values as coordinates."""
 
     section: str
     name: str
@@ -58,7 +58,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: a hash of all that it depends on, its place along the axes, its seed, its configuration.
+    """One run: a hash of its inputs, its place along the axes, its seed, its configuration.
 
     The content is the checksum (SHA-256) of its surface file; empty for surfaces that are made.
     """
@@ -226,10 +226,10 @@ def load_plan(directory: str | Path) -> Plan:
 
 
 def name_of(plan: Plan, *runs: Run) -> str:
-    """Name runs by what they share and others do not: ``load = 4.0, seed = 2``."""
+    """Name runs by the swept values that they share: ``load = 4.0, seed = 2``."""
     several = {name for name, values in plan.swept.items() if len(values) > 1}
     first, *others = (plan.labels(run) for run in runs)
-    alike = {name: value for name, value in first.items() if all(one[name] == value for one in others)}
+    alike = {name: value for name, value in first.items() if all(labels[name] == value for labels in others)}
     shared = [f"{name} = {value}" for name, value in alike.items() if name in several]
     return ", ".join(shared) or ("the run" if len(plan.runs) == 1 else "several")
 
@@ -340,7 +340,7 @@ def _runs(
     *,
     zipped: bool,
 ) -> tuple[Run, ...]:
-    """Spread out; check every seed and every point, and name every mistake once."""
+    """Make the runs; check every seed and every point, and name every mistake once."""
     lengths = [range(len(values)) for values in lists.values()]
     points = list(zip(*lengths, strict=True)) if zipped and lists else list(itertools.product(*lengths))
     problems: dict[str, None] = {}
@@ -354,7 +354,7 @@ def _runs(
             try:
                 config_from(_laid_over(tables, {}, seed), {}, path)
             except ConfigError as error:
-                problems |= dict.fromkeys(_swept_told(error, swept))
+                problems |= dict.fromkeys(_swept_named(error, swept))
     for point in points:
         flags: Sections = {}
         for ((section, name), values), index in zip(lists.items(), point, strict=True):
@@ -369,14 +369,14 @@ def _runs(
             config = config.model_copy(update=resolved)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
-            problems |= dict.fromkeys(_swept_told(error, swept))
+            problems |= dict.fromkeys(_swept_named(error, swept))
     if problems:
         raise ConfigError(list(problems))
     return tuple(runs)
 
 
-def _swept_told(error: ConfigError, keys: Mapping[tuple[str, str], str]) -> Iterator[str]:
-    """The mistakes, of which those of swept keys are named as they stand in the file."""
+def _swept_named(error: ConfigError, keys: Mapping[tuple[str, str], str]) -> Iterator[str]:
+    """The mistakes, with names of swept keys as in the file."""
     for problem in error.problems:
         for (section, name), key in keys.items():
             problem = re.sub(rf"\[{section}\] {re.escape(name)}\b", f"[sweep] {key}", problem)
@@ -421,17 +421,17 @@ def seeded(config: RunConfig, seed: int) -> RunConfig:
     return config.model_copy(update={"surface": surface})
 
 
-def _content(config: RunConfig, known: dict[str, str]) -> str:
+def _content(config: RunConfig, checksums: dict[str, str]) -> str:
     """Checksum of the surface file, if there is one."""
     if (file := config.surface.file) is None:
         return ""
     name = str(file)
-    if name not in known:
+    if name not in checksums:
         try:
-            known[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            checksums[name] = hashlib.sha256(file.read_bytes()).hexdigest()
         except OSError as error:
             raise ConfigError([f"[surface] path: {name}: {error.strerror}"]) from None
-    return known[name]
+    return checksums[name]
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:

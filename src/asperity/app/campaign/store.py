@@ -1,4 +1,4 @@
-"""The folder of a campaign: one zarr store of finished runs, and the traces of those under way.
+"""The folder of a campaign: one zarr store of finished runs, and the state of running ones.
 
     DIR/asperity.json                 the marker: that this is a campaign
     DIR/plan.json                     the plan last given
@@ -47,7 +47,7 @@ _PATIENCE = 60.0
 """Seconds to wait for another process that prepares the same folder, which takes it a moment."""
 
 _OF_MAPS = "of_maps"
-"""The array of all that maps know of patches."""
+"""The array of the patches of all maps."""
 
 _WHOLE = "attributes_checksum"
 """The attribute that is the checksum of all others."""
@@ -78,7 +78,7 @@ class Store:
         self.work = directory / "state"
 
     def prepare(self) -> None:
-        """Create the folders, and clear what killed writers left; harmless while others write."""
+        """Create the folders, and remove remains of killed writers; harmless while others write."""
         if not (self.directory / MARKER).exists():  # first: by it others know the folder
             with whole_file(self.directory / MARKER) as part:
                 mark(part, "campaign", ("plan.json", "runs.zarr", "state"))
@@ -122,15 +122,15 @@ class Store:
         if lacking := sorted(present - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
             damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
-            remark(f"{damaged}, and not used; asperity sweep does it again")
+            remark(f"{damaged}, not used; asperity sweep repeats it")
 
     def checkpoint(self, identity: str) -> Path:
-        """Where a run keeps its place."""
+        """The checkpoint of a run."""
         return self.work / "checkpoints" / f"{identity}.npz"
 
     @contextmanager
     def claim(self, identity: str) -> Iterator[bool]:
-        """Try to be the only process at work on a run; yields whether it is."""
+        """Lock a run for this process; yields whether that succeeded."""
         lock = FileLock(self._lock(identity))
         try:
             lock.acquire(blocking=False)
@@ -145,7 +145,7 @@ class Store:
             lock.release()
 
     def running(self) -> set[str]:
-        """Identities of the runs that living processes on this machine are at work on."""
+        """Identities of the runs that processes on this machine compute."""
         return {path.stem for path in (self.work / "locks").glob("*.lock") if _is_locked(path)}
 
     def failures(self) -> dict[str, str]:
@@ -266,12 +266,12 @@ def _check(sound: object) -> None:
         raise ValueError
 
 
-def _damage(place: Path, what: str, fault: str = "is damaged") -> InputError:
+def _damage(place: Path, part: str, fault: str = "is damaged") -> InputError:
     return InputError(
         "campaign",
         expected="runs as they were written",
         got=f"{place}, which {fault}",
-        advice=f"removing {what}, and the same sweep again",
+        advice=f"removing {part}, and the same sweep again",
     )
 
 

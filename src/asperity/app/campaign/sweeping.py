@@ -1,4 +1,4 @@
-"""Do what is missing of a campaign, on this machine's cores or on a Dask cluster."""
+"""Do the remaining runs of a campaign, on this machine's cores or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from distributed import Client
 
 _POLL = 1.0
-"""Seconds between two looks at runs that another campaign is at work on."""
+"""Seconds between two looks at runs that another process computes."""
 
 
 @dataclass(frozen=True)
 class Tally:
-    """How far a campaign has come.
+    """Progress of a campaign.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ def sweep(
 
 
 def _round(client: Client, store: Store, runs: Sequence[Run], take: Callable[[Report], None]) -> list[Run]:
-    """Submit runs, take the reports as they come; return the runs that others are at work on."""
+    """Submit runs, take their reports; return the runs that other processes compute."""
     by_key = {f"run-{run.identity}-{clock.monotonic_ns()}": run for run in runs}
     futures = []
     for key, run in by_key.items():
@@ -213,7 +213,7 @@ def _is_busy(report: Report) -> bool:
 
 def _lost(reason: str) -> OutputError:
     return OutputError(
-        f"lost the scheduler ({reason or 'no reason given'}); finished runs are kept, "
+        f"lost the scheduler ({reason or 'for unknown reasons'}); finished runs are stored, "
         "and the same command does the rest"
     )
 

@@ -1,4 +1,4 @@
-"""One run of a campaign, in a worker process: idempotent, and something tiny comes back."""
+"""One run of a campaign in a worker process, which stores the results and returns a short report."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _CHECKPOINT_EVERY = 30.0
 def run_task(
     directory: str, identity: str, config: str, content: str = "", version: str = __version__
 ) -> Report:
-    """Do one run, unless it is done already or another process is at it.
+    """Do one run, unless it is done or another process computes it.
 
     The configuration is JSON; the content, if any, the checksum of the surface file, which must not have
     changed since it was planned; the version, of what planned it, must be the worker's. ``failed`` runs

@@ -1,4 +1,4 @@
-"""The command line: arguments in, the package's verbs called, words out."""
+"""The command line: reads arguments, calls the library, and prints."""
 
 import os
 import signal
@@ -17,16 +17,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     if threading.current_thread() is threading.main_thread():
         usual = {signal.SIGTERM: signal.SIG_DFL, signal.SIGINT: signal.default_int_handler}
-        for number, handler in usual.items():  # termination ends with what Ctrl-C says
+        for number, handler in usual.items():  # termination prints the message of Ctrl-C
             if signal.getsignal(number) == handler:
                 signal.signal(number, stop)
-    if arguments is None:  # no window opens, whatever a notebook has left for its own pictures
+    if arguments is None:  # no window opens, whatever backend a notebook set
         os.environ["MPLBACKEND"] = "agg"
     try:  # an interruption may come while the commands are imported
         from asperity.app.cli.app import answer
 
         return answer(sys.argv[1:] if arguments is None else list(arguments))
-    except BaseException as error:  # of whatever an import has made of the interruption
+    except BaseException as error:  # an import may turn the interruption into any error
         interrupted = isinstance(error, KeyboardInterrupt)
         if not came and not interrupted:
             raise

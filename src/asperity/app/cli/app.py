@@ -33,12 +33,12 @@ _COMMANDS = (run, predict, law, surface, fit, infer, friction, sweep, status, ga
 
 @command(name="--install-completion")
 def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | None = None) -> None:
-    """Let the shell complete commands and flags at the Tab key, from its next start on.
+    """Let the Tab key complete commands and flags, from the next start of the shell.
 
     Parameters
     ----------
     shell
-        Which shell. [default: the one that this runs in]
+        The shell. [default: the one that runs this command]
     """
     from cyclopts.completion.detect import ShellDetectionError
 
@@ -46,12 +46,12 @@ def install_completion(*, shell: Literal["bash", "zsh", "fish", "powershell"] | 
         path = app.install_completion(shell=shell)
     except ShellDetectionError:
         advice = "--install-completion --shell bash"
-        raise InputError("--shell", expected="a shell", got="none that is known", advice=advice) from None
+        raise InputError("--shell", expected="a known shell", got="another one", advice=advice) from None
     print(f"written {path}; completion begins with the next shell")
 
 
 def with_others() -> App:
-    """The command with those of other distributions, which are looked for when this is called."""
+    """The command with the commands of other installed distributions."""
     from importlib.metadata import entry_points  # takes as long as all else that most commands import
 
     for plugin in entry_points(group="asperity.commands"):
@@ -67,7 +67,7 @@ def answer(arguments: list[str]) -> int:
     """Do what the words after ``asperity`` say, and return the exit status."""
     make_streams_safe()
     widen()
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts is no user's concern
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # else it reports its cache of fonts
     with warnings.catch_warnings(), command_running():
         warnings.showwarning = _show_warning
         if not any(word in _OWN for word in arguments[:1]):
@@ -117,7 +117,7 @@ _NO_SUCH_FLAG = {
     "--activation-energy": "; that of creep is --creep-energy",
     "--activation-volume": "; that of creep is --creep-volume",
 }
-"""What is said of flags that people expect, and that there are not."""
+"""Advice for flags that users expect and that do not exist."""
 
 
 _OF_RESEARCH = ("challenge", "experiment", "reproduce", "study")
@@ -148,7 +148,7 @@ def _usage(error: CycloptsError) -> str:
     return f"{text} (see {' '.join(('asperity', *(error.command_chain or ())))} --help)"
 
 
-def _meant(word: str, known: Sequence[str]) -> str:
+def _meant(word: str, names: Sequence[str]) -> str:
     dashes = word[: len(word) - len(word.lstrip("-"))]
-    meant = closest(word.lstrip("-"), [name.lstrip("-") for name in known if name.startswith(dashes or name)])
+    meant = closest(word.lstrip("-"), [name.lstrip("-") for name in names if name.startswith(dashes or name)])
     return f"; did you mean {dashes}{meant}?" if meant else ""

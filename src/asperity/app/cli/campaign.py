@@ -1,4 +1,4 @@
-"""What a campaign does when it is swept, and how its progress is told."""
+"""Sweep a campaign, and print its progress."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ _SHOWN_FAILURES = 10
 
 
 def dry_run(plan: Plan, out: Path, _: Work) -> None:
-    """Say what a campaign would do."""
+    """Print how many runs are to do, and what they need."""
     demand = campaign.estimate(plan, out)
     to_do = f"{len(plan.distinct)}, of which {demand.runs} are to do"
     rows = [("runs", to_do), ("dimensions", _dimensions(plan))]
     if demand.runs:
-        memory = f"about {data_size(demand.memory)} for the largest run, one on each worker; "
+        memory = f"about {data_size(demand.memory)} for the largest run, times the workers; "
         memory += f"this machine has {data_size(available())} available"
         rows += [("memory", memory), ("disk", f"about {data_size(demand.bytes)}")]
     sys.stdout.write(f"{aligned(rows)}\n")
 
 
 def sweep(plan: Plan, out: Path, work: Work) -> None:
-    """Do what is missing, and say how it ended; runs that failed are an `AsperityError` after all others."""
+    """Do the missing runs, and print the tally; `AsperityError` in the end if runs failed."""
     _check_out(out)
     before = campaign.tally(plan, out)
     idle = before.done + (0 if work.retry_failed else before.failed) == before.total
@@ -58,16 +58,16 @@ def sweep(plan: Plan, out: Path, work: Work) -> None:
                 progress=show,
             )
     except KeyboardInterrupt:
-        kept = f"{campaign.tally(plan, out).done} runs are done and kept"
-        raise KeyboardInterrupt(f"interrupted; {kept}, and the same command does the rest") from None
+        done = f"{campaign.tally(plan, out).done} runs are done"
+        raise KeyboardInterrupt(f"interrupted; {done}, and the same command does the rest") from None
     except InputError as error:
-        # That nobody is at an address is no mistake in what was typed.
+        # A scheduler that does not answer is no mistake in the arguments.
         if error.name != "scheduler" or isinstance(error.__cause__, ValueError):
             raise
         raise AsperityError(str(error)) from error
     if not work.quiet:
-        unasked = ("scheduler", f"{work.scheduler} was not asked: there was nothing to do")
-        rows = tally_told(plan, end, *[unasked] * (idle and work.scheduler is not None))
+        unasked = ("scheduler", f"{work.scheduler} was not used: no run was to do")
+        rows = tally_table(plan, end, *[unasked] * (idle and work.scheduler is not None))
         sys.stdout.write(f"{rows}\n")
     if end.failed:
         why = f"{shlex.join(('asperity', 'status', str(out)))} says why; try again with --retry-failed"
@@ -80,12 +80,12 @@ def _check_out(out: Path) -> None:
     occupied = any(path.name[0] != "." for path in out.iterdir()) if out.exists() else False
     if occupied and kind_of(out) != "campaign":  # in this order: another campaign may be filling the folder
         expected = "a new folder, or that of a campaign"
-        got = f"{out}, which holds something else and is kept"
+        got = f"{out}, which contains something else"
         raise InputError("--out", expected=expected, got=got, advice="another name")
 
 
-def tally_told(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
-    """A table of the tally, and a line for all runs that failed alike."""
+def tally_table(plan: Plan, end: Tally, *more: tuple[str, str]) -> str:
+    """A table of the tally, and a line for each reason why runs failed."""
     states = ("done", "running", "failed", "left")
     rows = [("runs", str(end.total)), *((name, str(getattr(end, name))) for name in states)]
     alike: dict[str, list[Run]] = {}

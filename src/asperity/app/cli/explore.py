@@ -22,10 +22,10 @@ def explore(
     export: Path | None = None,
     overwrite: Switch = False,
 ) -> None:
-    """Show a page on which contacts age, in the browser of this machine, or write it to a file.
+    """Show contacts that age, on a page in the browser, or write the page to a file.
 
-    Without a folder: choose a surface, a solid and a load, press, and watch. With the folder of a run, a
-    prediction or a campaign, or of several: what they found. Ctrl-C ends it.
+    Without a folder, choose a surface, a solid and a load on the page. With a folder of runs, predictions or
+    campaigns, the page shows their results. Ctrl-C ends it.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def explore(
     no_browser
         Only print the address.
     export
-        Write the page with the results to this file (.html), which opens anywhere without a server.
+        Write the page with the results to this file (.html), which needs no server.
     overwrite
         Replace that file if it exists.
     """
@@ -53,10 +53,10 @@ def explore(
     with checks.extra("explore", "the page"):
         from asperity.app.explore.server import serve
 
-    def told(address: str) -> None:
+    def print_address(address: str) -> None:
         print(f"{address}  (Ctrl-C to end)", flush=True)
 
-    serve(folder, port=port, told=told, browser=not no_browser)
+    serve(folder, port=port, tell=print_address, browser=not no_browser)
 
 
 def _export(folder: Path | None, page: Path, *, overwrite: bool) -> None:

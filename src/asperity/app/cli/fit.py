@@ -12,10 +12,10 @@ from cyclopts import Parameter
 from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
 from asperity.app.cli.new_files import check_figures, check_new_file
-from asperity.app.cli.options import Drawn, Reading
+from asperity.app.cli.options import CurveColumns, Drawn, Reading
 from asperity.errors import InputError
 
-_DRAWN, _READING = Drawn(), Reading()
+_DRAWN, _READING, _COLUMNS = Drawn(), Reading(), CurveColumns()
 
 
 @command()
@@ -30,22 +30,20 @@ def fit(
     window: Annotated[tuple[float, float] | None, Parameter(negative=())] = None,
     reading: Reading = _READING,
     drawn: Drawn = _DRAWN,
-    column_time: str | None = None,
-    column_value: str | None = None,
-    column_stderr: str | None = None,
+    columns: CurveColumns = _COLUMNS,
     quantity: str | None = None,
     unit_time: str | None = None,
 ) -> None:
     """Fit laws of growth to measured values against hold time: contact area, or static friction.
 
-    A value at time 0, if there is one, is taken as exact; several, or one with a standard error, are
+    A single value at time 0 without a standard error is taken as exact. Otherwise values at time 0 are
     measurements like others.
 
     Parameters
     ----------
     file
-        A table: two columns or more, separated by anything; also the aging.csv of a run. Lines
-        beginning with #, % or ; are comments.
+        Table of two columns or more with any separator, such as the aging.csv of a run. Lines beginning with
+        #, % or ; are comments.
     law
         Law to fit.
     out
@@ -57,17 +55,10 @@ def fit(
     window
         Hold times T1 T2 between which a straight line gives the growth per decade; the laws are fitted
         to all values. [default: all]
-    column_time
-        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1
-        where column 0 is an index 0, 1, 2, ... without a name, as pandas writes it]
-    column_value
-        Column of the values. [default: the next]
-    column_stderr
-        Column of their standard errors. [default: none are known]
     quantity
-        What the values are, for the figure. [default: the name in the header]
+        Name of the values in the figure. [default: the name in the header]
     unit_time
-        Unit of the hold times, such as s, for the figure. [default: that of the table]
+        Unit of the hold times in the figure, such as s. [default: that of the table]
     """
     figures = check_figures("--out", out, drawn, overwrite=overwrite, source=file)
     if json is not None:
@@ -77,10 +68,9 @@ def fit(
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
     from asperity.fits import measured_growth, read_measurements
 
-    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
     with in_flags(OF_TABLES):
-        data = read_measurements(file, **chosen, **vars(reading))
-    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
+        data = read_measurements(file, **columns.chosen(), **vars(reading))
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers
     from asperity.figures import fit_figure

@@ -33,9 +33,11 @@ def _whole(_: object, tokens: Sequence[Token]) -> int:
 
 
 Switch = Annotated[bool, Parameter(negative=(), show_default=False)]
-Quiet = Annotated[bool, Parameter(name=("--quiet", "-q"), negative=(), show_default=False)]
+_QUIET = Parameter(help="Print neither progress nor summary.", negative=(), show_default=False)
+Quiet = Annotated[bool, _QUIET, Parameter(name=("--quiet", "-q"))]
 Open = Annotated[bool, Parameter(name="--open", negative=(), show_default=False)]
 Out = Annotated[Path, Parameter(name=("--out", "-o"))]
+Folder = Annotated[Out, Parameter(help="Folder of the results; it must not exist yet.")]
 Whole = Annotated[int, Parameter(converter=_whole)]
 Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
@@ -61,11 +63,11 @@ _METAVARS = {
     "columns": "COLUMN",
     "units": "COLUMN=UNIT",
 }
-"""What stands for the words of a flag in the help, by what its key is, or by its name."""
+"""Placeholders of values in the help, by the type of a key or by its name."""
 
 
 class Flags:
-    """What was written for keys of the configuration; None for a flag that was not given."""
+    """Texts of the flags of keys of the configuration; None for absent flags."""
 
     keys: ClassVar[dict[str, tuple[str, Any]]]  # section and Key of each; the library evaluates this line
 
@@ -81,8 +83,11 @@ def flags_for(*sections: str) -> type[Flags]:
     return Parameter(name="*")(flags)
 
 
-def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, object]]:
-    """Gather the flags that were given, by section and key; with `units`, quantities need theirs."""
+def given(
+    flags: Flags | None, *, surface: Path | None = None, leg: Sequence[str] | None = None, units: bool = False
+) -> dict[str, dict[str, object]]:
+    """Gather flags by section and key, with --surface and --leg; with `units`, quantities need theirs."""
+    from asperity.app.config.legs import legs_from_words
     from asperity.app.config.mistakes import flag_of
 
     sections: dict[str, dict[str, object]] = {}
@@ -90,24 +95,26 @@ def given(flags: Flags | None, *, units: bool = False) -> dict[str, dict[str, ob
         if (written := getattr(flags, name)) is not None:
             flag = flag_of(section, key.name)
             if units and key.unit:
-                check_unit(flag, written, key.unit, said=key.description)
+                check_unit(flag, written, key.unit, help_text=key.description)
             for pair in written if units and any(key.units) else ():
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
-    return sections
+    if surface is not None:
+        sections.setdefault("surface", {})["path"] = str(surface)
+    return sections | ({"protocol": {"legs": legs_from_words(leg)}} if leg else {})
 
 
 def flag(name: str) -> str:
-    """The flag of an argument that is called as it."""
+    """The flag of an argument of this name."""
     return f"--{name.replace('_', '-')}"
 
 
 @contextmanager
 def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
-    """Name flags in errors within it, by the arguments that they stand for; in their advice too."""
+    """Replace names of arguments by their flags in errors and their advice."""
 
-    def named(found: re.Match[str]) -> str:
-        return f"{flags[found[1]]} " if found[1] else found[0]
+    def named(match: re.Match[str]) -> str:
+        return f"{flags[match[1]]} " if match[1] else match[0]
 
     try:
         yield
@@ -118,9 +125,9 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
 
 
-def check_unit(flag: str, written: str | list[str], unit: str, *, said: str = "") -> None:
+def check_unit(flag: str, written: str | list[str], unit: str, *, help_text: str = "") -> None:
     """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one."""
-    usual = re.search(r"such as \W?[\d.]+ *([a-zA-Z][\w^/ ]*)", said)
+    usual = re.search(r"such as \W?[\d.]+ *([a-zA-Z][\w^/ ]*)", help_text)
     words = [written] if isinstance(written, str) else []
     for word in written if isinstance(written, list) else []:
         words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
@@ -140,32 +147,32 @@ def _check_pair(flag: str, pair: str, key: Key) -> None:
         raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
 
 
-def _read(written: bool | str | list[str], what: What) -> object:
+def _read(written: bool | str | list[str], sort: What) -> object:
     """Turn words into numbers, where a key may be one; the check refuses the rest."""
     if isinstance(written, list):
-        if what in ("pair", "pairs"):
+        if sort in ("pair", "pairs"):
             split = (re.split(r"[\s,]+", word.strip(), maxsplit=1) for word in written)
             pairs = [[number(part) for part in parts] for parts in split]
-            return pairs if what == "pairs" else pairs[-1]
-        if what == "choices":
+            return pairs if sort == "pairs" else pairs[-1]
+        if sort == "choices":
             return listed(written)
-        if what == "texts":
+        if sort == "texts":
             return written
-        return numbers(written, whole=what == "wholes")
-    if isinstance(written, bool) or what in ("choice", "text", "path"):
+        return numbers(written, whole=sort == "wholes")
+    if isinstance(written, bool) or sort in ("choice", "text", "path"):
         return written
-    if what == "text or whole":
+    if sort == "text or whole":
         return int(written) if written.isdecimal() else written
     return number(written)
 
 
 def listed(written: Iterable[str]) -> list[str]:
-    """Words with blanks or commas between."""
+    """Words separated by blanks or commas."""
     return " ".join(written).replace(",", " ").split()
 
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
-    """Keys of a section, with its name; of several kinds, each key with what is said of all."""
+    """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
     from asperity.app.config.keys import Key, keys_of, sections
     from asperity.app.config.surfaces import MeasuredSurface
 
@@ -209,8 +216,8 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--young": "Unrelaxed Young's modulus, such as 3GPa, in place of a table; two for two bodies.",
         "--poisson": "Poisson's ratio, which does not relax; without a table, two numbers for two bodies. "
         f"[default: {POISSON}]",
-        "--branches-per-decade": "Relaxation times in each decade of the table: more of them for data with "
-        "few distinct times, fewer for noisy data. [default: free times, where few suffice, else 1 or 2]",
+        "--branches-per-decade": "Relaxation times per decade of the table: more for data with few distinct "
+        "times, fewer for noisy data. [default: see --branches]",
         "--creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure.",
         "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
         "relaxation table from --reference.",
@@ -218,9 +225,9 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--pressure": "Load over nominal area, such as 1MPa.",
         "--load": "Normal load, such as 10N, in place of the pressure.",
         "--shear-strength": "Shear strength of the contacts, such as 50MPa: gives friction.",
-        "--pixel": "Pixel of an instrument that looks at the contact, such as 0.2um.",
+        "--pixel": "Pixel of an instrument through which the contact is seen, such as 0.2um.",
         "--blur": "Full width at half maximum of its point spread function, such as 0.3um.",
-        "--threshold": "Part of full contact from which such a pixel counts. [default: 0.5]",
+        "--threshold": "Fraction of contact above which such a pixel counts as contact. [default: 0.5]",
     }
     for section, model, names in (
         ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path", "unit"}),
@@ -261,6 +268,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         negative=(),
         consume_multiple=key.several and not paired,
         show_default=False,
+        show_choices=False,
         # as in -40degC; a list would take the flags behind it for more of it
         allow_leading_hyphen=bool(key.unit) and not key.several and (key.unit == "K" or (key.least or 0) < 0),
     )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, Switch, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, Folder, Switch, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.base.files import kind_of
@@ -42,48 +42,45 @@ def friction(
     reading: Reading = _READING,
     calibration: Path | None = None,
     strength_at_rest: Switch = False,
-    out: Out = Path("friction"),
+    out: Folder = Path("friction"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
 ) -> None:
     """Fit rate-and-state friction to records of sliding with holds or velocity steps.
 
     The result is a folder with the parameters a, b, D_c, mu_0 and V_0, their 95 % intervals and units, for
-    codes of earthquakes (friction.toml, friction.csv), a picture, and a verdict on the aging law against
+    codes of earthquakes (friction.toml, friction.csv), a picture, and a verdict between the aging law and
     the slip law.
 
     Parameters
     ----------
     records
-        The folder of a run that slid, or of a campaign over seeds; or a table, or a file of xlook: time; load
-        point, slip or both; friction, or shear and normal stress or force. Its header has units: time_s,
-        load_point_um, displacement_um, friction. Several are surfaces under one protocol; their scatter
-        gives the intervals.
+        The folder of a run with slides, or of a campaign over seeds; or a table or an xlook file with time;
+        load point, slip or both; and friction, or shear and normal stress or force. The header has the units:
+        time_s, load_point_um, displacement_um, friction. Several records are of different surfaces under
+        one protocol; their scatter gives the intervals.
     law
-        The law whose parameters come first: one, or that of the verdict.
+        State law of the parameters; best takes the law that the data prefer.
     a
-        The direct effect, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
+        Direct effect a, such as 0.01. [default: 0 for runs with a constant shear strength, else fitted]
     stiffness
-        Of the machine: of the friction coefficient, "1.6e-3 / um"; of the shear stress or force where the
-        normal one is in the table, "0.16 MPa/um"; fit; or inf, where the load point is the slip. Where it is
-        given, a fit stands beside it.
-        [default: fit, unless the slip itself is straight between holds and steps]
+        Stiffness of the machine: change of friction with length, "1.6e-3 / um"; of shear stress or force, if
+        the table has the normal one, "0.16 MPa/um"; fit; or inf, if the load point is the slip. A number is
+        compared with a fit. [default: fit, unless the slip is linear in time between holds and steps]
     start
-        Time from which to read, such as 3845s; a number alone has the unit of the table.
+        First time to read, such as 3845s; a number alone has the unit of the table.
     stop
-        Time up to which to read.
+        Last time to read.
     reference_velocity
-        V_0, such as "1 um/s", of which mu_0 is the steady friction. [default: the first of the record]
+        Velocity V_0 of the steady friction mu_0, such as "1 um/s". [default: the first of the record]
     events
         What to fit: all, the holds, or the velocity steps.
     shear_strength
         Shear strength of the contacts, such as 50MPa, for runs that did not state it.
     calibration
-        For columns in bits: a text file with a line for each, factor, unit, zero in bits; - for none.
+        Text file for columns in bits, with a line for each: factor, unit, zero in bits; or - for none.
     strength_at_rest
-        Friction at rest in a table is the strength, as in a simulation, and not the force held.
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        Take friction at rest in a table for the strength, as in simulations, and not for the force.
     """
     how: dict[str, Any] = {**vars(reading), "strength_at_rest": strength_at_rest}
     how |= {"start": start, "stop": stop, "calibration": calibration}
@@ -96,7 +93,7 @@ def friction(
         if several[0].si and isinstance(reference, float | int):
             raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
     replaceable = check_free(out, overwrite=results.overwrite)
-    # Late: what is no record is told before all is imported.
+    # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import folder_of_results, tell_results
     from asperity.app.cli.reports.friction import events_report, friction_report
     from asperity.figures import rate_and_state_figure, write

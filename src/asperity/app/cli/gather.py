@@ -13,23 +13,23 @@ from asperity.app.cli.status import check_campaign
 from asperity.errors import InputError
 
 _DRAWN = Drawn()
-_TOLD = ("sites", "seconds")
+_BARE = ("sites", "seconds")
 """Columns whose names are their units."""
 
 
 @command()
 def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, drawn: Drawn = _DRAWN) -> None:
-    """Gather a campaign into one Dataset with ensemble means, a table (CSV) of its runs, and a figure.
+    """Gather a campaign into one Dataset with ensemble means, a table of its runs, and a figure.
 
     Parameters
     ----------
     out
         Folder of the campaign.
     to
-        Name to write, ending in .zarr, or in .nc for netCDF; table and figure go beside it.
+        File to write (.zarr, or .nc for netCDF); table and figure are written beside it.
         [default: gathered.zarr in the folder]
     overwrite
-        Replace what was gathered there.
+        Replace these files if they exist.
     """
     check_campaign("gather", out)
     import asperity.app.campaign as campaign
@@ -64,7 +64,7 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     runs = campaign.table(dataset)
     if dataset["time"].attrs["units"] == "s":
         ends = with_ends(dataset)
-        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _TOLD}
+        units = {name: ends[name].attrs.get("units") or "1" for name in map(str, runs) if name not in _BARE}
         runs = runs.rename(columns={name: with_unit(name, unit) for name, unit in units.items()})
     with whole_file(csv, overwrite=before[csv]) as part:
         runs.to_csv(part, index=False)

@@ -1,7 +1,8 @@
-"""The command ``asperity infer``: what a measured curve determines of a model."""
+"""The command ``asperity infer``: the parameters of a model that a measured curve determines."""
 
 from __future__ import annotations
 
+import functools
 import re
 import shlex
 import sys
@@ -10,13 +11,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, check_unit, flag, in_flags
+from asperity.app.cli.flags import OF_TABLES, Folder, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Drawn, Reading, Results
+from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
 from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
-_RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
+_RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
 _SAME = ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
 _FLAGS = {name: flag(name) for name in _SAME} | {"absolute": "--unit-area"}
 
@@ -32,20 +33,18 @@ def infer(
     priors: Path | None = None,
     error: float | str | None = None,
     reading: Reading = _READING,
-    column_time: str | None = None,
-    column_value: str | None = None,
-    column_stderr: str | None = None,
+    columns: CurveColumns = _COLUMNS,
     unit_time: str | None = None,
     unit_area: str | None = None,
     ramp: str | None = None,
     seed: int = 0,
     walkers: int = 1000,
     workers: int | None = None,
-    out: Out = Path("inference"),
+    out: Folder = Path("inference"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
 ) -> None:
-    """Infer which parameters of a model a curve of contact area, or friction, determines, and which not.
+    """Infer which parameters of a model a measured curve of contact area or friction determines.
 
     The result is a folder: inference.html (read it first), verdicts.csv with a verdict for each parameter
     (determined, bounded, bounded above, bounded below, not identified), posterior.nc for ArviZ, priors.toml
@@ -54,49 +53,40 @@ def infer(
     Parameters
     ----------
     file
-        A table of hold times and areas, or static friction; or, for healing, the record of a slide-hold-slide
+        Table of hold times and areas or static friction; for healing also the record of a slide-hold-slide
         test: time, load point or slip, and friction.
     model
-        relaxation: a separable half-space of some relaxation times; power, logarithm: one whose creep is a
-        power, or a logarithm, of time; lattice: light contacts on the lattice of springs; eyring: contacts
+        relaxation: a half-space of some relaxation times; power, logarithm: a half-space whose creep is a
+        power or a logarithm of time; lattice: light contacts on the lattice of springs; eyring: contacts
         that flow; healing: friction that grows by B ln(1 + t/time); ball: depth or contact radius of a ball
-        under a held load, with relaxation times. All models of creep are fitted beside the chosen one.
+        under a constant load, with relaxation times. Other models of creep are fitted for comparison.
     quantity
-        What was measured of a ball. [default: what the name of the column says]
+        Quantity that was measured of a ball. [default: from the name of the column]
     branches
-        How many relaxation times, 1 to 3. [default: as many as Akaike's criterion asks for]
+        Number of relaxation times, 1 to 3. [default: by Akaike's criterion]
     priors
-        TOML file of what is known of parameters, a table each: [time_1], kind = "log_uniform", low = "1 s",
+        TOML file of priors, a table for each parameter: [time_1], kind = "log_uniform", low = "1 s",
         high = "1 h"; other kinds are uniform, normal (mean, deviation) and log_normal (median, factor).
-        [default: broad ones, which priors.toml states]
+        [default: broad priors, which priors.toml states]
     error
-        Standard error of all values, or a part of each, such as 1%, in place of a column of them. [default:
-        from the scatter about the best fit]
-    column_time
-        Column of the hold times: its name in the header, or a number counted from 0. [default: 0]
-    column_value
-        Column of the values. [default: the next]
-    column_stderr
-        Column of their standard errors. [default: the one whose name has std, err or sigma]
+        Standard error of all values, or relative to each, such as 1%, in place of a column. [default: from
+        the scatter about the best fit]
     unit_time
         Unit of the hold times. [default: that of the column's name, or s]
     unit_area
-        Unit of the areas, such as mm^2, where the load and the roughness are to count; 1 for areas over the
-        nominal one (lattice); of a ball, that of the lengths. [default: areas are known up to a factor;
-        lengths of a ball have the unit of the column, if it has one]
+        Unit of the areas, such as mm^2, if their size is to count; 1 for areas over the nominal area
+        (lattice); for a ball, unit of its lengths. [default: only ratios of areas count; the lengths of a
+        ball have the unit of the column, if it has one]
     ramp
-        Time within which the load was put on in proportion to time; times count from its beginning.
-        [default: instantly]
+        Time over which the load rose linearly; times count from its start. [default: instantly]
     seed
         Seed of the random numbers.
     walkers
         Walkers in each of four ensembles.
     workers
-        Processes. [default: one for each core, up to four]
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        Number of processes. [default: one for each core, up to four]
     """
-    chosen = {"time": column_time, "value": column_value, "stderr": column_stderr}
+    chosen = columns.chosen()
     with in_flags(OF_TABLES):
         *data, remarks, read, about = _data(
             file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
@@ -104,14 +94,16 @@ def infer(
     if ramp is not None:
         check_unit("--ramp", ramp, "s")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import folder_of_results, place_beside, tell_results
+    from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import inference_report, write_inference
     from asperity.app.config.reading import read_tables
     from asperity.base import checks
     from asperity.base.machine import cores
+    from asperity.inference import Inference
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
-    from asperity.progress import listener
+    from asperity.progress import Progress
+    from asperity.results import Checkpoint
 
     libraries()
     how: dict[str, Any] = {"model": model, "branches": branches, "ramp": ramp or 0.0}
@@ -119,17 +111,25 @@ def infer(
     how["priors"] = None if priors is None else read_tables(priors)
     asked = repr((*data, how))
     how["workers"] = min(cores(), 4) if workers is None else checks.integer("--workers", workers, least=1)
-    with place_beside(out, asked) as place, listener(not results.quiet) as progress:
-        columns = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
-        with in_flags(_FLAGS | columns):
-            inference = inferred(*data, **how, progress=progress, checkpoint=place)
-        inference = replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
-        rows = [("read", read), *inference_report(inference, str(file))]
-        progress.stage("writing the results")
-        with folder_of_results("inference", out, rows, replaceable) as folder:
-            typed = shlex.join(["asperity", *sys.argv[1:]])
-            write_inference(inference, folder, drawn.formats(), source=file.name, command=typed)
-    tell_results(rows, out, results)
+
+    def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
+        places = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
+        with in_flags(_FLAGS | places):
+            inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint.path)
+        return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
+
+    typed = shlex.join(["asperity", *sys.argv[1:]])
+    compute_into(
+        "inference",
+        out,
+        asked,
+        compute,
+        report=lambda inference, **_: [("read", read), *inference_report(inference, str(file))],
+        write=functools.partial(write_inference, formats=drawn.formats(), source=file.name, command=typed),
+        every=0.0,
+        results=results,
+        replaceable=replaceable,
+    )
 
 
 def _data(
@@ -141,7 +141,7 @@ def _data(
     model: str,
     quantity: str | None,
 ) -> tuple[Any, ...]:
-    """Times in s, values and errors; remarks on them, what was read, and what it is."""
+    """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
     from asperity.base.tables import read_table
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
@@ -186,7 +186,7 @@ def _data(
 
 
 def _of_ball(quantity: str | None, name: str) -> str:
-    """Whether depth or radius was measured, by a flag or the name of the column."""
+    """Return the measured quantity, from a flag or from the name of the column."""
     patterns = {
         "depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac",
         "radius": "radius|rayon",
@@ -199,7 +199,7 @@ def _of_ball(quantity: str | None, name: str) -> str:
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:
-    """Standard errors of all values, from a number, or a part of each."""
+    """Standard errors of all values, from a number or a percentage of each."""
     import numpy as np
 
     from asperity.base import checks
@@ -216,7 +216,7 @@ def _error(error: float | str | None, value: Any, unit: float) -> Any:
 
 
 def _factor(flag: str, unit: str, target: str, expected: str) -> float:
-    """One unit over that of SI; 1 is left as it is."""
+    """Factor from a unit to that of SI."""
     from asperity.base import units
 
     factor = 1.0 if unit == "1" else units.factor(units.spelled(unit) or "", target)

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, Whole, check_unit, flag, flags_for, given, in_flags
+from asperity.app.cli.flags import Flags, Folder, Switch, Whole, check_unit, flag, flags_for, given, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
 from asperity.errors import InputError
@@ -36,46 +36,42 @@ def law(
     ] = [],  # noqa: B006
     age: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     millimeters: Switch = False,
-    out: Out = Path("law"),
+    out: Folder = Path("law"),
     results: Results = _RESULTS,
     drawn: Drawn = _DRAWN,
     keys: Flags | None = None,
 ) -> None:
-    """Tabulate approach, stiffness and conductance of a rough contact against pressure, for other programs.
+    """Tabulate approach, stiffness and conductance of a contact against pressure, for other programs.
 
-    The approach is that of the rough layer alone. Each pressure is put on at once, and held for each age. Do
-    not interpolate between ages while the load changes: what has crept depends on its history.
+    The approach is that of the rough layer alone. Each pressure is applied instantly and held for each age.
+    Do not interpolate between ages while the load changes: creep depends on the history of the load.
 
     Parameters
     ----------
     material
-        Relaxation table, or a TOML file as for asperity run, which flags override. Without: the solid of the
-        flags, a half-space unless they name another.
+        Relaxation table, or a TOML file as for asperity run, which flags override. Without one, flags
+        describe the solid, by default a half-space.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     pressures
-        Load over nominal area: two are the ends of a range, such as 0.1MPa 100MPa, more are taken one by one.
+        Load over nominal area: the two ends of a range, such as 0.1MPa 100MPa, or three values or more.
     per_decade
         Pressures in each decade of a range.
     times
-        Ages, such as 0s 1h "1 year". [default: 0s, where nothing creeps]
+        Ages, such as 0s 1h "1 year". [default: 0s, if nothing creeps]
     write
-        Programs for which to write a file: calculix, moose.
+        Programs for which to write a file.
     age
-        The age of the law in these files; needed where there are several.
+        Age of the law in these files; required if there are several.
     millimeters
         Write these files in N, mm, s, MPa in place of SI.
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
     """
-    flags = given(keys, units=True)
+    flags = given(keys, surface=surface, units=True)
     for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s"), ("age", age, "s")):
         check_unit(f"--{name}", quantities or [], unit)
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
-    if surface is not None:
-        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
     solid, config = flags.setdefault("solid", {}), None
     if material is not None and material.suffix == ".toml":
         config = material
@@ -96,11 +92,11 @@ def law(
 
         with in_flags(_FLAGS):
             place_of(age, settings.aging.times or [0.0])
-    elif asked := [name for name, one in (("age", age), ("millimeters", millimeters)) if one]:
+    elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:
         expected = "--write beside it: it is for files of other programs"
         raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.cli.reports.law import law_report, write_law
     from asperity.app.runs.law import law_of_config
 

@@ -12,15 +12,15 @@ FIGURE_SUFFIXES = tuple(f".{one}" for one in FORMATS)
 
 
 def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwrite: bool) -> Standing:
-    """Make sure, before anything is computed, that a file can be written; give what stands there."""
+    """Check, before anything is computed, that a file can be written; return what it replaces."""
     if target.suffix.lower() not in suffixes:
         expected, advice = f"a name that ends in {', '.join(suffixes)}", f"{flag} {target}{suffixes[0]}"
         raise InputError(flag, expected=expected, got=target, advice=advice)
     if target.is_dir() or not target.parent.is_dir():
         raise InputError(flag, expected="a file in a folder that exists", got=target)
     if target.exists() and not overwrite:
-        kept = f"{target}, which is kept"
-        raise InputError(flag, expected="a new file", got=kept, advice="another name, or --overwrite")
+        got = f"{target}, which exists"
+        raise InputError(flag, expected="a new file", got=got, advice="another name, or --overwrite")
     try_writing(flag, target, target.parent)
     return standing(target)
 
@@ -28,18 +28,18 @@ def check_new_file(flag: str, target: Path, suffixes: tuple[str, ...], *, overwr
 def check_figures(
     flag: str, out: Path, drawn: Drawn, *, overwrite: bool, source: Path | None = None
 ) -> dict[Path, Standing]:
-    """Names of a figure in its formats, by default that of its name, with what stands there.
+    """Names of a figure in its formats, by default that of its name, with what they replace.
 
-    The table of what it draws is the last of them, but never over the source of the numbers.
+    The last is the table of its data, which never replaces the source of the numbers.
     """
     files = [out] if drawn.figures is None else [out.with_suffix(f".{one}") for one in drawn.formats()]
-    found = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
+    pictures = {file: check_new_file(flag, file, FIGURE_SUFFIXES, overwrite=overwrite) for file in files}
     tables = [table_beside(out, source)] * bool(files)
-    return found | {table: standing(table) for table in tables}
+    return pictures | {table: standing(table) for table in tables}
 
 
 def check_free(out: Path, *, overwrite: bool) -> Standing:
-    """Make sure, before anything is computed, that the results can be written; give what they may replace."""
+    """Check, before anything is computed, that the results can be written; return what they replace."""
     folder = out.resolve()
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
@@ -48,18 +48,18 @@ def check_free(out: Path, *, overwrite: bool) -> Standing:
     if names := {path.name for path in out.iterdir()} if out.exists() else set():
         marker = marker_of(out)
         foreign = sorted(names - {MARKER, *marker.get("files", ())})
-        expected, held, advice = "a new folder", "", "another name"
+        expected, content, advice = "a new folder", "", "another name"
         if not marker:
-            held = f"no {MARKER}, the mark of results,"
+            content = f"no {MARKER}, the mark of results"
         elif marker["kind"] == "campaign":
-            held = named("campaign")
+            content = named("campaign")
         elif not overwrite:
-            held, advice = named(marker["kind"]), "another name, or --overwrite"
+            content, advice = named(marker["kind"]), "another name, or --overwrite"
         elif foreign:
-            expected, held = "a folder of results with nothing else in it", f"{foreign[0]} too"
+            expected, content = "a folder of results with nothing else in it", f"{foreign[0]}, too"
             advice = "another name, or moving that away"
-        if held:
-            got = f"{out}, which holds {held} and is kept"
+        if content:
+            got = f"{out}, which contains {content}"
             raise InputError("--out", expected=expected, got=got, advice=advice)
     ground = folder.parent
     while not ground.exists():

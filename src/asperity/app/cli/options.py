@@ -50,16 +50,14 @@ def _formats(_: object, tokens: Sequence[Token]) -> list[str]:
 
 @flags_of_fields
 class Results:
-    """What is done with the folder of results.
+    """How the folder of results is written and shown.
 
     Parameters
     ----------
     overwrite
         Replace the results of an earlier command.
-    quiet
-        Print neither progress nor summary.
     show
-        Open the picture or the page of the results when they are written.
+        Open the page or the picture of the results at the end.
     """
 
     overwrite: Switch = False
@@ -74,8 +72,8 @@ class Drawn:
     Parameters
     ----------
     figures
-        Formats of the figures, such as pdf svg png, each with a table of what it draws beside it; "" for
-        none. [default: those of the TOML file, that of the name of the file, or png]
+        Formats of the figures; "" for none. Each figure has a table of its data beside it. [default: as in
+        the TOML file or the file name, else png]
     """
 
     figures: Annotated[
@@ -94,14 +92,38 @@ class Reading:
     Parameters
     ----------
     columns
-        Its columns by names or numbers, from 0: of a curve times, values and perhaps standard errors; of a
-        record all to read. [default: the first two; of a record those whose names are understood]
+        Columns by name, or by number from 0. Of a curve: times, values and, if any, standard errors; of a
+        record: all to read. [default: the first two; of a record, those with names that we know]
     units
-        Units of columns in place of those of the table, such as t=min.
+        Units of columns, in place of those of the table, such as t=min.
     """
 
     columns: Columns = None
     units: Units = None
+
+
+@flags_of_fields
+class CurveColumns:
+    """The columns of a curve.
+
+    Parameters
+    ----------
+    column_time
+        Column of the hold times: its name in the header, or a number counted from 0. [default: 0, or 1 if
+        column 0 is an index of pandas]
+    column_value
+        Column of the values. [default: the next]
+    column_stderr
+        Column of their standard errors. [default: none; to infer, the one whose name has std, err or sigma]
+    """
+
+    column_time: str | None = None
+    column_value: str | None = None
+    column_stderr: str | None = None
+
+    def chosen(self) -> dict[str, str | None]:
+        """Arguments of `asperity.fits.read_measurements`."""
+        return {name.removeprefix("column_"): column for name, column in vars(self).items()}
 
 
 @flags_of_fields
@@ -111,15 +133,13 @@ class Work:
     Parameters
     ----------
     workers
-        Worker processes on this machine. [default: its cores]
+        Worker processes on this machine. [default: one for each core]
     scheduler
         Address of a Dask scheduler to use instead, such as tcp://10.0.0.1:8786.
     dry_run
-        Only say how many runs, and how much memory and disk.
+        Only print how many runs there are to do, and how much memory and disk they need.
     retry_failed
-        Try again what failed earlier.
-    quiet
-        Print neither progress nor summary.
+        Repeat runs that failed earlier.
     """
 
     workers: Whole | None = None
@@ -129,6 +149,6 @@ class Work:
     quiet: Quiet = False
 
     def check(self) -> None:
-        """Refuse with `InputError` to work with nobody."""
+        """Refuse fewer than one worker with `InputError`."""
         if self.workers is not None and self.workers < 1:
             raise InputError("--workers", expected="1 or more", got=self.workers)

@@ -1,4 +1,4 @@
-"""The files of a run: all of them in one folder, which is complete or not there."""
+"""The files of a run, in one folder."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _MOST_MAPS = 24
 
 
 def write_run(outcome: Outcome, folder: Path) -> list[str]:
-    """Write all of a run but history and summary to a folder; return remarks on figures not drawn."""
+    """Write all of a run but history and summary to a folder; return remarks on the figures."""
     (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
     _write_table(outcome, folder / "aging.csv")
     if "patches" in outcome.dataset:
@@ -46,11 +46,11 @@ def write_run(outcome: Outcome, folder: Path) -> list[str]:
 
 
 def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> list[str]:
-    """Write a figure under names that `check_figures` gave; return a line that says so, if there are any."""
+    """Write a figure under the names of `check_figures`; return a line that lists them, if any."""
     for path, before in files.items():
         write_figure(figure, path, overwrite=before)
     *pictures, table = map(str, files) if files else [""]
-    return [f"figure written: {', '.join(pictures)}; what it draws: {table}"] * bool(files)
+    return [f"figure written: {', '.join(pictures)}; its data: {table}"] * bool(files)
 
 
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
@@ -63,7 +63,7 @@ def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = Tru
 
 
 def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
-    """Draw; numbers that cannot be drawn are no reason to lose them."""
+    """Draw; a figure that fails gives a remark, and the numbers are written."""
     summary, measured = outcome.summary, outcome.config.output.measured
     if not outcome.config.output.figures:
         return []
@@ -117,6 +117,6 @@ def _write_patches(dataset: xr.Dataset, path: Path) -> None:
 
 def _write_columns(dataset: xr.Dataset, columns: list[tuple[str, xr.DataArray]], path: Path) -> None:
     si = bool(dataset.attrs["si"])
-    names = [with_unit(name, one.attrs.get("units", "1")) if si else name for name, one in columns]
-    table = pd.DataFrame(dict(zip(names, (one.values for _, one in columns), strict=True)))
+    names = [with_unit(name, values.attrs.get("units", "1")) if si else name for name, values in columns]
+    table = pd.DataFrame(dict(zip(names, (values.values for _, values in columns), strict=True)))
     path.write_text(table.to_csv(index=False, lineterminator="\n", na_rep="nan"), encoding="utf-8")

@@ -11,7 +11,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, Switch, Whole, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, Switch, Whole, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results, flags_of_fields
 
@@ -27,14 +27,14 @@ class PredictFlags:
     Parameters
     ----------
     branches
-        How many relaxation times the fit of the table has, which are free. [default: the fewest whose misfit
-        looks like noise, five at most; else 1 or 2 per decade]
+        Number of free relaxation times in the fit of the table. [default: the fewest whose misfit looks like
+        noise, five at most; else 1 or 2 per decade]
     reference
         Temperature of the table, such as 20degC.
     activation_energy
-        How relaxation times depend on temperature, by Arrhenius, such as 100kJ/mol.
+        Activation energy of the relaxation times (Arrhenius), such as 100kJ/mol.
     wlf
-        The same by Williams, Landel and Ferry, for the decimal logarithm: C1 C2, C2 in K.
+        In its place C1 and C2 of Williams, Landel and Ferry, for the decimal logarithm; C2 in K.
     """
 
     branches: Whole | None = None
@@ -56,7 +56,7 @@ def predict(
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     resolution_study: Switch = False,
     wanted: PredictFlags = _PREDICT,
-    out: Out = Path("prediction"),
+    out: Folder = Path("prediction"),
     results: Results = _RESULTS,
     keys: Flags | None = None,
 ) -> None:
@@ -64,46 +64,38 @@ def predict(
 
     Quantities are numbers with their units: --pressure 1MPa --last "10 days" --temperature -40degC.
 
-    The result is a folder with a page to read, prediction.html, tables and pictures. Beyond the edges of the
-    scan comes its mirror image unless --periodic says otherwise; each contact is counted once. Slides, and a
-    separation that is held, have no band: they are for asperity run.
+    The result is a folder: prediction.html (read it first), tables and pictures. The edges of the scan are
+    reflecting unless --periodic or --edges says otherwise. Slides and a constant separation have no band; for
+    these take asperity run.
 
     Parameters
     ----------
     material
         Table of relaxation modulus or creep compliance against time, or of storage and loss modulus against
-        frequency; the names of its columns say which, and the units: time_s, E_MPa. Or a TOML file as for
-        asperity run, which flags override. Without: a half-space of --young and --branch or --creep.
+        frequency; the names of its columns have the units: time_s, E_MPa. Or a TOML file as for asperity
+        run, which flags override. Without one, --young and --branch or --creep describe a half-space.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
     ramp
-        Time within which the load is put on, in proportion to time, such as 2.4s; all times count from its
-        start. [default: instantly]
+        Time over which the load rises linearly, such as 2.4s; all times count from its start. [default:
+        instantly]
     leg
-        In its place a leg of the history of the load, as often as there are legs: "ramp 2.4s pressure=1MPa",
-        "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs so far). Before a first ramp the load is 0
-        unless --pressure or --load says more.
+        In place of --ramp a leg of the history of the load, once for each leg: "ramp 2.4s pressure=1MPa",
+        "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs before it). A first ramp begins at
+        --pressure or --load, by default 0.
     resolution_study
-        Predict the same without the short waves of the scan, too: what would a finer scan change?
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        Predict also without the shortest waves of the scan, to see what a finer scan would change.
     """
-    flags = given(keys, units=True)
-    if surface is not None:
-        flags["surface"] = {**flags.get("surface", {}), "path": str(surface)}
+    flags = given(keys, surface=surface, leg=leg, units=True)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
-    if leg:
-        from asperity.app.config.legs import legs_from_words
-
-        flags["protocol"] = {"legs": legs_from_words(leg)}
     asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
     if output.measured is not None:
         from asperity.fits.measurements import measured_area
 
         measured_area(output.measured, si=True)
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
 

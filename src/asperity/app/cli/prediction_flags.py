@@ -70,7 +70,7 @@ def prediction_asked(
 
 
 def _of_config(config: RunConfig, **more: Any) -> Prediction:
-    from asperity.app.predict import predict_config  # takes a second: mistakes are told before
+    from asperity.app.predict import predict_config  # takes a second: mistakes are reported before
 
     return predict_config(config, **more)
 

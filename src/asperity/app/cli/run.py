@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Out, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, flags_for, given
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
 
@@ -25,7 +25,7 @@ def run(
     config: Path | None = None,
     /,
     *,
-    out: Out = Path("asperity-out"),
+    out: Folder = Path("asperity-out"),
     results: Results = _RESULTS,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     keys: Flags | None = None,
@@ -34,31 +34,25 @@ def run(
 
     Without arguments: a Gaussian surface of 200 x 200 sites, k1/k0 = 3, nine decades of hold time.
     Flags override the configuration file, whose sections are the groups below. On a half-space or a layer,
-    numbers may carry units where the surface has some: --modulus 3.8GPa --pressure "1 MPa".
+    numbers may have units if the surface has some: --modulus 3.8GPa --pressure "1 MPa".
 
     Parameters
     ----------
     config
-        Configuration, a TOML file; a run writes its own to the results as config.toml.
-    out
-        Folder for the results, which appears when all is written; it must not exist yet.
+        TOML file of the configuration; a run writes the complete one to its results, as config.toml.
     leg
-        A leg of the history of the load or the separation, as often as there are legs: "hold 10",
+        A leg of the history of the load or the separation, once for each leg: "hold 10",
         "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
-        "repeat 3" (the legs so far).
+        "repeat 3" (the legs before it).
         [default: one hold]
     """
-    from asperity.app.config.legs import legs_from_words
     from asperity.app.config.reading import read_config, to_toml
 
-    flags = given(keys)
-    if leg:
-        flags["protocol"] = {"legs": legs_from_words(leg)}
-    settings = read_config(config, flags)
+    settings = read_config(config, given(keys, leg=leg))
     table = getattr(settings.solid, "fit", None)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
-    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are told before
+    from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.cli.output import write_run
     from asperity.app.runs import execute
     from asperity.app.runs.words import run_rows
@@ -70,7 +64,7 @@ def run(
         out,
         to_toml(settings),
         functools.partial(execute, settings),
-        report=lambda found, **how: words_of(run_rows(found, read=read, **how)),
+        report=lambda outcome, **how: words_of(run_rows(outcome, read=read, **how)),
         write=write_run,
         every=_CHECKPOINT_EVERY,
         results=results,

@@ -1,4 +1,4 @@
-"""The command ``asperity status``: how far a campaign is."""
+"""The command ``asperity status``: the progress of a campaign."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from asperity.errors import InputError
 
 @command()
 def status(out: Path, /) -> None:
-    """Say how many runs of a campaign are done, running, failed (and why), and left.
+    """Count the runs of a campaign that are done, running, failed (and why), and left.
 
     Parameters
     ----------
@@ -22,14 +22,14 @@ def status(out: Path, /) -> None:
     """
     check_campaign("status", out)
     from asperity.app.campaign import load_plan, tally
-    from asperity.app.cli.campaign import tally_told
+    from asperity.app.cli.campaign import tally_table
 
     plan = load_plan(out)
-    sys.stdout.write(f"{tally_told(plan, tally(plan, out))}\n")
+    sys.stdout.write(f"{tally_table(plan, tally(plan, out))}\n")
 
 
 def check_campaign(command: str, out: Path) -> None:
-    """Say what else a folder is that is no campaign's."""
+    """Refuse a folder of anything but a campaign, and name what it is."""
     if (kind := kind_of(out)) == "campaign":
         return
     word, inside = shlex.quote(str(out)), next((path.parent for path in out.glob("*/seed")), None)
@@ -41,5 +41,5 @@ def check_campaign(command: str, out: Path) -> None:
         (bool(kind), named(kind or "folder"), "its summary.txt"),
     ):
         if wrong:
-            got = f"{out}, that of {expected}"
+            got = f"{out}, the folder of {expected}"
             raise InputError(command, expected="the folder of a campaign", got=got, advice=advised)

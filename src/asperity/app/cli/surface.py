@@ -1,4 +1,4 @@
-"""The command ``asperity surface``: what a surface file holds, in words and as a figure."""
+"""The command ``asperity surface``: describes a surface file, and draws it."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def surface(
     ----------
     file
         A surface file of an instrument, a .npy array, or a text matrix; or a TOML file as for asperity run,
-        for the surface that it asks for.
+        of which the surface is made.
     out
-        Figure to write (.png, .pdf or .svg); by default the file's name with .png, in the current folder.
+        Figure to write (.png, .pdf or .svg). [default: the name of the file with .png, in the current folder]
     overwrite
         Replace the figure if it exists.
     """
@@ -44,8 +44,8 @@ def surface(
     settings = read_config(file, flags).surface if of_run else file_surface(file, flags.get("surface", {}))
     target = Path(f"{file.stem or 'surface'}.png") if out is None else out
     figures = check_figures("--out", target, drawn, overwrite=overwrite, source=file)
-    from asperity.app.cli.output import write_figures  # takes a second: mistakes are told before
-    from asperity.app.cli.reports.surface import drawn_and_told
+    from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
+    from asperity.app.cli.reports.surface import drawn_and_described
 
-    figure, rows = drawn_and_told(settings)
+    figure, rows = drawn_and_described(settings)
     sys.stdout.write("\n\n".join([rows, *write_figures(figure, figures)]) + "\n")

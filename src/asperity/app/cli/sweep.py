@@ -13,19 +13,19 @@ _WORK = Work()
 
 @command()
 def sweep(plan: Path, /, *, out: Out, work: Work = _WORK) -> None:
-    """Run a campaign: many runs from one file, in one folder. The same command again computes the rest.
+    """Run a campaign: many runs from one file. The same command again does the remaining runs.
 
     Parameters
     ----------
     plan
-        A TOML file as for a run, with a section [sweep] of lists: load = [200.0, 800.0], seeds = 32, ...
+        A TOML file as for asperity run, with lists in a section [sweep]: load = [200.0, 800.0], seeds = 32
     out
-        Folder of the campaign; a new one, or one to continue.
+        Folder of the campaign, new or to continue.
     """
     work.check()
     from asperity.app.campaign import read_plan
 
     settings = read_plan(plan)
-    from asperity.app.cli import campaign  # takes a second: mistakes are told before
+    from asperity.app.cli import campaign  # takes a second: mistakes are reported before
 
     (campaign.dry_run if work.dry_run else campaign.sweep)(settings, out, work)

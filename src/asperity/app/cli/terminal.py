@@ -1,4 +1,4 @@
-"""What reaches the terminal: every word can be written, and none is obeyed."""
+"""Text for the terminal, in characters that it can write, without control sequences."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def complain(status: int, *problems: str) -> int:
 
 
 def make_streams_safe() -> None:
-    """Let words go nowhere where a stream was closed, and be spelled plainly where it cannot hold them."""
+    """Drop text for closed streams, and replace characters that a stream cannot encode."""
     codecs.register_error("asperity", _plainly)
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
@@ -34,14 +34,14 @@ def make_streams_safe() -> None:
 
 
 def widen() -> None:
-    """Let no terminal be so narrow that help has no room for its words."""
+    """Widen terminals that are too narrow for the help."""
     wanted = os.environ.get("COLUMNS", "")
     if min(shutil.get_terminal_size().columns, int(wanted) if wanted.isdigit() else _NARROWEST) < _NARROWEST:
         os.environ["COLUMNS"] = str(_NARROWEST)
 
 
 def silence_output() -> None:
-    """Let the interpreter's last flush go nowhere, after whoever read our words has gone."""
+    """Drop the interpreter's last flush, when the reader of a pipe has ended."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -13,14 +13,14 @@ from asperity.solids import LAWS
 
 
 def marked(keys: set[str]) -> str:
-    """Keys for a message, marked, so that where they came as flags it can name these."""
+    """Keys for a message, marked, so that it can name their flags."""
     return ", ".join(f"`{key}`" for key in sorted(keys))
 
 
 FORMULAS = {
     kind: any_of(f"{name}, {law.formula}" for name, law in laws.items()) for kind, laws in LAWS.items()
 }
-"""Laws in words, by what they are of."""
+"""Laws in words, by kind."""
 
 KEYS_OF_LAWS: dict[str, dict[str, list[set[str]]]] = {
     kind: {name: [{f"{kind}_{of}" for of in parameters_of(law)}] for name, law in laws.items()}
@@ -32,7 +32,7 @@ ACTIVATED = {
 }
 del ACTIVATED["creep_temperature"]
 KEYS_OF_LAWS["creep"]["eyring"].append(set(ACTIVATED))
-"""Keys that state each law, in one way or another."""
+"""Alternative sets of keys of each law."""
 
 ACTIVATION = KEYS_OF_LAWS["creep"]["eyring"][-1]
 OF_LAWS = {

@@ -1,6 +1,6 @@
 """One description of the keys of a configuration, from which flags, forms and reference pages are made.
 
-It is read from the models, so that a key that is added there has its flag, its field and its lines at once.
+It is read from the models, so a new key has its flag, its field and its lines.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ What = Literal[
     "path",
     "legs",
 ]
-"""What a key may be; ``whole`` is a whole number, a pair has two numbers."""
+"""Types of keys; ``whole`` is a whole number, a pair has two numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)

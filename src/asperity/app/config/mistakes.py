@@ -1,4 +1,4 @@
-"""How mistakes in a configuration are named: where they stand, what was expected, what came."""
+"""Messages on mistakes in a configuration: place, expectation, value."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def flag_of(section: str, key: str) -> str:
 def spelled(
     errors: Iterable[ErrorDetails], flags: Sections, path: Path | None, section: str = ""
 ) -> list[str]:
-    """One line for each mistake that pydantic found, first of names; those shown suggest what was meant."""
+    """One line for each mistake of pydantic, unknown names first, with suggestions for those shown."""
     return [
         _line(detail, [section, *detail["loc"]] if section else [*detail["loc"]], flags, path)
         + (_suggestion(detail, section) if number < SHOWN_PROBLEMS else "")
@@ -70,8 +70,8 @@ def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | 
         if detail["type"] == "value_error":
             return _of_section(home, expected, flags, path) if home else _of_all(expected, flags, path)
         return _where(path, f"{home}: expected a section [{home}], got {_shown(detail['input'])}")
-    key, given = str(place[1]), flags.get(home, {})
-    if detail["type"] == "missing" and "kind" in given:
+    key, keys = str(place[1]), flags.get(home, {})
+    if detail["type"] == "missing" and "kind" in keys:
         file = "expected the file of the surface, got none; try --file PATH"
         return f"{flag_of(home, key)}: {file if key == 'path' else expected}"
     owners = [other for other, model in KINDS.get(home, {}).items() if key in model.model_fields]
@@ -81,7 +81,7 @@ def _line(detail: ErrorDetails, place: list[Any], flags: Sections, path: Path | 
         and MEANT.get(key) not in KINDS[home][kind].model_fields
     ):
         expected = f"not a key of a {home} of kind {kind!r}, but of {' and '.join(map(repr, owners))}"
-        expected += f"; try --{home} {owners[0]}" if key in given else ""
+        expected += f"; try --{home} {owners[0]}" if key in keys else ""
     return f"{_named(home, key, flags, path)}: {expected}"
 
 
@@ -120,19 +120,19 @@ def _suggestion(detail: ErrorDetails, section: str) -> str:
 
 
 def _of_section(section: str, sentence: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of a section; keys that came, or may come, as flags are named so.
+    """One line for a mistake of a section, with flags for keys that came, or may come, as such.
 
-    Its keys stand before a colon, or are marked; advice has arguments of the library.
+    Keys are before a colon, or marked; advice has arguments of the library.
     """
-    given = flags.get(section, {})
+    keys = flags.get(section, {})
 
-    def named(found: re.Match[str]) -> str:
-        key, values = next(filter(None, found.groups())), found[0].partition("=")[2].strip("[]")
+    def named(match: re.Match[str]) -> str:
+        key, values = next(filter(None, match.groups())), match[0].partition("=")[2].strip("[]")
         key = "table_kind" if key == "kind" else key
-        if key in given or (given and path is None):
+        if key in keys or (keys and path is None):
             flag = flag_of(section, key)
-            return f"{flag} {values.replace(',', '')}" if "=" in found[0] else flag
-        return found[0].replace("=", " = ") if "=" in found[0] else key
+            return f"{flag} {values.replace(',', '')}" if "=" in match[0] else flag
+        return match[0].replace("=", " = ") if "=" in match[0] else key
 
     head, mark, advice = re.sub(r"^(\w+)(?=: )|`(\w+)`", named, sentence).partition("; try ")
     sentence = head + mark + re.sub(r"(?<![\"\w])(\w+)=(?=\S)(\[[\d., ]+\])?", named, advice)
@@ -140,7 +140,7 @@ def _of_section(section: str, sentence: str, flags: Sections, path: Path | None)
 
 
 def _of_all(sentence: str, flags: Sections, path: Path | None) -> str:
-    """One line for a mistake of the whole configuration: a key or a leg that came as a flag is named so."""
+    """One line for a mistake of the whole configuration, with flags of keys and legs that came as such."""
     place, mark, rest = sentence.partition(": ")
     if "protocol" in flags and (leg := place.removeprefix("protocol")) != place:
         return f"--leg {leg}{mark}{rest}"
@@ -223,6 +223,6 @@ def _where(path: Path | None, text: str) -> str:
     return text if path is None else f"{path}: {text}"
 
 
-def _meant(word: object, known: Iterable[str]) -> str:
-    meant = closest(word, known) if isinstance(word, str) else None
+def _meant(word: object, names: Iterable[str]) -> str:
+    meant = closest(word, names) if isinstance(word, str) else None
     return f"; did you mean {meant!r}?" if meant else ""

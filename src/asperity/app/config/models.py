@@ -1,7 +1,7 @@
-"""What a run needs to know: the sections of its configuration, and what each key may be.
+"""The sections of the configuration of a run, and their keys.
 
-Every key has a default, except the path of a measured surface, and the contact's load, which follows
-from the surface and the solid. The flags of the command line are made of these models.
+Only the path of a measured surface has no default; the default load follows from the surface and the
+solid. The flags of the command line are made of these models.
 """
 
 from __future__ import annotations
@@ -60,17 +60,18 @@ else:
 
 
 class Contact(Section):
-    """What presses: a load, a pressure or a separation; by default such that about 1 % touches."""
+    """A load, a pressure or a separation; by default about 1 % of the surface touches."""
 
     load: Load | None = usual(
         None,
-        "Normal load, the sum of all contact forces; 0 before a ramp, below 0 with adhesion. "
-        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum a pressure is taken.",
+        "Normal load; 0 before a ramp; may be negative with adhesion. "
+        "By default 0.005 (k0 + k1) x rms height x sites; on a continuum see the pressure.",
     )
     pressure: LoadOverArea | None = usual(
-        None, "Load over nominal area, instead of the load. By default, on a continuum, 0.005 E* x rms slope."
+        None,
+        "Load over nominal area, in place of the load. By default, on a continuum, 0.005 E* x rms slope.",
     )
-    separation: Position | None = usual(None, "Mean height of the undeformed solid; instead of the load.")
+    separation: Position | None = usual(None, "Mean height of the undeformed solid, in place of the load.")
 
     @model_validator(mode="after")
     def _one_of_three(self) -> Self:
@@ -82,24 +83,24 @@ class Contact(Section):
 
 
 class Aging(Section):
-    """The times to record ([0.0]: only the start and the limit), what is held, and the tolerance."""
+    """The times to record ([0.0]: only the start and the limit), the constant quantity, and the tolerance."""
 
     first: Duration | None = usual(
         None,
-        "First time to record. By default that of the table of relaxation, else a tenth of the "
+        "First time to record. By default that of the relaxation table, else a tenth of the "
         "shortest relaxation time, else 0.001.",
     )
     last: Duration | None = usual(
         None,
-        "Last time to record. By default that of the table of relaxation, else ten times the "
+        "Last time to record. By default that of the relaxation table, else ten times the "
         "longest relaxation time, else 1e+06.",
     )
     per_decade: Annotated[int, Field(ge=1, le=1000)] = usual(4, "Times to record in each decade.")
     times: Annotated[list[Time], Field(min_length=1)] | None = usual(
-        None, "Times to record, one by one; instead of first, last and times per decade."
+        None, "List of times to record, in place of first, last and times per decade."
     )
     hold: Literal["load", "separation"] | None = usual(
-        None, "Quantity to hold while the contact ages. By default the one that pressed it."
+        None, "Quantity that stays constant while the contact ages. By default the one that pressed it."
     )
     rtol: Annotated[float, Field(ge=1e-6, le=0.1)] = usual(2e-3, "Relative tolerance of the time steps.")
 
@@ -162,15 +163,15 @@ if not TYPE_CHECKING:
 
 
 class Friction(Section):
-    """What makes friction of the contact area; without a shear strength, nothing does."""
+    """The shear strength that gives friction from the contact area; none by default."""
 
     shear_strength: Pressure | None = usual(
-        None, "Shear strength of the contacts, an input; on the lattice of springs, force a site."
+        None, "Shear strength of the contacts; on the lattice of springs, force per site."
     )
     rate_coefficient: Share | None = usual(
-        None, "Relative growth of the shear strength for each factor e of velocity. By default none."
+        None, "Relative growth of the shear strength with ln(velocity). By default 0."
     )
-    reference_velocity: Velocity | None = usual(None, "Velocity of sliding at that shear strength.")
+    reference_velocity: Velocity | None = usual(None, "Sliding velocity that belongs to the shear strength.")
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -182,23 +183,23 @@ class Friction(Section):
 
 
 class Carried(Section):
-    """What a half-space's contact carries besides its load, recorded at each time."""
+    """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
     stiffness: bool = usual(
-        False, "Record the normal stiffness and, if the solid has one Poisson's ratio, the tangential one."
+        False, "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio."
     )
     resistivity: OneOrTwo[Resistivity] | None = usual(
-        None, "Electrical resistivity, of both bodies or of each: record the resistance."
+        None, "Electrical resistivity, one value or one for each body: record the resistance."
     )
     conductivity: OneOrTwo[Conductivity] | None = usual(
         None, "Thermal conductivity, likewise: record the thermal resistance."
     )
-    shear: Force | None = usual(None, "Shear force: record the share of the contact that sticks.")
+    shear: Force | None = usual(None, "Shear force: record the fraction of the contact that sticks.")
     friction_coefficient: Positive | None = usual(
-        None, "Coefficient of friction of the sites, for the shear force."
+        None, "Local coefficient of friction under the shear force."
     )
     work_of_adhesion: Work | None = usual(
-        None, "Work of adhesion: record the force to pull the contact apart, at once."
+        None, "Work of adhesion: record the pull-off force, without further creep."
     )
 
     @model_validator(mode="after")
@@ -210,7 +211,7 @@ class Carried(Section):
         return self
 
     def asked(self, poisson: float | list[float] | None) -> dict[str, Any] | None:
-        """What `asperity.Carried` takes, beside Poisson's ratios; None where nothing is to be recorded."""
+        """Arguments of `asperity.Carried` with these Poisson's ratios; None if nothing is to be recorded."""
         facts = self.model_dump(exclude_defaults=True)
         if not facts:
             return None
@@ -226,28 +227,28 @@ class Carried(Section):
 
 
 class Output(Section):
-    """What is written."""
+    """Maps, figures, and an instrument."""
 
     maps_at: list[Time] | None = usual(
-        None, "Times at which to keep and draw the contact. By default 0 and five others."
+        None, "Times at which the contact is stored and drawn. By default 0 and five others."
     )
     figures: list[Format] = usual(["png"], 'Formats of the figures; "" for none.')
     measured: str | None = usual(
         None,
-        "Table of a measured contact area against time, with units: drawn with its errors into the figure "
-        "of the area, above the ratio of both.",
+        "Table of a measured contact area against time, with units: the figure of the area shows it, and the "
+        "ratio measured / computed.",
     )
     pixel: Size | None = usual(
-        None, "Pixel of a microscope that looks at the maps; in sites if there are no units."
+        None, "Pixel of a microscope through which the maps are seen; in sites if there are no units."
     )
     blur: Size | None = usual(None, "Full width at half maximum of its point spread function, likewise.")
     threshold: Share | None = usual(
-        None, "Part of full contact from which a pixel counts as contact. By default all light counts."
+        None, "Fraction of contact above which a pixel counts as contact. By default the fractions are added."
     )
 
     @property
     def instrument(self) -> dict[str, Any]:
-        """What looks at the maps, for `asperity.observe`; empty for none."""
+        """Arguments of `asperity.observe`; empty for none."""
         return self.model_dump(include={"pixel", "blur", "threshold"}, exclude_none=True)
 
     @model_validator(mode="after")
@@ -329,7 +330,7 @@ class RunConfig(Section):
 
     @property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs of the protocol; none where nothing changes."""
+        """The legs of the protocol, if any."""
         return tuple(leg.leg for leg in self.protocol)
 
     @property
@@ -339,13 +340,13 @@ class RunConfig(Section):
 
     @property
     def span(self) -> tuple[float, float]:
-        """First and last time to record, where they are not listed one by one; of a leg the first."""
+        """First and last time to record, if not listed; with a protocol the first of each leg."""
         first, last = self.solid.span
         return self.aging.first or first, self.aging.last or last
 
     @property
     def carries(self) -> dict[str, Any] | None:
-        """What `asperity.Carried` takes; None where nothing is to be recorded."""
+        """Arguments of `asperity.Carried`; None if nothing is to be recorded."""
         return self.carried.asked(getattr(self.solid, "poisson", None))
 
     @property

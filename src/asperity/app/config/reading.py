@@ -28,11 +28,11 @@ _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
     ("surface", ({"rms_height"}, {"rms_slope"}, {"rms_curvature"})),
     ("aging", ({"times"}, {"first", "last", "per_decade"})),
 )
-"""Keys of a section that say the same thing in one way or another: a flag replaces the other ways."""
+"""Alternative keys of a section: a flag of one replaces the others."""
 
 
 def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
-    """Read a configuration or the defaults, lay flags by section and key over it, and check the whole.
+    """Read a configuration or the defaults, override it by flags, and check the whole.
 
     A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
     """
@@ -41,7 +41,7 @@ def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
 
 
 def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> RunConfig:
-    """Check the tables of a file, with flags laid over them; ``path`` names the file in mistakes.
+    """Check the tables of a file, overridden by flags; ``path`` names the file in mistakes.
 
     `ConfigError` with one line for each mistake.
     """
@@ -53,7 +53,7 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
-    """Check how a surface file shall be prepared; `ConfigError` with one line for each mistake."""
+    """Check the preparation of a surface file; `ConfigError` with one line for each mistake."""
     return section_from("surface", MeasuredSurface, {"path": str(path), **flags})
 
 
@@ -66,7 +66,7 @@ def section_from(section: str, model: type[_Model], flags: dict[str, object]) ->
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
-    """Take a configuration apart into tables of which `from_tables` makes the very same one, less draws."""
+    """Tables of which `from_tables` makes the same configuration, without draws."""
     tables: dict[str, Any] = config.model_dump(exclude_none=True)
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
@@ -82,12 +82,12 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
 
 
 def from_tables(tables: dict[str, Any]) -> RunConfig:
-    """Put a configuration together from what `to_tables` gave."""
+    """Make a configuration of the tables of `to_tables`."""
     return RunConfig.model_validate(tables)
 
 
 def to_toml(config: RunConfig) -> str:
-    """Write a configuration so that `read_config` reads the very same one."""
+    """Write a configuration as `read_config` reads it."""
     return tables_to_toml(to_tables(config))
 
 
@@ -154,7 +154,7 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
 
 
 def _rivals(section: str, key: str, value: object) -> set[str]:
-    """Keys that say the same as one otherwise, or mean nothing beside it."""
+    """Alternatives of a key, and keys that mean nothing beside it."""
     if section == "solid" and key in KEYS_OF_LAWS:
         return OF_LAWS[key].difference(*KEYS_OF_LAWS[key].get(str(value), []))
     ways = next((ways for home, ways in _WAYS if home == section and any(key in way for way in ways)), ())
@@ -165,7 +165,7 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
 def _drop_foreign(
     kinds: Mapping[str, type[BaseModel]], table: dict[str, Any], before: object, chosen: dict[str, object]
 ) -> None:
-    """Where a flag replaces the file's kind, the file's keys for the old kind go with it."""
+    """Drop the keys of the file for its kind, if a flag replaces that."""
     model = kinds.get(table["kind"]) if isinstance(table["kind"], str) else None
     old = before.get("kind", next(iter(kinds))) if isinstance(before, dict) else table["kind"]
     if model is None or old == table["kind"] or old not in kinds:

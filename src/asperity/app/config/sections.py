@@ -1,4 +1,4 @@
-"""What sections are made of: strict tables, and numbers that may be written with units."""
+"""Strict tables, and numbers that may have units: the parts of sections."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class Section(BaseModel):
 
 
 def usual(default: object, description: str) -> Any:
-    """What a key is where it is not given, and what it means."""
+    """A key with its default and its description."""
     return Field(default=default, description=description)
 
 
 def made(name: str, home: str, base: type[_Section], kind: str, keys: dict[str, Any]) -> type[_Section]:
-    """A section of a kind, under a name in a module, where pickle looks for it to send it elsewhere."""
+    """A section of a kind, which pickle finds under its name in a module."""
     fields: dict[str, Any] = {"kind": (Literal[kind], kind), **keys}
     section = create_model(name, __base__=base, __module__=home, **fields)
     setattr(sys.modules[home], name, section)
@@ -124,7 +124,7 @@ Temperature = Annotated[float, Field(gt=0, le=LARGEST), InUnit("K")]
 
 
 def key_of(hint: Any, *facts: Any) -> Any:
-    """How a key is checked that is a parameter of the library, of what its annotation says."""
+    """Pydantic type of a key, from the annotation of a parameter of the library."""
     if get_origin(hint) is Annotated:
         inner, *facts_inside = get_args(hint)
         return key_of(inner, *facts_inside, *facts)
@@ -170,7 +170,7 @@ def _number(kinds: list[Any], facts: tuple[Any, ...]) -> Any:
 
 
 def _within(kind: type, facts: tuple[Any, ...], largest: float = LARGEST) -> Any:
-    """A number of which the annotation has bounds; a float that is not to be infinite has two."""
+    """A number within the bounds of its annotation; a finite float has both."""
     bounds = [fact for fact in facts if isinstance(fact, Gt | Ge | Lt | Le)]
     if kind is float and math.isfinite(largest):
         bounds += [] if any(isinstance(fact, Gt | Ge) for fact in bounds) else [Ge(-largest)]
@@ -189,7 +189,7 @@ def _also(fact: Also) -> Callable[[Any], Any]:
 
 
 def sentence(error: InputError) -> str:
-    """What an error of the library says, with its advice."""
+    """Message of an error of the library, with its advice."""
     advice = f"; try {error.advice}" if error.advice else ""
     return f"{error.name}: expected {error.expected}, got {error.got}{advice}".removeprefix(": ")
 
@@ -206,7 +206,7 @@ def _name_or_number(value: object) -> object:
 
 
 def field_of(parameter: Parameter) -> Any:
-    """A key with its default and what it is."""
+    """A key of a parameter, with default and help."""
     quantity, default = parameter.quantity, parameter.default
     default = default if quantity.usual is ... else quantity.usual
     if quantity.key and isinstance(default, bool):
@@ -224,14 +224,14 @@ def field_of(parameter: Parameter) -> Any:
 
 
 def keys_of_maker(make: Callable[..., Any]) -> dict[str, Any]:
-    """Keys of a section: the annotated arguments of what makes a surface or a solid."""
+    """Keys of a section: the annotated arguments of the function that makes a surface or a solid."""
     return {
         parameter.quantity.key or name: field_of(parameter) for name, parameter in parameters_of(make).items()
     }
 
 
 def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
-    """Arguments of it, from the keys; without those that are not given."""
+    """Arguments of such a function, from the keys that are given."""
     arguments = {}
     for name, parameter in parameters_of(make).items():
         value, kinds = getattr(section, parameter.quantity.key or name), {*parameter.kinds}

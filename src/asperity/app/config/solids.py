@@ -1,4 +1,4 @@
-"""The solids of a run: sections that are made of the functions of `asperity.solids`."""
+"""The solids of a run: sections made from the functions of `asperity.solids`."""
 
 from __future__ import annotations
 
@@ -59,11 +59,11 @@ class OfTable(Section):
 
     relaxation: str | None = usual(
         None,
-        "Table of a relaxation modulus, a creep compliance, or storage and loss moduli, "
-        "that gives the branches; and Young's modulus, where no modulus is given.",
+        "Table of relaxation modulus, creep compliance, or storage and loss moduli, which "
+        "gives the branches; and Young's modulus, if no modulus is given.",
     )
     table_kind: Literal["relaxation", "creep", "dynamic"] | None = usual(
-        None, "What the table holds, if the names of its columns do not say it."
+        None, "Quantity in the table, if the names of its columns do not say it."
     )
     table_modulus: TableModulus | None = usual(
         None, "Modulus in the table. By default the one that its header names, else Young's modulus."
@@ -86,8 +86,8 @@ class OfTable(Section):
     )
     extrapolate: Beyond | None = usual(
         None,
-        "What to assume beyond the times of the data. plateau: the last modulus of a table "
-        "stays. model: branches with their times go on. By default other times are refused.",
+        "Assumption beyond the times of the data. plateau: the modulus keeps the last value of the table. "
+        "model: the branches continue. By default other times are refused.",
     )
 
 
@@ -121,7 +121,7 @@ class SolidSection(Section):
 
     @property
     def given(self) -> dict[str, Any]:
-        """What `make` takes, without what is not given."""
+        """Arguments of `make`, as far as they are given."""
         return arguments_of(self.make, self) | self.laws
 
     def build(self) -> Solid:
@@ -176,12 +176,12 @@ class SolidSection(Section):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """First and last time of which the solid is known, where that is limited."""
+        """First and last time of the data of the solid, if they are limited."""
         return None
 
     @property
     def assumed(self) -> str:
-        """What is assumed of the solid beyond what is known; empty where nothing is."""
+        """Assumption beyond the data; empty for none."""
         return ""
 
     def resolved(self) -> Self:
@@ -204,7 +204,7 @@ class Continuum(SolidSection):
     @model_validator(mode="before")
     @classmethod
     def _modulus_of_table(cls, keys: Any) -> Any:
-        """Take the words shear, young, contact as modulus for what the table measures; the usual ratio."""
+        """Read shear, young or contact as kind of the modulus in the table; set the usual Poisson's ratio."""
         if not cls.model_fields["poisson"].is_required() and isinstance(keys, dict):
             bodies = listed(keys.get("young") or keys.get("relaxation"))
             lacks = keys.get("poisson") is None and keys.get("modulus") in (None, "young", "shear")
@@ -250,7 +250,7 @@ class Continuum(SolidSection):
 
     @property
     def of_table(self) -> Material | None:
-        """What the table gives, and what it is taken for."""
+        """The material of the table."""
         if (path := self.table) is None:
             return None
         changed = path.stat().st_mtime_ns if path.exists() else 0
@@ -288,7 +288,7 @@ class Continuum(SolidSection):
 
     @property
     def assumed(self) -> str:
-        """What is assumed beyond the table."""
+        """Assumption beyond the table."""
         return "" if self.fit is None else self.fit.assumed
 
     @property
@@ -308,7 +308,7 @@ class Continuum(SolidSection):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """First and last time that a table knows of, or that are assumed beyond it; None without."""
+        """First and last time of a table, or assumed beyond it; None without."""
         return None if (fit := self.fit) is None else fit.series.span
 
     def resolved(self) -> Self:
@@ -351,10 +351,10 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
     )
 
     data_first: Duration | None = usual(
-        None, "First time of the data that gave the branches; earlier ones need extrapolate = model."
+        None, "First time of the data of the branches; earlier times need extrapolate = model."
     )
     data_last: Duration | None = usual(
-        None, "Last time of the data that gave the branches; later ones need extrapolate = model."
+        None, "Last time of the data of the branches; later times need extrapolate = model."
     )
 
     def check(self) -> None:
@@ -372,7 +372,7 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """First and last time of the data of table or branches, or what is assumed beyond them."""
+        """First and last time of the data of table or branches, or assumed beyond them."""
         return super().known if self.extrapolate == "model" else self.of_data or super().known
 
     @property
@@ -389,7 +389,7 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
 
     @property
     def material(self) -> Material:
-        """What a prediction is of."""
+        """The material of a prediction."""
         from asperity.relaxation import material
 
         table: Material | None = self.of_table
@@ -420,7 +420,7 @@ BesideTable = create_model(
 
 @functools.lru_cache(maxsize=8)
 def _material(path: Path, how: tuple[tuple[str, Any], ...], changed: int) -> Material:
-    """What a table gives; ``changed`` tells one state of the file from another."""
+    """The material of a table, cached by the time of its last change."""
     from asperity.relaxation import material
 
     del changed

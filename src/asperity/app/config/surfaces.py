@@ -1,4 +1,4 @@
-"""Surfaces of a run: sections that are made of the functions of `asperity.surfaces`."""
+"""Surfaces of a run: sections made from the functions of `asperity.surfaces`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class SurfaceSection(Section):
 
     @property
     def lattice(self) -> tuple[int, ...] | None:
-        """Sites along each axis; None where only making the surface tells."""
+        """Sites along each axis; None if they are unknown before the surface is made."""
         if (size := getattr(self, "size", None)) is not None:
             return (size, size)
         shape = getattr(self, "shape", None)
@@ -48,7 +48,7 @@ class SurfaceSection(Section):
 
     @property
     def law(self) -> HeightLaw | None:
-        """The law of the heights, where the sites are independent."""
+        """The law of the heights, if the sites are independent."""
         from asperity.theory import ExponentialHeights, GaussianHeights
 
         laws = {"gaussian": GaussianHeights, "exponential": ExponentialHeights}
@@ -71,13 +71,13 @@ class SurfaceSection(Section):
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What `make` takes: the lattice or the file, and what has a name."""
+        """Arguments of `make`: the lattice or the file, and keywords."""
         first, *facts = arguments_of(self.make, self).items()
         return first[1], dict(facts) | (self._edges if self._knows_edges else {})
 
     @property
     def around(self) -> dict[str, Any]:
-        """What `asperity.surfaces.Surface` takes around what `make` gives; empty where that is all."""
+        """Arguments of `asperity.surfaces.Surface` beside those of `make`; empty if these are complete."""
         facts = {} if self._knows_edges else self._edges
         if (spacing := getattr(self, "spacing", None)) is not None:
             facts["pixel_size"] = (*spacing, *spacing)[: len(self.lattice or ())]
@@ -94,7 +94,7 @@ class SurfaceSection(Section):
         return {} if self.edges is None else {"edges": self.edges}
 
     def build(self) -> Surface:
-        """Make or read the surface, and let it know where it comes from."""
+        """Make or read the surface, with its provenance."""
         first, facts = self.arguments
         surface, around = self.make(first, **facts), self.around
         if isinstance(surface, Surface) and not around:
@@ -117,7 +117,7 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
-        """What `asperity.surfaces.read` is to do about the edges."""
+        """How `asperity.surfaces.read` treats the edges."""
         if self.edges == "periodic":
             return "wrap" if self.periodic in ("reflect", "free") else self.periodic
         return "free" if self.edges == "free" else "reflect" if self.edges else self.periodic
@@ -129,13 +129,13 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
-        """What `asperity.surfaces.read` takes: the file, and how to prepare it."""
+        """Arguments of `asperity.surfaces.read`: the file, and its preparation."""
         path, facts = super().arguments
         return path, facts | {"periodic": self.rule}
 
     @property
     def around(self) -> dict[str, Any]:
-        """See `SurfaceSection`: the rule has the edges."""
+        """See `SurfaceSection`: `rule` includes the edges."""
         return {}
 
 

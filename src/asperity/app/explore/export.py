@@ -19,7 +19,7 @@ _ALONE = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
     "img-src data: blob:; media-src data: blob:; connect-src data: blob:"
 )
-"""What the exported page may load: nothing from elsewhere."""
+"""Content policy of the exported page, which loads nothing from elsewhere."""
 
 
 def page_files() -> dict[str, bytes]:
@@ -29,7 +29,7 @@ def page_files() -> dict[str, bytes]:
 
 
 def exported_page(messages: Iterable[bytes], *, title: str) -> str:
-    """Write the page with everything in it: what a server would have sent, if anything, and a title."""
+    """Write the page with its files, the messages of a server, if any, and a title."""
     stream = b"".join(len(message).to_bytes(8, "little") + message for message in messages)
     packed = base64.b64encode(gzip.compress(stream, mtime=0)).decode("ascii") if stream else ""
     recording = f'<script type="application/octet-stream" id="recording">{packed}</script>'

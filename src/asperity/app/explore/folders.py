@@ -1,4 +1,4 @@
-"""What a folder holds that the page can show; no name leads out of it, and no link either."""
+"""Results in a folder that the page can show; neither names nor links lead out of it."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import units_named
 
 _DEEPEST, _MOST, _MOST_SEEN = 4, 500, 10_000
-"""Folders within folders that are looked into, results that are listed, and folders that are looked at."""
+"""Most levels of folders, listed results, and folders that are searched."""
 
 _MOST_CURVES = 500
 """Runs of a campaign whose curves are sent."""
 
 
 def inside(root: Path, name: str) -> Path:
-    """The place of a name in a folder, links followed; `InputError` if it lies outside, or is no name."""
+    """Resolve a name in a folder; `InputError` if it lies outside, or is no name."""
     pure = PurePosixPath(name)
     if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
         with contextlib.suppress(UnicodeEncodeError):  # no disk has such a name
@@ -50,7 +50,7 @@ def inside(root: Path, name: str) -> Path:
 
 
 def kind_of(folder: Path) -> str:
-    """``"run"``, ``"campaign"``, ``"prediction"``, or nothing that the page shows."""
+    """``"run"``, ``"campaign"`` or ``"prediction"``; else empty."""
     if folder.suffix == ".zarr" and (folder / "heights" / "zarr.json").is_file():
         return "run"  # a history that was saved
     kind = files.kind_of(folder)
@@ -79,7 +79,7 @@ def entries(root: Path) -> list[dict[str, str]]:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """What was found under a name: a campaign, or a recording, or both."""
+    """Results under a name: a campaign, or a recording, or both."""
 
     campaign: tuple[Header, Arrays] | None
     recording: Recording | None
@@ -150,7 +150,7 @@ def _with_python(recording: Recording, config: RunConfig | None) -> Recording:
 
 
 def _campaign(plan: Plan, store: Store, name: str, done: set[str]) -> tuple[Header, Arrays]:
-    """What was swept, the runs, and their curves: arrays ``time.ID`` and ``area.ID``."""
+    """Swept parameters, runs, and their curves: arrays ``time.ID`` and ``area.ID``."""
     running, failed = store.running(), store.failures()
     runs: list[Header] = []
     arrays: Arrays = {}
@@ -188,7 +188,7 @@ def _title(plan: Plan, run: Run, units: Mapping[str, str]) -> str:
 
 
 def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recording, RunConfig]:
-    """One run of a campaign: its series, and where it kept fields its maps."""
+    """One run of a campaign: its series, and its maps if it stored fields."""
     finished = store.read(run)
     config = _config(finished.config) or run.config
     try:

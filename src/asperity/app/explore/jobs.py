@@ -1,4 +1,4 @@
-"""Runs in processes of their own: started, watched, stopped, and kept when they are done.
+"""Runs in separate processes: started, watched, stopped, and kept when they are done.
 
 Each run is a task that follows its process. To stop a run its process is killed; one whose run has ended
 takes the next.
@@ -24,30 +24,30 @@ from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
 
 _UNWATCHED = 10.0
-"""Seconds for which a run goes on that nobody watches: a page that is loaded again finds it."""
+"""Seconds until an unwatched run is stopped: a page that is loaded again finds it before."""
 
 _MOST_AT_ONCE, _KEPT_RUNS = 2, 8
-"""Runs that compute at one time, and finished ones that are kept."""
+"""Most runs that compute in parallel, and most finished ones that are kept."""
 
 _WORK = "from asperity.app.explore.work import work; work()"
 
 
 @dataclass(eq=False)
 class Job:
-    """A run that was asked for: what is known of it, and who is to hear of it."""
+    """A requested run: its recording, its task, and its watchers."""
 
     recording: Recording
     task: asyncio.Task[None] | None = None
     watchers: set[Callable[[], None]] = field(default_factory=set)
 
-    def take(self, what: str, content: Any) -> None:
+    def take(self, sort: str, content: Any) -> None:
         """Take a message of the process that computes it."""
         recording = self.recording
-        if what == "stage":
+        if sort == "stage":
             recording.stage = content
-        elif what == "scene":
+        elif sort == "scene":
             recording.scene, recording.heights = content
-        elif what == "row":
+        elif sort == "row":
             row, new_map = content
             recording.rows.append(row)
             recording.maps += [] if new_map is None else [new_map]
@@ -67,7 +67,7 @@ class Jobs:
         self._closed = False
 
     def ask(self, config: RunConfig, shown: Shown, title: str) -> Job:
-        """Take up a run, or join the one of this configuration that is under way or done."""
+        """Start a run, or return the one of the same configuration that is running or done."""
         name = _name_of(config)
         if name not in self._jobs:
             job = self._jobs[name] = Job(Recording(name))
@@ -75,7 +75,7 @@ class Jobs:
         return self._jobs[name]
 
     def leave(self, job: Job, watcher: Callable[[], None], *, at_once: bool) -> None:
-        """Watch a run no more; what nobody watches ends, at once or after a while."""
+        """Stop watching a run; unwatched runs are stopped, immediately or after a delay."""
         job.watchers.discard(watcher)
         asyncio.get_running_loop().call_later(0 if at_once else _UNWATCHED, self._stop_if_unwatched, job)
 
@@ -90,7 +90,7 @@ class Jobs:
             await _killed(process)
 
     async def warm(self) -> None:
-        """Have a process at hand that has imported all when the next run comes."""
+        """Start a process that imports the engine before the next run comes."""
         if not (self._idle or self._closed):
             # Ctrl-C is for the server, which ends its processes: they are in a session of their own.
             self._idle.append(
@@ -105,7 +105,7 @@ class Jobs:
             job.task.cancel()
 
     async def _follow(self, job: Job, asked: bytes) -> None:
-        """Have a run computed, and keep it if it comes to its end; what failed may be tried again."""
+        """Compute a run, and keep it if it succeeds; failed runs may be tried again."""
         job.take("stage", "waiting for another run" if self._room.locked() else "starting")
         async with self._room:
             self._idle = [process for process in self._idle if process.returncode is None]
@@ -127,7 +127,7 @@ class Jobs:
             del self._jobs[name]
 
     async def _hear(self, job: Job, process: Process, asked: bytes) -> None:
-        """Hand a run to a process, and hear of it until it ends, or the process does."""
+        """Send a run to a process, and take its messages until the run or the process ends."""
         assert process.stdin is not None
         assert process.stdout is not None
         try:

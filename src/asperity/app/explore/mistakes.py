@@ -1,4 +1,4 @@
-"""What is wrong, in one line each, and the key of the form that it is about."""
+"""Mistakes, in one line each with the key of the form."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from asperity.base.words import reason_of
 from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
 _FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
-"""What the command line is advised beside the key of a configuration."""
+"""Advice for the command line beside keys of a configuration."""
 
 _LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
 
 Mistake = dict[str, str]
 Shown = dict[str, str]
-"""What stands for the absolute path of a file where others read it."""
+"""Names that the page shows in place of absolute paths."""
 
 
 def without_flags(text: str) -> str:
@@ -25,7 +25,7 @@ def without_flags(text: str) -> str:
 
 
 def mistake(text: str, where: str = "") -> list[Mistake]:
-    """One line of what is wrong, and the key it is about."""
+    """A mistake with its key."""
     return [{"where": where, "text": without_flags(text)}]
 
 
@@ -35,7 +35,7 @@ def failed(mistakes: list[Mistake]) -> dict[str, Any]:
 
 
 def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
-    """Say in one line each what is wrong, and which key it is about: ``contact.load``, or nothing."""
+    """List the mistakes of an error in one line each, with their keys, such as ``contact.load``, or none."""
     for path, name in (shown or {}).items():
         if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
             where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
@@ -58,7 +58,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
 
 
 def _place(problem: str) -> str:
-    """The key that a line of `ConfigError` is about, as it names it itself."""
+    """The key that a line of `ConfigError` names."""
     if leg := _LEG.match(problem):
         return ".".join(filter(None, (leg[1].replace(" ", "."), leg[2])))
     if problem.startswith("[") and (match := re.match(r"^\[(\w+)\](?: (\w+):)?", problem)):

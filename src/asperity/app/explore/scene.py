@@ -1,4 +1,4 @@
-"""What the page shows of one run: a scene, its rows and maps, and how it ended; and all that as bytes.
+"""One run on the page: its scene, rows, maps and end; and their messages as bytes.
 
 A message is the length of its header (uint32, little endian), the header (JSON, UTF-8), zeros up to a
 multiple of 8, and the arrays that the header lists under ``arrays``, each with zeros up to a multiple of 8.
@@ -40,7 +40,7 @@ _TYPES = {"<f8": "f8", "<f4": "f4", "<u2": "u2", "|u1": "u1", "<i4": "i4"}
 
 _MOST_MAPS, _FEWEST_MAPS = 40, 6
 _BYTES = 64e6
-"""Maps of a scene, and about how many bytes all of them may take."""
+"""Most and fewest maps of a scene, and about how many bytes all of them may take."""
 
 _RISE = 1e-9  # of a load that is more than rounding
 
@@ -61,7 +61,7 @@ _FOUND = (
     Quantity("decade_growth", "1", _GROWN, label="growth per decade"),
 )
 _MADE = {one.name: one for one in _FOUND}
-"""What the page makes of the recorded numbers."""
+"""Quantities that the page derives from the recorded ones."""
 
 
 def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = None) -> bytes:
@@ -81,7 +81,7 @@ def pack(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]] | None = 
 
 
 def unpack(message: bytes) -> tuple[Header, Arrays]:
-    """Take a message of `pack` apart."""
+    """Read a message of `pack`."""
     length = int.from_bytes(message[:4], "little")
     header: Header = json.loads(message[4 : 4 + length])
     start = (4 + length + 7) // 8 * 8
@@ -94,7 +94,7 @@ def unpack(message: bytes) -> tuple[Header, Arrays]:
 
 
 def finite(value: Any) -> Any:
-    """Put null where a number is not finite, which JSON cannot write."""
+    """Replace numbers that are not finite by null, for JSON."""
     if isinstance(value, Mapping):
         return {str(key): finite(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
@@ -159,7 +159,7 @@ def map_of(
 
 @dataclass
 class Cursor:
-    """How much of a recording has been sent to one reader."""
+    """The position of one reader in a recording."""
 
     scene: bool = False
     stage: str = ""
@@ -170,7 +170,7 @@ class Cursor:
 
 @dataclass(eq=False)
 class Recording:
-    """All that is known of one run so far; readers come and go, each with a `Cursor`.
+    """The results of one run so far; readers come and go, each with a `Cursor`.
 
     ``scene`` is the header of the scene, None before the solids touch; ``rows`` are entries of the time
     series, one number a column; ``end`` is the header of the last message, once there is one.
@@ -184,7 +184,7 @@ class Recording:
     stage: str = ""
     end: Header | None = None
     _first: Mapping[str, float] | None = None
-    """The entry with which others compare: the first, or where that has no load the end of its rise."""
+    """The reference entry: the first, or after a first load of 0 the end of the rise."""
     _last: Mapping[str, float] | None = None
     _rises: bool = False
 
@@ -206,7 +206,7 @@ class Recording:
         self._last = row
 
     def next(self, cursor: Cursor) -> tuple[Header, Arrays] | None:
-        """What a reader gets next: all that is new, or as much as makes a message; None for nothing."""
+        """The next message for a reader: all new entries that fit; None if there are none."""
         if self.stage != cursor.stage and self.end is None:
             cursor.stage = self.stage
             return {"kind": "stage", "job": self.job, "text": self.stage}, {}
@@ -222,7 +222,7 @@ class Recording:
         return None
 
     def messages(self) -> Iterator[bytes]:
-        """All messages, for one who was not there."""
+        """All messages, for a new reader."""
         cursor = Cursor()
         for number, (header, arrays) in enumerate(iter(lambda: self.next(cursor), None), 1):
             yield pack({**header, "sequence": number}, arrays)
@@ -245,7 +245,7 @@ class Recording:
 
 
 def started(frame: Frame, config: RunConfig) -> xr.Dataset:
-    """Describe a run by its first moment, as `recorded` does by the whole."""
+    """Describe a run by its first moment."""
     contact, rtol = frame.contact, config.aging.rtol
     row = row_of(frame, slides=any(leg.speed for leg in config.written_out))
     switches = Schedule.of(config.written_out, np.empty(0)).switches
@@ -298,7 +298,7 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
 
 
 def most_maps(sites: int) -> int:
-    """Maps of a lattice that are worth their bytes, were a quarter of its sites in contact."""
+    """Most maps that fit in `_BYTES` with a quarter of the sites in contact."""
     return int(min(_MOST_MAPS, max(_FEWEST_MAPS, _BYTES / (0.625 * sites))))
 
 
@@ -374,7 +374,7 @@ def _numbers(
     last: Mapping[str, float],
     switches: Sequence[float],
 ) -> list[float]:
-    """One entry, in the order of the columns; what is made of others is NaN where it means nothing."""
+    """One entry, in the order of the columns; derived quantities are NaN where they are undefined."""
     area, load, time, leg = (float(row.get(name, 0.0)) for name in ("area", "load", "time", "leg"))
     numbers = {"leg": leg, "friction": math.nan, "decade_growth": math.nan}
     numbers["mean_pressure"] = row.get("mean_contact_pressure", load / area if area else 0.0)

@@ -43,13 +43,13 @@ USUAL_PORT, _PORTS = 8765, 20
 """Port that is tried first, and how many are tried."""
 
 PER_DECADE = 8
-"""Times in each decade of a run that does not say: twice as many as on the command line."""
+"""Default number of times per decade: twice that of the command line."""
 
 _LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
-"""Seconds after which a configuration that is still being checked, or a file that still comes, is refused."""
+"""Seconds after which the check of a configuration, or an upload, is stopped."""
 
 _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
-"""Bytes of one file that is dropped on the page, and of all."""
+"""Most bytes of one uploaded file, and of all."""
 
 _LARGEST_REQUEST = 2**20
 """Bytes of a message of a page."""
@@ -69,7 +69,7 @@ class Places:
         self._named: set[Path] = set()
 
     def allow(self, config: RunConfig | None) -> None:
-        """Let the surface of a run that was opened be read, wherever it lies."""
+        """Allow the surface file of an opened run."""
         if config is not None and config.surface.file is not None:
             self._named.add(config.surface.file.resolve())
 
@@ -92,7 +92,7 @@ class Places:
 
 
 def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
-    """Check a configuration that a page sent; null stands for a key that is not given.
+    """Check a configuration from a page, in which null stands for an absent key.
 
     `ConfigError` with one line for each mistake.
     """
@@ -125,7 +125,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
 
 
 class Session:
-    """One page that is connected: what it looks at, and how much of that it has been sent.
+    """One connected page: the run that it shows, and the position in its messages.
 
     The next message is made when the last was acknowledged, of all that is new by then. So a slow page
     gets larger messages, and nothing queues up.
@@ -181,8 +181,8 @@ class Session:
             async with asyncio.timeout(_LONGEST_CHECK):
                 config, shown = await asyncio.to_thread(read_request, tables, self._server.places)
         except TimeoutError:
-            said = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
-            self._put({"kind": "mistakes", "job": "", "mistakes": mistake(said)})
+            text = f"checking took more than {_LONGEST_CHECK:g} s; try a smaller table, or a shorter history"
+            self._put({"kind": "mistakes", "job": "", "mistakes": mistake(text)})
         except Exception as error:  # said to the user, in the page
             self._put({"kind": "mistakes", "job": "", "mistakes": mistakes_of(error)})
         else:
@@ -226,7 +226,7 @@ class Session:
         return None if self._recording is None else self._recording.next(self._cursor)
 
     async def _send(self) -> None:
-        """Send what is new; a fault of it ends the connection, or the page would wait for ever."""
+        """Send new messages; an error ends the connection, so that the page does not wait for ever."""
         try:
             while True:
                 if (message := self._next()) is None:
@@ -245,7 +245,7 @@ class Session:
 
 
 class Server:
-    """The application, and what all its pages share."""
+    """The application, and the files and runs of all its pages."""
 
     def __init__(self, root: Path | None, uploads: Path) -> None:
         mimetypes.add_type("text/javascript", ".js")  # some systems have another, which browsers refuse
@@ -271,7 +271,7 @@ class Server:
             await self.jobs.close()
 
     def hello(self) -> Header:
-        """What a page is told first."""
+        """The first message to a page."""
         form = {
             section: {kind: {name: asdict(key) for name, key in keys.items()} for kind, keys in kinds.items()}
             for section, kinds in sections(short=True).items()
@@ -292,7 +292,7 @@ class Server:
         await Session(websocket, self).run()
 
     async def _shell(self, _: Request) -> Response:
-        """The page for export, without a recording: the page that asks has it."""
+        """The page for export, to which the browser adds the recording."""
         return Response(exported_page([], title="Asperity"), media_type="text/html")
 
     async def _take_file(self, request: Request) -> Response:
@@ -311,8 +311,8 @@ class Server:
                         async for chunk in request.stream():
                             size += len(chunk)
                             if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
-                                said = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
-                                return _refused(said, 413)
+                                text = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
+                                return _refused(text, 413)
                             stream.write(chunk)
                 part.replace(uploads / name)
         except ClientDisconnect:
@@ -351,8 +351,8 @@ class OwnPagesOnly:
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         own = origins == [f"http://{host}"] or (not origins and not changes)
         if host not in self._hosts or not own:
-            said = "asperity explore serves its own page alone"
-            refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(said, 403)
+            text = "asperity explore serves its own page alone"
+            refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(text, 403)
             await refusal(scope, receive, send)
             return
 
@@ -388,7 +388,7 @@ def free_socket(port: int | None) -> socket.socket:
     raise InputError("--port", expected="a free port", got=got, advice="another one, or none")
 
 
-def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], browser: bool) -> None:
+def serve(root: Path | None, *, port: int | None, tell: Callable[[str], None], browser: bool) -> None:
     """Serve the page, with a folder if any, until the process is interrupted.
 
     The port is a free one by default; the address is told, and opened in a browser if wanted.
@@ -409,7 +409,7 @@ def serve(root: Path | None, *, port: int | None, told: Callable[[str], None], b
             timeout_graceful_shutdown=1,
         )
         server = uvicorn.Server(settings)
-        told(address)
+        tell(address)
         if browser:
             webbrowser.open(address)
         with contextlib.suppress(KeyboardInterrupt):

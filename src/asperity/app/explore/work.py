@@ -34,8 +34,8 @@ def work() -> None:
     with contextlib.suppress(AttributeError, OSError):
         os.nice(5)  # the server answers first
 
-    def tell(what: str, content: object) -> None:
-        message = pickle.dumps((what, content))
+    def tell(sort: str, content: object) -> None:
+        message = pickle.dumps((sort, content))
         answers.write(len(message).to_bytes(8, "little") + message)
         answers.flush()
 

@@ -1,4 +1,4 @@
-"""The files of a prediction: a page to read, its pictures, tables, and the fitted solid."""
+"""The files of a prediction: page, pictures, tables, and the fitted solid."""
 
 from __future__ import annotations
 

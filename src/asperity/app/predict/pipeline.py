@@ -37,8 +37,8 @@ def predict_config(
 ) -> Prediction:
     """Predict from the configuration of a run: the same solid, surface, load and times as `execute` takes.
 
-    The load is put on at once, or within a ramp, see `asperity.predict`; or it follows a protocol, before
-    which it is 0 where the file says none. `AsperityError` as there; or what is asked for has no band.
+    The load is applied instantly, or within a ramp, see `asperity.predict`; or it follows a protocol, before
+    which it is 0 unless the file says more. `AsperityError` as there; or what is asked for has no band.
     """
     loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
     if not loading:
@@ -90,7 +90,7 @@ def predict_config(
 
 
 def _check_times(config: RunConfig, times: Field) -> None:
-    """Refuse times of which no growth can be told."""
+    """Refuse times that are too few or too close for a growth."""
     name, advice, last = "per_decade", "a later last or more per_decade", "[aging] last"
     if config.aging.times is not None:
         name, advice, last = "times", "more times", "[aging] times"
@@ -101,7 +101,7 @@ def _check_times(config: RunConfig, times: Field) -> None:
 
 
 def _loading_of(config: RunConfig) -> tuple[RunConfig, float]:
-    """A load that stays, and its ramp, where a protocol says no more; or a load to begin with."""
+    """Replace a protocol of a ramp and a hold by a load and its ramp; or begin another one at load 0."""
     pressed = config.contact.model_dump(exclude_none=True)
     match config.legs:
         case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (

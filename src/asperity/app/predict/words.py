@@ -1,4 +1,4 @@
-"""A prediction in words: the rows of its summary, and what limits it."""
+"""The rows of the summary of a prediction."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Row = tuple[str, str]
 
 
 def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> list[Row]:
-    """Say what was predicted from what, in rows of a name and words."""
+    """Rows on the material, the scan, the load, and the predicted contact."""
     dataset, scan = prediction.dataset, prediction.origin
     fit = prediction.fit
     pixels = " x ".join(map(str, dataset["heights"].shape))
@@ -31,10 +31,13 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         text += f"fit error {100 * fit.rms:.2g} % rms, {100 * fit.series.error:.2g} % at most"
         rows.append(("relaxation", text))
     nominal = prediction.nominal_area
-    held = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
-    held += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
-    held = prediction.legs or held
-    rows += [("solid", "; ".join(prediction.words)), *_branches(prediction), ("load", held)]
+    pressed = f"{written(load, 'N')}, {written(load / nominal, 'Pa')} over {written(nominal, 'm^2')}, "
+    pressed += f"applied within {written(ramp, 's')}, from 0 s on" if ramp else "applied instantly"
+    rows += [
+        ("solid", "; ".join(prediction.words)),
+        *_branches(prediction),
+        ("load", prediction.legs or pressed),
+    ]
     loaded = prediction.loaded
     rows += _contacts(prediction)
     rows += _growth(prediction)
@@ -59,7 +62,7 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
     if prediction.solid.yields:
         lowered = dataset["permanent_indentation"].values
         begun, remaining = (int((lowered[place] > 0).sum()) for place in (0, -1))
-        text = f"{how_many(begun, 'pixel')} lowered for good at first, {thousands(remaining)} at last"
+        text = f"{how_many(begun, 'pixel')} permanently lowered at first, {thousands(remaining)} at last"
         text += f", by up to {written(float(lowered[-1].max()), 'm')}" if remaining else ""
         rows.append(("yields", text))
     exact = dataset.attrs.get("exact_contact") == "at all times"
@@ -83,7 +86,7 @@ def _contacts(prediction: Prediction) -> list[Row]:
         many = how_many(prediction.resolved[number].patches, "patch", "patches")
         text = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} %"
         text += f", corrected for pixel rims{band}; "
-        text += f"raw {written(counted, 'm^2')} in {many}, with {written(pressure, 'Pa')} on average"
+        text += f"raw {written(counted, 'm^2')} in {many}, mean pressure {written(pressure, 'Pa')}"
         jumped = place > 0 and prediction.time[place] == prediction.time[place - 1]
         when = "just after" if jumped else f"contact at {written(float(prediction.time[place]), 's')}"
         rows.append((when, text))
@@ -91,7 +94,7 @@ def _contacts(prediction: Prediction) -> list[Row]:
 
 
 def _branches(prediction: Prediction) -> list[Row]:
-    """Shares and relaxation times; where a fit knows their 95 % intervals, with these."""
+    """Shares and relaxation times, with the 95 % intervals of a fit."""
     rows, intervals = [], None if prediction.fit is None else prediction.fit.intervals
     for number, (share, time) in enumerate(prediction.branches):
         parts = [f"share {share:.4g}", f"relaxes in {written(time, 's')}"]
@@ -102,7 +105,7 @@ def _branches(prediction: Prediction) -> list[Row]:
         rows.append(("" if number else "branches", " ".join(parts)))
     rows += [("", f"share {prediction.plateau:.4g} does not relax")] if rows else []
     if prediction.draws:
-        rows.append(("", f"{prediction.draws} draws of the branches, whose spread is in the band"))
+        rows.append(("", f"the band includes {prediction.draws} samples of the branches"))
     return rows
 
 

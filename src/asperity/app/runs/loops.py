@@ -20,8 +20,8 @@ from asperity.surfaces import self_affine
 def compile_loops(tell: Callable[[str], None] = remark, remark: Callable[[str], None] = remark) -> None:
     """Compile all loops and keep their machine code on disk, unless that has been done.
 
-    What takes so long is reported before it begins, if anything has to be compiled; where the machine code is
-    kept is a remark, if that is an unusual place. Both are a `Remark` by default.
+    `tell` gets a text before anything is compiled, `remark` one on an unusual folder of the machine code.
+    Both are a `Remark` by default.
     """
     stamp = stamp_of(one_field.sweeps_1, rows.total, states.settle, two_fields.cycle_2, stencils.forces)
     tell_of_place(remark)

@@ -48,10 +48,10 @@ _DRAWS = {"solid": ("draws",)}
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """All that a run found, and remarks: a choice that was made, a result that is missing.
+    """The results of a run, and remarks on choices and on missing results.
 
-    Its configuration leaves nothing open: reading it again gives the same result. There is no summary under a
-    protocol, where the area follows no law of growth.
+    Its configuration is complete: reading it again gives the same result. Under a protocol, where the area
+    follows no law of growth, there is no summary.
     """
 
     config: RunConfig
@@ -123,14 +123,14 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
 
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
-    """Refuse a run that would be killed for want of memory after minutes or hours."""
+    """Refuse a run that needs more memory than there is."""
     maps, free = config.output.maps_at, config.surface.edges == "free"
     needed = bytes_a_site(solid, shape, USUAL_MAPS if maps is None else len(maps), free=free)
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
-    """Refuse numbers with units where nothing else has any, and a measured area that is none beside them."""
+    """Refuse numbers with units beside a surface or a solid without; and a measured area in other units."""
     si = solid.in_lengths and rough.has_lengths
     if config.output.measured is not None:
         measured_area(config.output.measured, si=si)
@@ -175,7 +175,7 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
 
 
 def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfig, tuple[str, ...]]:
-    """Decide what the configuration leaves open: the load, the times, the maps; make paths absolute."""
+    """Complete a configuration by a load, times and times of maps, with absolute paths; and remarks."""
     chosen = config.surface.anywhere()
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
     remarks = rough.remarks + _odd_numbers(config, solid.modulus, rough) + assumed
@@ -239,7 +239,7 @@ def unused(config: RunConfig, name: str, keys: Mapping[str, Iterable[str]] = _DR
 
 
 def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[ContactSection, str]:
-    """A load, or on a continuum a pressure, that gives about 1 % contact; and what is to be said of it."""
+    """A load, or on a continuum a pressure, that gives about 1 % contact, and a remark on it."""
     if solid.modulus is not None:
         pressure = defaults.modest_pressure(modulus=solid.modulus, slope=rough.describe().rms_slope)
         shown = written(pressure, "Pa") if rough.has_lengths else f"{pressure:g}"
@@ -258,7 +258,7 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
 
 
 def recorded_times(config: RunConfig) -> Field:
-    """Times that a configuration asks to record, without 0; under a protocol, spread since each switch."""
+    """Times to record, without 0; under a protocol, spread over each leg."""
     aging, (first, last) = config.aging, config.span
     if aging.times is not None:
         return np.asarray(aging.times, dtype=np.float64)
@@ -274,7 +274,7 @@ def _map_times(config: RunConfig) -> list[float]:
 
 
 def carried_by(config: RunConfig) -> Carried | None:
-    """What to record of what the contact carries."""
+    """What to record besides load and area, if anything."""
     return None if config.carries is None else Carried(**config.carries)
 
 
@@ -290,9 +290,11 @@ def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:
 
 def _shear_strength(config: RunConfig) -> ShearStrength | None:
     """The law of the shear strength, if there is one; it must know all velocities."""
-    told = config.friction
-    if told.shear_strength is None:
+    friction = config.friction
+    if friction.shear_strength is None:
         return None
-    law = ShearStrength(told.shear_strength, told.rate_coefficient or 0.0, told.reference_velocity)
+    law = ShearStrength(
+        friction.shear_strength, friction.rate_coefficient or 0.0, friction.reference_velocity
+    )
     law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
     return law

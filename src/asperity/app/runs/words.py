@@ -1,4 +1,4 @@
-"""What programs say of a run."""
+"""The rows of the summary of a run."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ELECTRONVOLT = 1.602176634e-19
 
 
 def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: str = "") -> list[Row]:
-    """Say what was run and what came out; of a resumed run, the seconds are those of this session."""
+    """Rows on surface, solid and results; the seconds of a resumed run are those of this session."""
     dataset = outcome.dataset
     exact = "exact contact, " if dataset.attrs.get("exact_contact") == "at all times" else ""
     effort = (
@@ -64,7 +64,7 @@ def _surface(outcome: Outcome) -> str:
 
 
 def described(surface: SurfaceSection) -> str:
-    """What a surface is made of, in a line."""
+    """The parameters of a surface, in a line."""
     facts, apart = surface.model_dump(exclude_none=True, exclude={"kind"}), ("places", "radii", "heights")
     words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items())
     return f"{surface.kind}: {', '.join(words)}"

@@ -1,4 +1,4 @@
-"""What a fit of growth says: tables of words, and all its numbers as JSON."""
+"""A fit of growth: its tables for the terminal, and all its numbers as JSON."""
 
 from __future__ import annotations
 
@@ -93,25 +93,26 @@ def _goodness(fit: FitResult) -> tuple[str, ...]:
     return (f"  misfit: {100 * fit.rms_residual:.2g} % rms, R² = {fit.r_squared:.4g}{chi}",)
 
 
-def _comparison(found: Comparison) -> list[tuple[str, ...]]:
-    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
+def _comparison(comparison: Comparison) -> list[tuple[str, ...]]:
+    likelihood = comparison.relative_likelihood
+    odds = f"{likelihood:.1g}" if likelihood > 1e-6 else "less than 1e-6"
     words = {
         "saturation": f"the data prefer saturation: a logarithm without end is {odds} times as likely",
         "logarithm": "the data prefer the logarithm: no sign of saturation, and none that halves the slope "
         "within these times",
         "undecided": "these data do not tell a logarithm from a saturation",
     }
-    worth = f"the values are worth {found.effective_points:.0f} independent ones, "
-    worth += f"the difference {found.delta_effective:.3g}"
+    worth = f"the values count as {comparison.effective_points:.0f} independent ones, "
+    worth += f"the difference {comparison.delta_effective:.3g}"
     return [
-        (words[found.verdict],),
-        ("  AICc", f"logarithm less saturation {found.delta_aicc:.3g}, were all values independent"),
-        ("  residuals", f"neighbors correlate by {found.autocorrelation:.2f}: {worth}"),
+        (words[comparison.verdict],),
+        ("  AICc", f"logarithm less saturation {comparison.delta_aicc:.3g}, were all values independent"),
+        ("  residuals", f"neighbors correlate by {comparison.autocorrelation:.2f}: {worth}"),
     ]
 
 
 def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **origin: str) -> None:
-    """Write all numbers, and where they come from, as JSON, which has no infinity."""
+    """Write all numbers and their origin as JSON, with null for infinity."""
     comparison = {} if growth.comparison is None else vars(growth.comparison)
     numbers = {name: _finite(value) for name, value in comparison.items() if name not in growth.fits}
     facts = {
@@ -130,7 +131,7 @@ def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **o
 
 
 def _numbers(fit: FitResult) -> dict[str, object]:
-    """Every number of a fit under the name that the screen has for it; slopes also per decade."""
+    """Every number of a fit under its name on the terminal; slopes also per decade."""
     names = parameters_of(fit)
     numbers: dict[str, object] = {}
     for field in dataclasses.fields(fit):

@@ -1,4 +1,4 @@
-"""Which records of friction a path holds, and what their fit says, as rows of words."""
+"""Rows of a fit of rate and state for the terminal."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from asperity.analysis.scan import written
-from asperity.app.cli.report import Row, aligned
+from asperity.app.cli.report import Row, table_row
 from asperity.base.words import counted, uncertain
 from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
 from asperity.friction.export import columns_of
@@ -21,26 +21,26 @@ _OPEN = 100.0
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
 
 
-def friction_report(found: StateLaws, first: str) -> list[Row]:
-    """Say what was fitted and what came out."""
-    record, kinds = found.record, found.peaks()
+def friction_report(laws: StateLaws, first: str) -> list[Row]:
+    """Rows on the record, the fits of both laws, and the verdict."""
+    record, kinds = laws.record, laws.peaks()
     slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
-    fit = found.fits[found.preferred]
+    fit = laws.fits[laws.preferred]
     fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
     rows = [
-        ("record", (record.read or first) if found.runs == 1 else f"{found.runs} surfaces: {first}, ..."),
+        ("record", (record.read or first) if laws.runs == 1 else f"{laws.runs} surfaces: {first}, ..."),
         ("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
     ]
-    for law in sorted(STATE_LAWS, key=lambda one: one != found.preferred):
-        rows += _law(found, law)
-    rows.append(("verdict", _verdict(found)))
+    for law in sorted(STATE_LAWS, key=lambda name: name != laws.preferred):
+        rows += _law(laws, law)
+    rows.append(("verdict", _verdict(laws)))
     if isinstance(fit, MachineFit):
-        rows += _machine(found, fit)
+        rows += _machine(laws, fit)
     if fit.determined and fit.D_c < record.finest_slip:
         finest = written(record.finest_slip, "m" if record.si else "1", 3)
-        text = f"D_c is shorter than the slip between two values, {finest}, and so not well resolved"
+        text = f"D_c is shorter than the slip between two values, {finest}, and not well resolved"
         rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
-    if found.runs == 1 and fit.effective_points < fit.points:
+    if laws.runs == 1 and fit.effective_points < fit.points:
         text = f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
         text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}"
         text += "" if isinstance(fit, MachineFit) else "; records of several surfaces give better intervals"
@@ -48,35 +48,35 @@ def friction_report(found: StateLaws, first: str) -> list[Row]:
     return rows
 
 
-def _machine(found: StateLaws, fit: MachineFit) -> list[Row]:
-    (second, length), (time_unit, unit) = found.record.scales, found.record.units
+def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
+    (second, length), (time_unit, unit) = laws.record.scales, laws.record.units
     heads = ("law", "stiffness", f"k (1/{unit})", "a", "b", f"D_c ({unit})", "mu_0", "misfit")
     table: list[tuple[str, ...]] = [heads]
-    for one in found.every:
-        assert isinstance(one, MachineFit)
-        is_given = one.stiffness_stderr == 0
-        k = f"{one.stiffness * length:.4g}"
-        if one.stiffness_at_edge or one.stiffness_stderr > one.stiffness:
+    for other in laws.every:
+        assert isinstance(other, MachineFit)
+        k = f"{other.stiffness * length:.4g}"
+        if other.stiffness_at_edge or other.stiffness_stderr > other.stiffness:
             k = "not determined"
-        mu_0, misfit = uncertain(one.mu_0, one.mu_0_stderr), f"{float(np.std(one.residual)):.2g}"
-        table.append((one.law, "given" if is_given else "fitted", k, *_numbers(one, length), mu_0, misfit))
-    rows = [("machine" * (n == 0), line) for n, line in enumerate(aligned(table).splitlines())]
+        mu_0, misfit = uncertain(other.mu_0, other.mu_0_stderr), f"{float(np.std(other.residual)):.2g}"
+        origin = "given" if other.stiffness_stderr == 0 else "fitted"
+        table.append((other.law, origin, k, *_numbers(other, length), mu_0, misfit))
+    rows = table_row("machine", table)
     moved: list[str] = []
     kept: list[str] = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
-        low, high, moves = found.range_of(name)
+        low, high, moves = laws.range_of(name)
         span = f"{name} ({factor * low:.3g} to {factor * high:.3g}{end})"
         if moves is not None:
             (moved if moves else kept).append(span)
-    if kept and len(found.suiting) > 1:
-        rows.append(("", f"the same within their errors, whatever law and stiffness: {', '.join(kept)}"))
+    if kept and len(laws.suiting) > 1:
+        rows.append(("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
     if moved:
-        rows.append(("", f"with law and stiffness moves {', '.join(moved)}: state them beside it"))
+        rows.append(("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
     drift = f"{fit.drift * length:.2g} +- {fit.drift_stderr * length:.1g} 1/{unit} of the load point"
     rows.append(("drift", drift))
     for n in fit.released:
-        assert found.record.drive is not None
-        seen, turned = float(found.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second
+        assert laws.record.drive is not None
+        seen, turned = float(laws.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second
         text = f"friction turns at {turned:.6g} {time_unit}, the load point at {seen:.6g}: friction counts"
         rows.append(("note", text))
     return rows
@@ -103,41 +103,40 @@ def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tu
         table.append(row)
         numbers = ["not fitted"] if fit is None else _numbers(fit, length)
         lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *numbers))
-    rows = [("events" * (n == 0), line) for n, line in enumerate(aligned(lines).splitlines())]
-    return rows, pd.DataFrame(table)
+    return table_row("events", lines), pd.DataFrame(table)
 
 
-def _law(found: StateLaws, law: StateLaw) -> list[Row]:
-    record, fit = found.record, found.fits[law]
+def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
+    record, fit = laws.record, laws.fits[law]
     rows = []
     for text, name in _NAMES:
-        estimate = found.estimates[law][name]
+        estimate = laws.estimates[law][name]
         value, stderr, low, high = (
             float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
         )
         if name == "a" and fit.a_stderr == 0:
-            said = f"{value:g}, as given"
+            words = f"{value:g}, as given"
         elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
-            said = "not determined by this record"
+            words = "not determined by this record"
         elif name == "D_c" and record.si:
-            said = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
+            words = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
         else:
             digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
-            said = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
-        rows.append((f"  {text}", said))
+            words = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
+        rows.append((f"  {text}", words))
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
     rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
     return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
 
 
-def _verdict(found: StateLaws) -> str:
-    if found.runs > 1:
-        low, high = float(found.log_ratio.low), float(found.log_ratio.high)
+def _verdict(laws: StateLaws) -> str:
+    if laws.runs > 1:
+        low, high = float(laws.log_ratio.low), float(laws.log_ratio.high)
         scatter = f"ln of the ratio of squares, aging over slip: {low:.3g} to {high:.3g}"
-        preference = f"the surfaces prefer the {found.verdict} law"
-        return f"{preference if found.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
-    if found.verdict == "undecided":
+        preference = f"the surfaces prefer the {laws.verdict} law"
+        return f"{preference if laws.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
+    if laws.verdict == "undecided":
         return "undecided: these data do not tell the aging law from the slip law"
-    other = "slip" if found.verdict == "aging" else "aging"
-    odds = f"{found.relative_likelihood:.1g}" if found.relative_likelihood > 1e-6 else "less than 1e-6"
-    return f"the data prefer the {found.verdict} law: the {other} law is {odds} times as likely"
+    other = "slip" if laws.verdict == "aging" else "aging"
+    odds = f"{laws.relative_likelihood:.1g}" if laws.relative_likelihood > 1e-6 else "less than 1e-6"
+    return f"the data prefer the {laws.verdict} law: the {other} law is {odds} times as likely"

@@ -1,4 +1,4 @@
-"""What a law says, as rows of words, and its files."""
+"""Rows of a law for the terminal, and its files."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from asperity.base.tables import with_unit
 from asperity.figures import law_figure, write
 
 
-def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
-    """Say what was tabulated, and what it comes to at the ends."""
-    dataset, attrs = found.dataset, found.dataset.attrs
+def law_report(outcome: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
+    """Rows on the tabulated law, and its values at the first and last pressure."""
+    dataset, attrs = outcome.dataset, outcome.dataset.attrs
     scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
     modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
     rows = [
@@ -30,22 +30,22 @@ def law_report(found: Outcome, *, seconds: float, resumed: bool = False) -> list
     ]
     for time in dataset["time"].values.tolist():
         table = dataset.sel(direction="loading", time=time)
-        area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % at last"
-        said = f"approach {_ends(table, 'approach')}, stiffness {_ends(table, 'stiffness')}, {area}"
-        rows.append((f"age {written(time, 's')}", said))
+        area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % under the last pressure"
+        text = f"approach {_ends(table, 'approach')}, stiffness {_ends(table, 'stiffness')}, {area}"
+        rows.append((f"age {written(time, 's')}", text))
         for name, first, second, rms, most in closure_fits(dataset, age=time).itertuples():
-            said = f"a = p / (K + p / V): K = {written(first, 'Pa/m')}, V = {written(second, 'm')}"
+            text = f"a = p / (K + p / V): K = {written(first, 'Pa/m')}, V = {written(second, 'm')}"
             if name == "power":
-                said = f"a = c (p / 1 MPa)^n: c = {written(first, 'm')}, n = {second:.4g}"
-            rows.append((name, f"{said}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
-    rows.append(("taken off", "what a flat solid does: the approach is that of the mean of the surface"))
+                text = f"a = c (p / 1 MPa)^n: c = {written(first, 'm')}, n = {second:.4g}"
+            rows.append((name, f"{text}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
+    rows.append(("approach", "of the mean surface, without the deformation of a flat solid"))
     if dataset.sizes["direction"] > 1:
-        rows.append(("unloading", "a table of its own: from the largest pressure, at its age, without creep"))
+        rows.append(("unloading", "separate table: from the largest pressure at its age, without creep"))
     if dataset.sizes["time"] > 1:
-        said = "do not interpolate between them while the load changes: what has crept depends on its history"
-        rows.append(("ages", said))
+        text = "do not interpolate between ages while the load changes: creep depends on its history"
+        rows.append(("ages", text))
     rows.append(("cost", f"{seconds:.1f} s{' in this session' if resumed else ''}"))
-    return [*rows, *(("remark", remark) for remark in found.remarks)]
+    return [*rows, *(("remark", remark) for remark in outcome.remarks)]
 
 
 def _ends(table: xr.Dataset, name: str) -> str:
@@ -53,16 +53,16 @@ def _ends(table: xr.Dataset, name: str) -> str:
 
 
 def write_law(
-    found: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
+    outcome: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
 ) -> None:
-    """Write the table, its figure, what was used of the configuration, and files for other programs."""
-    dataset = found.dataset
+    """Write the table, its figure, the configuration, and files for other programs."""
+    dataset = outcome.dataset
     order = ["direction", "time", "pressure", *map(str, dataset.data_vars)]
     names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
     table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
-    write(law_figure(dataset), folder / "law", found.config.output.figures)
-    (folder / "config.toml").write_text(to_toml(found.config), encoding="utf-8")
+    write(law_figure(dataset), folder / "law", outcome.config.output.figures)
+    (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
     for program in programs:
         for direction in dataset["direction"].values.tolist():
             text = law_for(program, dataset, age=age, direction=direction, millimeters=millimeters)

@@ -1,4 +1,4 @@
-"""What a surface file holds and what a run would make of it, in words and as a figure."""
+"""A surface file as it is and as a run prepares it, in rows and as a figure."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
+def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
     """Make or read a surface, draw it and describe it; `AsperityError` if it, or its file, cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
         facts = [("surface", described(settings)), ("edges", surface.edges)]
         figure = surface_figure(surface, title=settings.kind.replace("_", " "))
         return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
-    # What the instrument wrote, but for holes that cannot be counted with: nothing levelled or mirrored.
+    # The data of the instrument, neither levelled nor mirrored, with undefined pixels filled.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found["lines"] = "none"
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
     unprepared = settings.model_copy(update=as_found).build()
     prepared = settings.build()
-    # A border that was brought to the mean is no part of what was measured.
+    # The border of a tapered scan was not measured.
     tapered = settings.rule == "taper"
     scan = settings.model_copy(update={"periodic": "wrap"}).build() if tapered else prepared
     spectrum, done = power_spectrum(scan), _preparation(prepared)
@@ -41,13 +41,13 @@ def drawn_and_told(settings: SurfaceSection) -> tuple[Figure, str]:
         _origin(unprepared, prepared),
         _comparison(**{"in the file": unprepared.describe(), "prepared": prepared.describe()}),
         _spectrum(spectrum),
-        [(name, said) for name, said, _ in done],
+        [(name, text) for name, text, _ in done],
     )
     return figure, "\n\n".join(map(aligned, blocks))
 
 
-def _origin(found: Surface, prepared: Surface) -> list[Row]:
-    facts = found.provenance
+def _origin(raw: Surface, prepared: Surface) -> list[Row]:
+    facts = raw.provenance
     shape, size = _listed(facts["original_shape"]), _listed(facts["physical_size"])
     undefined = int(str(facts["undefined_pixels"]))
     pixels = " x ".join(map(str, shape))
@@ -57,7 +57,7 @@ def _origin(found: Surface, prepared: Surface) -> list[Row]:
         ("format", f"{facts['format']}, read by {facts['reader']}"),
         ("pixels", f"{pixels}{' (rows x columns)' * (len(shape) == 2)}, undefined: {undefined or 'none'}"),
         ("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
-        ("unit of heights", "not in the file" if found.unit == "1" else found.unit),
+        ("unit of heights", "not in the file" if raw.unit == "1" else raw.unit),
     ]
     rows += understood(facts)
     remarks = list(prepared.remarks)
@@ -98,7 +98,7 @@ def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
 
 
 def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
-    """What a run would do: a name, words, and fewer of them for a figure, which may be none."""
+    """Preparation by a run: a name, a text, and a short text for a figure, which may be empty."""
     facts = prepared.provenance
     flat = len(_listed(facts["original_shape"])) == 2
     rows = []
@@ -136,13 +136,13 @@ def _removed(prepared: Surface, *, flat: bool) -> str:
     rule, unit = facts["tilt_rule"], str(facts["original_unit"])
     if rule == "none":
         return ""
-    height, *found = (_lengths(unit, value) for value in _listed(facts["tilt_coefficients"]))
+    height, *terms = (_lengths(unit, value) for value in _listed(facts["tilt_coefficients"]))
     if rule == "mean":
         return f": removed {height}"
-    slopes = f"{found[0]} per pixel" + (f" downward and {found[1]} per pixel to the right" if flat else "")
+    slopes = f"{terms[0]} per pixel" + (f" downward and {terms[1]} per pixel to the right" if flat else "")
     removed = f": removed {height} at the first pixel, {slopes}"
     if rule == "quadratic":
-        removed += f", and {', '.join(found[2 if flat else 1 :])} per pixel^2"
+        removed += f", and {', '.join(terms[2 if flat else 1 :])} per pixel^2"
         removed += " (downward, mixed, to the right)" if flat else ""
     return removed
 
