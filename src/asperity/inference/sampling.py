@@ -270,7 +270,7 @@ def sample(
             chains = np.stack([ensemble.kept[-least:] for ensemble in ensembles])
             r_hat, worth = _agreement(chains, walkers)
             report(
-                f"sampling: R-hat {r_hat:.3f} (below {agreement}), worth {worth:.0f} independent draws (least {effective})"
+                f"sampling: R-hat {r_hat:.3f} (below {agreement}), worth {worth:.0f} draws (at least {effective})"
             )
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
