@@ -98,7 +98,7 @@ def test_the_figure_has_a_curve_for_each_age_and_direction():
     assert drawn == pytest.approx(drawn[0])
 
 
-def test_a_file_with_legs_is_refused(mistaken, scan):
+def test_a_file_with_keys_that_no_law_has_is_refused(mistaken, scan):
     Path("legs.toml").write_text(
         '[[protocol]]\nkind = "hold"\nduration = 3.0\n[solid]\nkind = "half_space"\nmodulus = 3e9\n'
     )
@@ -107,6 +107,10 @@ def test_a_file_with_legs_is_refused(mistaken, scan):
         '[solid]\nkind = "half_space"\nmodulus = 3e9\n[output]\nmeasured = "a.csv"\n'
     )
     assert mistaken("law", "area.toml", *scan, *RANGE, "-q").startswith("[output] measured: expected none")
+    Path("shear.toml").write_text(
+        '[solid]\nkind = "half_space"\nmodulus = 3e9\n[carried]\nshear = 1e-6\nfriction_coefficient = 0.3\n'
+    )
+    assert mistaken("law", "shear.toml", *scan, *RANGE, "-q").startswith("[carried] shear: expected none")
 
 
 def test_what_a_law_does_not_use_is_remarked(asperity, scan):

@@ -82,7 +82,7 @@ class Controller:
         return remaining / 2 if 2 * usual > remaining else usual
 
     def is_stuck(self, time: float, length: float) -> bool:
-        """Whether no step of a length from a time is of use any more."""
+        """Whether further steps of a length from a time are useless."""
         many = self.tried * self.tolerance ** (1 / 3) > TUNING.most_steps
         return many or self.unsolved > TUNING.most_unsolved or not time + length > time
 
@@ -106,6 +106,6 @@ class Controller:
         return True
 
     def start_over(self, time: float) -> None:
-        """Forget what was not solved, for another kind of steps takes over at a time."""
+        """Forget failures, as another kind of steps takes over at a time."""
         self.length = self.wished if self.unsolved else self.length
         self.tried, self.unsolved, self.since = 0, 0, time

@@ -1,9 +1,8 @@
 r"""TR-BDF2 for any solid, whose contact problems any solver solves.
 
-Anchors, stretches and rates are Fourier modes, so that a branch costs no transform. What an implicit step
-leaves of an error of the anchors is estimated at no cost of transforms either: a part of the error, the
-fraction of the sites in contact, decays as where u = 0, the rest as on a free surface. Beside the solution
-with the contacts where they are that is too large by up to a half, seldom by more than 2 %.
+Anchors, stretches and rates are Fourier modes, so that a branch costs no transform. Nor does the filter of
+the error estimate: the contact fraction of the error decays as where u = 0, the rest as on a free surface.
+Beside the solution with fixed contacts this is too large by up to a half, seldom by more than 2 %.
 """
 
 from __future__ import annotations
@@ -68,7 +67,7 @@ class FieldSteps(TrBdf2):
     def going_on(
         cls, system: System, solver: ContactSolver, time: float, u: Field, stretch: Field, position: float
     ) -> FieldSteps:
-        """From where other steps have come to."""
+        """From the state that other steps have reached."""
         arrays = {
             "times": np.array([time, time]),
             "u": u,
@@ -152,7 +151,7 @@ class FieldSteps(TrBdf2):
         return modes
 
     def filtered_error(self, shares: Sequence[float]) -> float:
-        """See `TrBdf2`, and the module."""
+        """See `TrBdf2` and the module."""
         step, system = self.implicit, self.system
         error = self._combined(0.0, (0.0, 0.0, 0.0), shares)
         u, stiffness = np.einsum("b...,b...->...", step.damped_stiffness, error), step.stiffness

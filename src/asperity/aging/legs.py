@@ -123,7 +123,7 @@ class _Way:
         self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest)
 
     def resume(self) -> None:
-        """Have a contact above the heights where they are; any will do to go on from a place."""
+        """Set a contact above the shifted heights; any will do to resume from."""
         if any(self.now.shift):
             self.now = replace(self.now, contact=self.shifted(self.now.shift, self.now.shift))
 
@@ -135,7 +135,7 @@ class _Way:
         return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
 
     def at_once(self, contact: Contact, place: Frame) -> Frame:
-        """What the contact becomes at once, at a place."""
+        """The frame of a contact that was pressed at once, at a place."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
         spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
         self.now = replace(place, contact=contact, approach=approach, **spent)
@@ -219,10 +219,9 @@ class _Way:
     ) -> Generator[Frame, None, tuple[float, Control, float]]:
         """Go, from where nothing is deformed, to where a march can begin: its time, control and deformation.
 
-        Without a deformation there is none that errors could be relative to. So errors until the first time
-        with contact are relative to the deformation there, and what is prescribed within ``rtol`` of the way
-        to that time is put on at once; what creeps before is half the square of rtol of that at the first
-        state.
+        Errors need a deformation to be relative to: until the first time with contact, that at this time. The
+        first ``rtol`` of the way to it is applied at once; the creep before is rtol^2 / 2 of that at the
+        first state.
         """
         now, pace, law = self.now, leg.mobility, self.contact.solid.adhesion
         top = float(self.now.contact.heights.max()) + (0.0 if law is None else law.reach)

@@ -41,7 +41,7 @@ class Tuning:
     """Numbers chosen by measurement."""
 
     unnoticed: float = 0.3
-    """Error of u0 that a solver may leave in one stage, in units of what one time step may err."""
+    """Error of u0 that a solver may leave in one stage, in units of the error allowed to a time step."""
 
     published: float = 0.01
     """The same in the last stage before a frame."""
@@ -267,14 +267,14 @@ class _March:
                     self.area.begin_step()
 
     def aim(self, landing: bool) -> Aim:
-        """How accurate the next time step is to be, which leads to a frame or not."""
+        """Accuracy of the next time step; ``landing`` if it leads to a frame."""
         tolerance, allowed = self.passing, self.unnoticed
         if landing:
             tolerance, allowed = TOLERANCE, TUNING.published * self.controller.tolerance * self.deformation
         return Aim((self.passing, tolerance), (self.unnoticed, allowed), self.deformation)
 
     def fall_back(self, failure: ConvergenceError | PulledOff) -> None:
-        """Go on by other steps where these get nowhere; the failure if there are none."""
+        """Go on by another kind of steps; raise the failure if there is none."""
         if (others := self.now.instead()) is None:
             raise failure
         self.now = others

@@ -7,9 +7,9 @@ of `asperity.aging.tr_bdf2` are implicit steps of one duration tau = d h from on
                                                   c = -w h (f0 + f1) - tau m    to t + h
     f1 = (e - f) / tau - f0,                      f2 = (e - f - w h (f0 + f1)) / tau
 
-They are guessed so well that one cycle often does; one of coarse grids alone tells what is left of an error.
-The changes, the rates and the flow take single precision, for what they are added to is twice as precise,
-and lengths are in units of the largest; only u and w at the ends of steps are double precision.
+Guesses are so good that one cycle often suffices; one cycle of the coarse grids filters the error estimate.
+Changes, rates and the flow are in single precision and in units of the largest length; u and w at the ends of
+steps, to which they are added, are in double precision.
 """
 
 from __future__ import annotations

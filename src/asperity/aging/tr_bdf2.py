@@ -12,9 +12,9 @@ Stage 2 is the result (stiffly accurate). The difference to the companion of ord
 
     e = h [ (1 - 4 w)/3 f0 + 1/3 f1 - 2 d/3 f2 ],
 
-estimates its error, after one more implicit step of duration d h, from e and with the contacts as they are:
-that keeps what decays quickly, in contact above all, from being overrated. Each kind of steps says how well
-it solves that one. Branches count by their stiffness. What is prescribed enters at the stages' own times, and
+estimates its error after a filter: one more implicit step of duration d h from e, with the same contacts.
+Without it, parts that decay quickly, above all in contact, would be overrated. Each kind of steps
+approximates it. Branches count by their stiffness. What is prescribed enters at the stages' own times, and
 u_b is measured from the rigid body: v moves with it from the beginning of the step to the end of a stage.
 Each stage is guessed by the polynomial in the logarithm of time, in which contacts grow evenly, through the
 states before it.
@@ -164,7 +164,7 @@ class Steps(ABC):
 
     @abstractmethod
     def state(self) -> State:
-        """What is to be published; not to be changed."""
+        """The state to publish, read only."""
 
     def approach(self, origin: Origin, separation: float) -> float:
         """Rigid approach: under load control, what viscous creep adds to the fall of the mean of u0."""
@@ -266,7 +266,7 @@ class TrBdf2(Steps):
 
     @abstractmethod
     def filtered_error(self, shares: Sequence[float]) -> float:
-        """What an implicit step leaves of f0, f1 and f2, added up with some shares, rms over the sites."""
+        """The sum of f0, f1 and f2 with some weights after one more implicit step, rms over the sites."""
 
     @abstractmethod
     def advance(self) -> None:
@@ -274,7 +274,7 @@ class TrBdf2(Steps):
 
     @abstractmethod
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What the state is made of."""
+        """Arrays of the state."""
 
 
 def extrapolation(points: Sequence[float], x: float) -> list[float]:

@@ -2,8 +2,8 @@
 
 A coarser lattice has every second site along each axis, with the height there, and the long waves of the
 spectrum and of the right-hand side. Its surface, interpolated, is good at all waves but the shortest. These
-yield like single sites, under the forces interpolated too: that decides what touches. On the next lattice it
-leaves some five revisions of the set of contacts, whatever the load and the size.
+yield like single sites under the interpolated forces, which decides what touches. On the next lattice some
+five revisions of the set of contacts remain, at any load and size.
 """
 
 from __future__ import annotations

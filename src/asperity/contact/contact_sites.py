@@ -9,8 +9,8 @@ that continues it. The rest is a sparse matrix of close sites. The preconditione
 positive definite, as what S couples it couples negatively.
 
 Contacts in tension are released on the way. Then u is evaluated everywhere, by one pair of transforms in
-double precision: sites that penetrate join the contacts, and the error that is left on these is corrected in
-the next round. Three to five rounds do, whatever the load and the size.
+double precision. Sites that penetrate join the contacts, and the next round corrects the error on these.
+Three to five rounds suffice at any load and size.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ TUNING = Tuning()
 
 
 def solved_on_contacts(problem: SpectralProblem, guess: Guess, tolerance: float) -> tuple[Guess, int]:
-    """A better guess, from the contacts of one, and the rounds it took; the same where they are not few.
+    """Improve a guess by solving on its contacts, if they are few; return it and the rounds taken.
 
     Rounds end where the error of u on the contacts leaves a residual of ``tolerance``, or falls no more.
     """

@@ -32,7 +32,7 @@ class Tuning:
     """Numbers of the method."""
 
     shore: float = 0.05
-    """How fast the weight W_0 of a free site falls with the number of its neighbors in contact."""
+    """Decrease of the weight W_0 of a free site with the number of its neighbors in contact."""
 
     pinning: float = 0.4
     """Factor on the mean pinning sigma; near contacts the weights add to it."""
@@ -44,13 +44,13 @@ class Tuning:
     """Ratio of the lengths of both lattices."""
 
     crowding: float = 12.0
-    """How fast the weight W_1 falls with the density rho of contacts."""
+    """Decrease of the weight W_1 with the density rho of contacts."""
 
     density_width: float = 0.8
     """Standard deviation over which contacts make a density, in sites of the coarse lattice."""
 
     usual_rate: float = 0.3
-    """What an iteration is expected to leave of an error."""
+    """Expected ratio of an error after an iteration to that before."""
 
 
 TUNING = Tuning()

@@ -123,7 +123,8 @@ class Interface:
             return math.inf
         force = self.of_contact(force)
         pressing, free = force[in_contact], force[~in_contact]
-        worst = max(float(np.abs(free).max(initial=0.0)), self.low - float(pressing.min(initial=0.0)))
+        worst = max(float(free.max(initial=0.0)), -float(free.min(initial=0.0)))
+        worst = max(worst, self.low - float(pressing.min(initial=0.0)))
         if self.yields:
             excess = force - self.high
             worst = max(worst, float(excess.max()))

@@ -1,4 +1,4 @@
-r"""How strongly the contacts pin the surface, on average: the preconditioner's one number.
+r"""The mean stiffness with which contacts pin the surface, for the preconditioner.
 
 A free surface of stiffness S, fixed at a random fraction a of its sites, responds on average like a
 surface of stiffness S + sigma. The coherent-potential condition for sigma is

@@ -185,7 +185,7 @@ class Solid(views.InNotebooks):
             object.__setattr__(self, name, value)
 
     def _check(self, parts: Mapping[str, Any]) -> None:
-        """Refuse what is stated in two ways, or lacks a part."""
+        """Refuse a solid that is stated in two ways, or lacks a part."""
         for name, part in parts.items():
             stated = getattr(self, name)
             if stated not in (None, (), []) and (tuple(stated) if name == "branches" else stated) != part:
@@ -270,7 +270,7 @@ class Solid(views.InNotebooks):
 
     @property
     def separable(self) -> bool:
-        """Whether relaxation does not depend on the wavelength, as whoever made the solid says by `shares`.
+        """Whether relaxation is the same at all wavelengths, as `shares` states.
 
         Under a load that never falls the contact is then that of an elastic solid at another load (E. H. Lee,
         J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), DOI 10.1115/1.3644020; T. C. T. Ting, J. Appl. Mech.

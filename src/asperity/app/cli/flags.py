@@ -216,8 +216,6 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--young": "Unrelaxed Young's modulus, such as 3GPa, in place of a table; two for two bodies.",
         "--poisson": "Poisson's ratio, which does not relax; without a table, two numbers for two bodies. "
         f"[default: {POISSON}]",
-        "--branches-per-decade": "Relaxation times per decade of the table: more for data with few distinct "
-        "times, fewer for noisy data. [default: see --branches]",
         "--creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure.",
         "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
         "relaxation table from --reference.",

@@ -100,7 +100,8 @@ def law(
     from asperity.app.cli.reports.law import law_report, write_law
     from asperity.app.runs.law import law_of_config
 
-    with in_flags(_FLAGS):
+    from_file = {"shear", "work_of_adhesion"} - flags.get("carried", {}).keys()
+    with in_flags(_FLAGS | {key: f"[carried] {key}" for key in sorted(from_file)}):
         compute_into(
             "law",
             out,
