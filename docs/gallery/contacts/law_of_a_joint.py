@@ -41,7 +41,7 @@ for time, color in ((0.0, "tab:blue"), (3600.0, "tab:orange")):
     lower.fill_between(1e-6 * one["pressure"], *ends, color=color, alpha=0.2)
 upper.set(xlabel="approach [nm]", ylabel="pressure [MPa]", title="dashed: the pressure falls again")
 lower.set(xlabel="pressure [MPa]", ylabel="thermal conductance [W/m²/K]")
-lower.set_title("bands: another scan of this size")
+lower.set_title("bands: 95 %, of the mean over such scans")
 lower.legend()
 
 # %%

@@ -63,7 +63,7 @@ def law_figure(dataset: xr.Dataset) -> style.Drawing:
     figure.align_ylabels(grid)
     grid[-1].xaxis.set_major_formatter("{x:g}")
     grid[-1].set_xlabel(style.with_unit("pressure, load over nominal area", across))
-    title = "Law of the rough layer\nshaded: 95 % band for other such scans, last age"
+    title = "Law of the rough layer\nshaded: 95 % band of the mean over such scans, last age"
     title += "\ndashed: unloading, without creep" * (dataset.sizes["direction"] > 1)
     figure.suptitle(title)
     return figure
