@@ -70,7 +70,7 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     for more in ((), ("--overwrite",)):
         status, said, _ = asperity("fit", "fit.csv", "--figures", "pdf, svg", *more)
         assert (status, Path("fit.csv").read_text()) == (0, text)
-        assert "fit.pdf, fit.svg; what it draws: fit_data.csv" in said
+        assert "fit.pdf, fit.svg; its data: fit_data.csv" in said
     # Nor is that of another figure replaced by its own.
     assert asperity("fit", "fit_data.csv", "--out", "fit_data.png", "--overwrite")[0] == 0
     assert Path("fit_data_data.csv").exists()

@@ -366,7 +366,7 @@ def test_a_prediction_of_a_file_says_what_its_band_holds(undrawn, asperity):
     ours = asp.predict(material, rough(0), pressure="10 MPa", **SPAN)
     assert drawn.growth == ours.growth
     assert drawn.assumed["draws"] == 3
-    assert "3 draws of the branches, whose spread is in the band" in str(report(drawn, seconds=1.0))
+    assert "the band includes 3 samples of the branches" in str(report(drawn, seconds=1.0))
     for found, words in (
         (drawn, "solid whose numbers were given with 3 draws of its branches, a scan"),
         (drawn, "the spread of 3 draws of its branches is in the band, errors of the others are not."),

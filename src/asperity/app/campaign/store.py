@@ -122,7 +122,7 @@ class Store:
         if lacking := sorted(present - self.done()):
             more = f" and {len(lacking) - 1} more" if lacking[1:] else ""
             damaged = f"{self.runs / lacking[0]}{more} without zarr.json: damaged"
-            remark(f"{damaged}, not used; asperity sweep repeats it")
+            remark(f"{damaged}, and not used; asperity sweep repeats it")
 
     def checkpoint(self, identity: str) -> Path:
         """The checkpoint of a run."""
