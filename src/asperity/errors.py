@@ -48,6 +48,10 @@ def brief(text: str, longest: int = 400) -> str:
 class AsperityError(Exception):
     """Base of every exception that Asperity raises on purpose."""
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # By default a copy would be made by calling the class with the message alone.
+        return copyreg.__newobj__, (type(self), *self.args), vars(self)  # type: ignore[attr-defined]
+
 
 class Remark(UserWarning):
     """Nothing is wrong, but the user should know: something takes long, or lies in an unusual place."""
@@ -74,10 +78,6 @@ class InputError(AsperityError, ValueError):
     def about(self, name: str) -> InputError:
         """Return the same error about something else."""
         return InputError(name, expected=self.expected, got=self.got, advice=self.advice)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        # By default a copy would be made by calling the class with the message alone.
-        return copyreg.__newobj__, (type(self), *self.args), vars(self)  # type: ignore[attr-defined]
 
 
 class CallError(InputError, TypeError):
@@ -143,9 +143,6 @@ class PulledOff(AsperityError, RuntimeError):  # noqa: N818  (an answer, and no 
         self.load = load
         last = "they do not bear that load" if load is None else f"the last load borne was {load:.6g}"
         super().__init__(f"the bodies are pulled off each other: {last}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.load,)
 
 
 LARGEST = 1e100
