@@ -13,6 +13,7 @@ import scipy.ndimage
 
 from asperity import age, press
 from asperity.analysis.plausible import remarks_on_contact
+from asperity.analysis.prediction import Resolved
 from asperity.errors import Remark, SurfaceFileError
 from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
@@ -411,3 +412,14 @@ def test_a_border_that_was_not_measured_bears_nothing():
     contact = press(surface, half_space(modulus="3 GPa"), load="20 mN")
     assert contact.contact_fraction < 0.0035
     assert not contact.in_contact[~known].any()
+
+
+@pytest.mark.parametrize(("patches", "remarked"), [(0, False), (1, True), (30, False)])
+def test_few_patches_are_remarked_but_not_none_after_a_pull_off(patches, remarked):
+    surface = Surface(rough(8), unit="um", pixel_size=1.0, length_unit="um")
+    solid = half_space(modulus="3 GPa")
+    dataset = age(press(surface, solid, pressure="1 MPa"), [1.0], fields_at=[0.0]).dataset
+    maps = (Resolved(patches, mean=1.0, in_small=0.0, rim=0.0),)
+    assert (
+        any("too few" in remark for remark in remarks_on_contact(surface, solid, dataset, maps)) == remarked
+    )

@@ -6,6 +6,7 @@ import pytest
 import asperity
 from asperity.errors import InputError
 from asperity_research import experiments
+from asperity_research.commands.experiment import say_experiment
 from asperity_research.experiments.comparing import COMPARISONS
 
 FILE = """
@@ -100,6 +101,12 @@ def test_each_number_that_comes_with_the_package_has_a_source():
     for one in map(experiments.load, experiments.names()):
         assert one.missing
         assert all(number.source in one.sources for number in (*one.inputs.values(), *one.columns.values()))
+
+
+@pytest.mark.parametrize("name", experiments.names())
+def test_numbers_are_printed_in_columns_that_a_terminal_has(name, capsys):
+    say_experiment(name)
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 115
 
 
 def test_the_room_is_one_of_asperity():

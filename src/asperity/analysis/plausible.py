@@ -105,7 +105,7 @@ def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) 
     if first.rim > 0.2:
         part = f"{100 * first.rim:.0f} % of the counted area {when}"
         yield f"the correction of the rim removes {part}: patches are few pixels wide"
-    if first.patches < 30:
+    if 0 < first.patches < 30:
         many = counted(first.patches, "patch", "patches")
         yield f"{many} {when}: too few for the statistics of a surface"
     if may_merge and last.patches < first.patches / 2:

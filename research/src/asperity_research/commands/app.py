@@ -23,7 +23,7 @@ def reproduce(*, out: Out, ensembles: Ensembles = _ENSEMBLES, work: Work = _WORK
     Parameters
     ----------
     out
-        Folder of the reproduction; made, or gone on with.
+        Folder of the reproduction; new, or to be continued.
     """
     work.check()
     from asperity_research.commands import reproduce as reproducing
@@ -50,7 +50,7 @@ def study(
     name
         Which study.
     out
-        Folder of the study; made, or gone on with. [default: asperity-study-NAME]
+        Folder of the study; new, or to be continued. [default: asperity-study-NAME]
     """
     work.check()
     from asperity_research.commands import study as studying
@@ -138,15 +138,15 @@ def experiment(
 ) -> None:
     """Set simulations beside a measured contact: numbers with intervals, verdicts, and a figure.
 
-    Without a name: list the experiments. Without --out: say what is known of one, number by number, with
-    its source. The same command again does what is missing, and writes the report anew.
+    Without a name: list the experiments. Without --out: print the numbers of one, with their sources. The
+    same command again computes what is missing, and writes the report anew.
 
     Parameters
     ----------
     name
         Which experiment; or a file of your own (.toml), which is checked and shown.
     out
-        Folder for the comparison: report.md, verdicts.csv, figure and data; made, or gone on with.
+        Folder for the comparison: report.md, verdicts.csv, figure and data; new, or to be continued.
     surface
         Scans of your own, with units, in place of surfaces that are made: each is one sample. For fractures,
         the apertures of each specimen in order: numbers or pictures.

@@ -1,8 +1,10 @@
-"""The command ``asperity experiment``: what is known of measured contacts, and simulations beside them."""
+"""The command ``asperity experiment``: measured contacts, and simulations beside them."""
 
 import sys
 from collections.abc import Sequence
+from itertools import zip_longest
 from pathlib import Path
+from textwrap import fill, wrap
 
 from asperity.app.cli.options import Work
 from asperity.app.cli.report import aligned
@@ -12,12 +14,17 @@ from asperity_research.experiments import load, names
 from asperity_research.experiments.comparing import comparison_of, write_verdicts
 from asperity_research.experiments.record import Column, Quantity
 
+_WIDTHS = 24, 24, 10, 12, 12, 34
+"""Most letters in each column of the numbers of an experiment."""
+
+_WIDTH = 100
+
 
 def say_experiments() -> None:
     """List the experiments."""
     rows = [(name, load(name).title) for name in names()]
-    sys.stdout.write(f"{aligned(rows)}\n\nasperity experiment NAME            what is known of one\n")
-    sys.stdout.write("asperity experiment NAME --out FOLDER  simulations beside it; --quick in minutes\n")
+    sys.stdout.write(f"{aligned(rows)}\n\nasperity experiment NAME               the measured numbers\n")
+    sys.stdout.write("asperity experiment NAME --out FOLDER  simulations beside them; --quick in minutes\n")
 
 
 def say_experiment(name: str) -> None:
@@ -30,11 +37,11 @@ def say_experiment(name: str) -> None:
             if not str(column).endswith("_error"):
                 values = ", ".join(f"{value:g}" for value in series[column].values.tolist())
                 rows.append((f"{key} {column}", values, *_said(experiment.columns[key, str(column)])))
-    sources = "\n".join(f"{short}: {paper}" for short, paper in experiment.sources.items())
-    missing = "\n".join(f"missing: {what}" for what in experiment.missing)
-    sys.stdout.write(
-        f"{experiment.title}\n\n{aligned(rows) if rows[1:] else 'no numbers'}\n\n{sources}\n\n{missing}\n"
-    )
+    lines = [line for row in rows for line in zip_longest(*map(wrap, row, _WIDTHS), fillvalue="")]
+    sources = "\n".join(fill(f"{short}: {paper}", _WIDTH) for short, paper in experiment.sources.items())
+    missing = "\n".join(fill(f"missing: {gap}", _WIDTH) for gap in experiment.missing)
+    numbers = aligned(lines) if rows[1:] else "no numbers"
+    sys.stdout.write(f"{fill(experiment.title, _WIDTH)}\n\n{numbers}\n\n{sources}\n\n{missing}\n")
 
 
 def _said(it: Quantity | Column) -> tuple[str, str, str, str]:
