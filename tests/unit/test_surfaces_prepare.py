@@ -416,7 +416,7 @@ def test_a_border_that_was_not_measured_bears_nothing():
 
 @pytest.mark.parametrize(("patches", "remarked"), [(0, False), (1, True), (30, False)])
 def test_few_patches_are_remarked_but_not_none_after_a_pull_off(patches, remarked):
-    surface = Surface(rough(8), unit="um", pixel_size=1.0, length_unit="um")
+    surface = Surface(rough(8), unit="um", pixel_size=(1.0, 1.0), length_unit="um")
     solid = half_space(modulus="3 GPa")
     dataset = age(press(surface, solid, pressure="1 MPa"), [1.0], fields_at=[0.0]).dataset
     maps = (Resolved(patches, mean=1.0, in_small=0.0, rim=0.0),)

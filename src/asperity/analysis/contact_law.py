@@ -19,9 +19,10 @@ other, and the upper one joins them without loss,
 Between them b is that of an effective medium, < (g^3 - b^3) / (g^3 + b^3) > = 0 (D. A. G. Bruggeman, Ann.
 Phys. 416, 636 (1935), DOI 10.1002/andp.19354160705).
 
-Bands are of the mean over scans of this size: each of 16 tiles is left out in turn, see `asperity.analysis.bands`.
-The others bear another pressure; the change of the law from that to this one is taken off. The approach
-varies as the highest point of a scan: by Gumbel's distribution, of the width that those of the tiles have.
+Bands are of the mean over scans of this size: each of 16 tiles is left out in turn
+(`asperity.analysis.bands`). The others bear another pressure; the change of the law from that to this one is
+taken off. The approach varies as the highest point of a scan: by Gumbel's distribution, of the width that
+those of the tiles have.
 """
 
 from __future__ import annotations
