@@ -317,7 +317,7 @@ def test_an_interrupted_prediction_goes_on(files, monkeypatch, asperity, scan, u
 
 def test_the_same_number_in_another_unit_is_the_same_prediction(files, asperity, monkeypatch):
     asked = Mock(side_effect=KeyboardInterrupt)
-    monkeypatch.setattr("asperity.app.cli.computing.place_beside", asked)
+    monkeypatch.setattr("asperity.app.cli.computing._place_beside", asked)
     for pressure in ("1MPa", "1000 kPa", "2MPa"):
         asperity(*words(files, "--pressure", pressure))
     first, same, other = (call.args[1] for call in asked.mock_calls)

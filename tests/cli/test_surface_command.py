@@ -74,6 +74,8 @@ def test_roughness_and_hurst_exponent_are_those_of_the_scan(says):
     found = row(text, "Hurst exponent").replace(")", "").split()
     assert float(found[3]) <= 0.6 <= float(found[5].rstrip(","))
     assert found[-1] == "um"
+    with_unit = says("surface", "part.npy", "--pixel-size", "0.25um", "--file-unit", "nm", "--overwrite")
+    assert row(with_unit, "Hurst exponent") == row(text, "Hurst exponent")
     curvature = statistics(part, (250.0, 250.0)).rms_curvature
     assert row(text, "rms curvature").split()[:2] == [f"{curvature:.4g}", "1/nm"]
     # A border that was brought to the mean does not count.

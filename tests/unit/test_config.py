@@ -145,7 +145,7 @@ UNKNOWN = {
     "[solid]\nmodulus = 1.0": "[solid] modulus: not a key of a solid of kind 'spring_lattice', but",
     HALF: "[solid] expected modulus, young and poisson, or relaxation and poisson, got none",
     f"{STIFF}young = 1.0": "[solid] modulus and young: expected exactly one of them, got",
-    f"{STIFF}poisson = 0.3": "[solid] poisson: expected none beside the contact modulus",
+    f"{STIFF}poisson = 0.3": "[solid] poisson: expected none: the contact modulus contains it",
     f"{STIFF}branches = [[0.5, 1.0]]\nflow = [1.0, 2.0]": "[solid] flow: expected no branches beside it, got",
     "[contact]\nload = 1\nseparation = 1": "[contact] expected load or separation, got both",
     "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0": "[contact] expected load, pressure or",
@@ -257,6 +257,10 @@ def test_a_surface_file_is_looked_for_beside_the_configuration_and_how_it_is_pre
     words: Any = flags_for("surface", "preparation")
     flags = words(surface_path="a.npy", surface_channel="2", surface_unit="µm")
     assert read_config(None, given(flags)).surface == MeasuredSurface(path="a.npy", channel=2, unit="um")
+    both: dict[str, Any] = {"pixel_size": ["250 nm", "0.5 um"], "length_unit": "um"}
+    for keys, sides in ((both, [0.25, 0.5]), ({"pixel_size": "0.25 um"}, [0.25])):
+        measured = MeasuredSurface(path="a.npy", **keys)
+        assert (measured.pixel_size, measured.length_unit) == (pytest.approx(sides), "um")
     assert file_surface(Path("a.npy"), {"tilt": "mean"}).tilt == "mean"
     with pytest.raises(ConfigError, match=r"--max-undefined: .*got 2\.0"):
         file_surface(Path("a.npy"), {"max_undefined": 2.0})

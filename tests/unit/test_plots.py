@@ -85,7 +85,11 @@ def test_axes_that_are_given_are_drawn_into_and_others_are_new(pressed: Contact,
     for plot in (pressed.plot, aged.plot, Surface(gaussian((8, 8))).plot):
         assert plot(ax) is ax
         assert plot().get_figure() is plt.gcf()
-    assert len(aged.plot().child_axes) == 1  # in percent of the nominal area
+    of_area = aged.plot()
+    assert len(of_area.child_axes) == 1  # in percent of the nominal area
+    high = 1.2 * of_area.get_ylim()[1]
+    of_area.plot(10.0, high, "o")  # what a user adds is in the picture
+    assert of_area.get_ylim()[1] > high
 
 
 def test_a_profile_shows_its_contacts(aged: History) -> None:

@@ -299,7 +299,8 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
     right = axes.secondary_yaxis("right", functions=(to_percent, to_area))
     right.set_ylabel("real contact [% of nominal area]")
     right.yaxis.set_major_formatter("{x:g}")
-    axes.set_ylim(top=min(axes.get_ylim()[1], 100.0 / percent))
+    if axes.get_ylim()[1] > 100.0 / percent:  # else the limits stay free for what the user adds
+        axes.set_ylim(top=100.0 / percent)
 
 
 def _width(text: str, size: float) -> float:

@@ -60,10 +60,11 @@ def union_of(models: Mapping[str, type[Section]]) -> Any:
 class InUnit:
     """Take a text with a unit for a number in SI; anything else is checked as it is.
 
-    An energy may be one for each mole.
+    An energy may be one for each mole. A bare number is in `unit`, or in one that another key states.
     """
 
     unit: str
+    of_numbers: bool = True
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_wrap_validator_function(self, handler(source))
@@ -71,7 +72,7 @@ class InUnit:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return handler(schema) | {"unit": self.unit}
+        return handler(schema) | ({"unit": self.unit} if self.of_numbers else {})
 
     def __call__(self, value: object, check: Callable[[object], float]) -> float:
         """Read a number, which remembers how it was written."""
@@ -160,8 +161,10 @@ def _with(key: Any, *facts: object) -> Any:
 
 
 def _number(kinds: list[Any], facts: tuple[Any, ...]) -> Any:
-    unit = next((fact.unit for fact in facts if isinstance(fact, Quantity)), "")
-    units = [InUnit(unit)] if unit else []
+    quantity = next((fact for fact in facts if isinstance(fact, Quantity)), None)
+    units = [InUnit(quantity.unit)] if quantity and quantity.unit else []
+    if quantity and quantity.dimension == "length unit" and str in kinds:
+        units = [InUnit("m", of_numbers=False)]
     alone = BeforeValidator(lambda one: one[0] if isinstance(one, list) and len(one) == 1 else one)
     if "inf" not in kinds:
         return Annotated[(_within(float, facts), *units, alone)]

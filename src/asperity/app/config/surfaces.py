@@ -9,10 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, cast
 
 import numpy as np
+from pydantic import model_validator
 
-from asperity.app.config.sections import Section, arguments_of, keys_of_maker, made, usual
+from asperity.app.config.sections import Section, arguments_of, keys_of_maker, listed, made, usual
 from asperity.base.files import content_of, expanded
+from asperity.base.words import has_unit
+from asperity.errors import InputError
 from asperity.surfaces import KINDS, Surface
+from asperity.surfaces.heights import sides_of_pixels
 
 if TYPE_CHECKING:
     from asperity.theory.heights import HeightLaw
@@ -114,6 +118,19 @@ def _section_of(kind: str) -> type[SurfaceSection]:
 
 class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
     """Heights from a file; see `asperity.surfaces.read`."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_length_unit(cls, keys: Any) -> Any:
+        """Pixel sizes with a unit, as numbers in the unit of length that they name or that is given."""
+        sizes = listed(keys.get("pixel_size")) if isinstance(keys, dict) else None
+        if not isinstance(sizes, list | tuple) or not any(map(has_unit, sizes)):
+            return keys
+        try:
+            numbers, unit = sides_of_pixels(sizes, len(sizes), keys.get("length_unit"))
+        except InputError:  # the key itself is refused
+            return keys
+        return keys | {"pixel_size": list(numbers), "length_unit": unit}
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
