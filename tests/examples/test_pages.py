@@ -40,6 +40,7 @@ SMALLER = {
     r"asperity run .*self_affine": "--size 32 --last 10 --per-decade 2 --quiet",
     r"asperity run problems/": "--quiet",
     r"asperity run .*--file": "--last 10 --per-decade 2 --quiet",
+    r"asperity run .*--shape": "--last 10 --per-decade 2 --quiet",
     r"asperity run": "--shape 32 32 --last 10 --per-decade 2 --quiet",
     r"asperity predict": "--per-decade 1 --quiet",
     r"asperity law": "--per-decade 1 --quiet",
