@@ -102,11 +102,11 @@ _PixelSize = Annotated[
     Quantity(
         "distance between pixels",
         dimension="length unit",
-        more=", for a file that does not state it: one number, or between rows and between columns. For a "
-        "ball, a paraboloid, a punch or an array: between sites, in m.",
+        more=", for a file that does not state it, such as 0.5um: one, or between rows and between columns. "
+        "For a ball, a paraboloid, a punch or an array: between sites, in m.",
     ),
 ]
-_LengthUnit = Annotated[Length | None, Quantity("unit of that distance")]
+_LengthUnit = Annotated[Length | None, Quantity("unit of that distance, if it is a plain number")]
 
 
 def read(
