@@ -108,7 +108,7 @@ class Jobs:
         """Compute a run, and keep it if it succeeds; failed runs may be tried again."""
         job.take("stage", "waiting for another run" if self._room.locked() else "starting")
         async with self._room:
-            self._idle = [process for process in self._idle if process.returncode is None]
+            self._idle = [process for process in self._idle if _alive(process)]
             await self.warm()
             process = self._idle.pop()
             try:
@@ -140,6 +140,12 @@ class Jobs:
             cause = f"signal {-code}" if code < 0 else f"status {code}"
             text = f"the computing process was stopped by the system ({cause}); press again"
             job.take("end", failed(mistake(text)))
+
+
+def _alive(process: Process) -> bool:
+    """Whether a process may take a run; its output ends before its status is known."""
+    assert process.stdout is not None
+    return process.returncode is None and not process.stdout.at_eof()
 
 
 async def _killed(process: Process) -> None:
