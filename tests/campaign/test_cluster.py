@@ -86,7 +86,7 @@ def test_what_dies_in_the_middle_ends_in_words_and_loses_nothing(done, tmp_path,
         assert "lost the scheduler" in last
         assert "and the same command does the rest" in last
         assert error.count("\n") == 1
-    assert "finished runs are stored" in last
+    assert "finished runs are kept" in last
     counted = campaign.tally(campaign.read_plan(path), out)
     assert counted.failed == 0
     assert 0 < counted.done < counted.total

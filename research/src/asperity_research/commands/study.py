@@ -110,5 +110,5 @@ def worked_through(
             yield prepared, say
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            "interrupted; finished runs are stored, and the same command does the rest"
+            "interrupted; finished runs are kept, and the same command does the rest"
         ) from None

@@ -213,7 +213,7 @@ def _is_busy(report: Report) -> bool:
 
 def _lost(reason: str) -> OutputError:
     return OutputError(
-        f"lost the scheduler ({reason or 'for unknown reasons'}); finished runs are stored, "
+        f"lost the scheduler ({reason or 'for unknown reasons'}); finished runs are kept, "
         "and the same command does the rest"
     )
 
