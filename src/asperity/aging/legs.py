@@ -135,7 +135,7 @@ class _Way:
         return slid(contact, contact.lattice.shifted(heights, way), by, self.solver)
 
     def at_once(self, contact: Contact, place: Frame) -> Frame:
-        """The frame of a contact that was pressed at once, at a place."""
+        """The frame of a contact that was pressed instantly, at a place."""
         approach = self.now.approach + self.now.contact.separation - contact.separation
         spent: dict[str, Any] = {"steps": 0, "rejected": 0, "iterations": contact.iterations, "solved_by": ""}
         self.now = replace(place, contact=contact, approach=approach, **spent)
@@ -262,7 +262,7 @@ class _Way:
         return contact.control if contact.control.load_controlled else control_of(contact, "load")
 
     def target(self, leg: Leg) -> Control:
-        """What a leg prescribes at once."""
+        """What a leg prescribes instantly."""
         kind, zero, unit = self.measured(leg, self.level)
         return kind(zero + unit * checks.number(leg.target, leg.value(0.0, math.nan)))
 

@@ -245,7 +245,7 @@ class Prediction(views.InNotebooks, views.Pictured):
 
     @property
     def modulus(self) -> float:
-        """Contact modulus E* at once, Pa."""
+        """Instantaneous contact modulus E*, Pa."""
         return relaxing_of(self.solid).modulus
 
     @property

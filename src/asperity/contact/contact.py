@@ -244,7 +244,7 @@ class Contact(Bodies, views.InNotebooks):
 
     @cached_property
     def normal_stiffness(self) -> float:
-        """Normal contact stiffness dF / d(approach) at once, force / length.
+        """Instantaneous normal contact stiffness dF / d(approach), force / length.
 
         The contacts stay what they are, and nothing creeps; so it solves one linear problem. The approach is
         that of `separation`: with free edges one contact of radius a has 2 E* a; with others, where the
@@ -347,7 +347,7 @@ class Contact(Bodies, views.InNotebooks):
         return slip
 
     def pull_off(self, work: float | str) -> PullOff:
-        """Pull the bodies apart, at once, by an adhesion whose range is below the pixel.
+        """Pull the bodies apart instantly, by an adhesion whose range is below the pixel.
 
         From the contacts that have aged without adhesion; creep is frozen, so that rates are out of it. Sites
         open for good where that releases the work of adhesion; see `asperity.carried.pull_off`.

@@ -1,4 +1,4 @@
-"""The instantaneous contact: two bodies pressed together before anything has crept, or anew at once."""
+"""The instantaneous contact: two bodies pressed together before anything has crept, or pressed anew."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def pressed_anew(
     least_force: float = 0.0,
     apart: bool = False,
 ) -> Contact:
-    """Press an aged contact under a new load or at a new separation, at once: its crept shape stays.
+    """Press an aged contact under a new load or at a new separation; its crept shape stays.
 
     The anchors keep their shapes. They move as a whole: to the given separation, or with the load. See
     `contact_from` for the least force. Nothing attracts at first where the bodies were ``apart``.
@@ -107,7 +107,7 @@ def check_whole(solid: Solid, by: Sequence[Fraction]) -> None:
 def slid(
     contact: Contact, heights: Field, by: Sequence[Fraction], solver: ContactSolver | None = None
 ) -> Contact:
-    """Press an aged contact onto heights that have moved by some sites, at once: its crept shape stays."""
+    """Press an aged contact onto heights that have moved by some sites; its crept shape stays."""
     check_whole(contact.solid, by)
     near, axes = [round(sites) for sites in by], tuple(range(heights.ndim))
     if contact.has_not_crept and np.array_equal(heights, np.roll(contact.heights, near, axis=axes)):

@@ -105,7 +105,7 @@ def _(solid: Solid) -> str:
     if len(pairs) > _MOST_BRANCHES:
         rows.append(("and", f"{len(pairs) - _MOST_BRANCHES} more branches"))
     axes = None
-    if pairs:  # the modulus over that at once
+    if pairs:  # the modulus over the instantaneous one
         axes, series = _axes(), PronySeries(1.0, tuple(pairs))
         t = np.geomspace(0.03 * pairs[0][1], 30 * pairs[-1][1], 200)
         axes.semilogx(t, series.modulus_at(t), color=style.BLUE)

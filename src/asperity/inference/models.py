@@ -119,7 +119,7 @@ def of_name(
 ) -> Model:
     """Make a model by its name, with default priors that are wide for the data; or of a user's function."""
     if ramp and name not in (*CREEP, "ball"):
-        expected = f"a load put on at once, or a separable solid: model {', '.join(CREEP)} or ball"
+        expected = f"a load applied instantly, or a separable solid: model {', '.join(CREEP)} or ball"
         raise InputError("ramp", expected=expected, got=checks.shown(name))
     if callable(name):
         if absolute:

@@ -48,20 +48,20 @@ from asperity.solids.solid import CreepBranch, Solid
 
 _PER_DECADE, _TIMES_PER_DECADE, _FREQUENCIES_PER_DECADE = 24, 4, 8
 _LEAST, _MOST = 1e-4, 30.0  # products of wave number and thickness between which film and base both count
-_LARGEST_ERROR = 0.02  # error of K relative to that at once with which a solid is refused
+_LARGEST_ERROR = 0.02  # error of K relative to the instantaneous one, with which a solid is refused
 _NEGLIGIBLE = 1e-5  # shares below it, at every wave number, are left out
 
 
 @dataclass(frozen=True)
 class Material:
-    """A viscoelastic material: contact modulus E* at once, Poisson's ratio, branches (share, time)."""
+    """A viscoelastic material: instantaneous contact modulus E*, Poisson's ratio, branches (share, time)."""
 
     modulus: float
     poisson: float
     branches: tuple[tuple[float, float], ...]
 
     def shear(self, s: float) -> float:
-        """Shear modulus at a Laplace variable s >= 0: relaxed at 0, at infinity that at once."""
+        """Shear modulus at a Laplace variable s >= 0: relaxed at 0, instantaneous at infinity."""
         rest = 1.0 - math.fsum(share for share, _ in self.branches)
         parts = [share / (1 + 1 / (s * time)) for share, time in self.branches if s > 0]
         return self.modulus * (1 - self.poisson) / 2 * (math.fsum(parts) + (rest if rest > 1e-12 else 0.0))
@@ -93,7 +93,7 @@ class Coated:
 def shares_of(coated: Coated) -> tuple[Floats, Floats, Floats, float]:
     """Grid of ln x, relaxation times, shares of what relaxes (times, grid), and the largest error of K.
 
-    The error is relative to K at once, over the grid and all Laplace variables.
+    The error is relative to the instantaneous K, over the grid and all Laplace variables.
     """
     count = round(math.log10(_MOST / _LEAST) * _PER_DECADE)
     x = np.geomspace(_LEAST, _MOST, count)
@@ -151,7 +151,7 @@ def coated_half_space(
     Parameters
     ----------
     modulus, poisson
-        Contact modulus E* = E / (1 - nu^2) of the film at once, force per area, and its Poisson's ratio.
+        Instantaneous contact modulus E* = E / (1 - nu^2) of the film, force per area, and Poisson's ratio.
     young
         Instead of the modulus: Young's modulus of the film.
     thickness
@@ -168,7 +168,7 @@ def coated_half_space(
     Solid
         It is not separable, if anything relaxes: waves that are long against the thickness feel the base,
         short ones the film. Its parameter ``largest_error`` is that of the stiffness as a function of
-        the Laplace variable, relative to the stiffness at once; at once and in the end it is exact.
+        the Laplace variable, relative to the instantaneous stiffness; at first and in the end it is exact.
 
     Raises
     ------

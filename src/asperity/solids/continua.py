@@ -78,7 +78,7 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
 
 
 def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson: Any) -> float:
-    """The contact modulus at once, of one of the two moduli that is given."""
+    """The instantaneous contact modulus, from the one of two moduli that is given."""
     if checks.one_of("modulus='3 GPa'", modulus=modulus, young=young) == "young":
         return contact_modulus(young, () if poisson is None else poisson)  # type: ignore[arg-type]
     return units.number("modulus", modulus, "Pa", above=0)
@@ -110,10 +110,10 @@ def half_space(
     Parameters
     ----------
     modulus
-        Contact modulus E* at once, before anything relaxes, force per area; see `contact_modulus`. Under a
-        surface with units, in Pa or with a unit: ``"3 GPa"``; so are all numbers here.
+        Instantaneous contact modulus E*, force per area; see `contact_modulus`. Under a surface with units,
+        all numbers here are in SI or texts with a unit: ``"3 GPa"``.
     young, poisson
-        Instead of the modulus: Young's modulus at once and Poisson's ratio, of one body or of both.
+        Instead of the modulus: instantaneous Young's modulus and Poisson's ratio, of one body or of both.
     branches
         Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
     flow
@@ -200,7 +200,7 @@ def layer(
     Parameters
     ----------
     modulus
-        Contact modulus E* = E / (1 - nu^2) of its material at once, force per area.
+        Instantaneous contact modulus E* = E / (1 - nu^2) of its material, force per area.
     young
         Instead: its Young's modulus E.
     poisson

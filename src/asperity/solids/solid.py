@@ -28,7 +28,7 @@ from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 Parameters = Mapping[str, float | tuple[float, ...] | tuple[tuple[float, float], ...]]
 
 Shares = Sequence[tuple[float, float]]
-"""Pairs of a share of the stiffness at once and the time in which it relaxes."""
+"""Pairs of a share of the instantaneous stiffness and the time in which it relaxes."""
 
 
 @dataclass(frozen=True)
@@ -107,14 +107,14 @@ class Solid(views.InNotebooks):
     parameters
         Further numbers to record with every result.
     stiffness
-        H + sum of C, the stiffness at once: lattice -> spectrum, force per length.
+        H + sum of C, the instantaneous stiffness: lattice -> spectrum, force per length.
     shares
         Pairs (share, relaxation time) of branches that are shares of the stiffness K at every wave vector:
         C_b = g_b K, and M_b C_b = 1 / tau_b. What creeps by a local law alone has an infinite time.
     springs
         The lattice of springs, defined on sites.
     modulus
-        Contact modulus E* at once, of a continuum that has one.
+        Instantaneous contact modulus E*, of a continuum that has one.
     half_space
         Whether normal displacements are those of a half-space of that modulus, from which resistances and
         tangential stiffness follow. It is ``in_lengths`` and ``loaded_from_afar``.
@@ -264,7 +264,7 @@ class Solid(views.InNotebooks):
 
     @property
     def permanent_share(self) -> float:
-        """Part of the stiffness at once that is no share of a branch."""
+        """Part of the instantaneous stiffness that does not relax."""
         rest = 1.0 - math.fsum(share for share, _ in self.shares or ())
         return rest if rest > 1e-12 else 0.0
 

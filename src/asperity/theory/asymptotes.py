@@ -30,7 +30,7 @@ def compliance_asymptote(
 ) -> Floats:
     """Late-time form of `compliance`.
 
-    The leading term knows nothing of x1. It is, with r = `viscous`,
+    The leading term does not depend on x1. It is, with r = `viscous`,
 
         square, r = 0   (ln x2 + 10 ln 2 + gamma_E) / (8 pi)
         square, r > 0   (ln(32 r x2) + gamma_E) / (4 pi)

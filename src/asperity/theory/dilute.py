@@ -71,7 +71,7 @@ def dilute_horizon(area_fraction: ArrayLike, dimension: int = 2) -> Floats:
 
     The dip that a contact makes spreads over a distance that grows as (k0 R t)^(1/4); the mean spacing of
     contacts is (A/N0)^(-1/dimension). They are equal at k0 R t = (A/N0)^(-4/dimension): an order of
-    magnitude, no sharp end. It does not know R_tilde, with which dips spread as (k0 R_tilde t)^(1/2).
+    magnitude, no sharp end. It leaves out R_tilde, with which dips spread as (k0 R_tilde t)^(1/2).
 
     The fraction A/N0 is above 0 and at most 1.
     """
