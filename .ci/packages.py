@@ -4,7 +4,7 @@
 
 Steps: contents, 3.11, 3.12, 3.13, 3.14, oldest, tool; without arguments all, and before them the build.
 Each environment holds the wheel of the library, its dependencies and nothing else; its packages cannot be
-written to, and there is no home. In it run the ten lines of the README and the command line; then, with the
+written to, and there is no home. In it run the lines of the README and the command line; then, with the
 wheel of asperity-research beside it, the commands of that. ``oldest`` takes the oldest release of each
 dependency that the stated bounds allow, of the library alone. A step that cannot be done here, as for want of
 an interpreter, says why. uv installs, and keeps what it fetched.
@@ -145,8 +145,8 @@ def use(python: Path, work: Path, *, campaign: bool) -> str:
     if refused.returncode == 0:
         raise SkippedError("folders cannot be made read-only for this user")
     lines, printed = ten_lines()
-    (work / "ten_lines.py").write_text(lines, encoding="utf-8")
-    expect("the README's ten lines", here("-W", "ignore", "ten_lines.py").strip(), printed)
+    (work / "readme.py").write_text(lines, encoding="utf-8")
+    expect("the lines of the README", here("-W", "ignore", "readme.py").strip(), printed)
     expect("asperity --version", here("-m", "asperity", "--version").strip(), version())
     here("-m", "asperity", "run", "--shape", "64", "64", "--out", "run", "--quiet")
     expect("files of a run", sorted(path.name for path in (work / "run").iterdir()), sorted(RUN))
