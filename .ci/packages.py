@@ -144,7 +144,7 @@ def use(python: Path, work: Path, *, campaign: bool) -> str:
     )
     if refused.returncode == 0:
         raise SkippedError("folders cannot be made read-only for this user")
-    lines, printed = ten_lines()
+    lines, printed = readme_lines()
     (work / "readme.py").write_text(lines, encoding="utf-8")
     expect("the lines of the README", here("-W", "ignore", "readme.py").strip(), printed)
     expect("asperity --version", here("-m", "asperity", "--version").strip(), version())
@@ -233,7 +233,7 @@ def pinned(folder: Path, version: str, extras: tuple[str, ...]) -> list[str]:
     return ["--constraint", str(pins)]
 
 
-def ten_lines() -> tuple[str, str]:
+def readme_lines() -> tuple[str, str]:
     """The README's first block of Python, and what its last comment says that it prints."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     lines = text.partition("```python\n")[2].partition("```")[0]
