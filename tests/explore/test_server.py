@@ -361,6 +361,26 @@ def outcome_of(doing: Coroutine[Any, Any, Any]) -> Any:
         return aside.submit(asyncio.run, doing).result(timeout=60)
 
 
+@pytest.mark.slow
+def test_a_run_goes_to_another_process_when_the_one_that_waited_has_ended() -> None:
+    from asperity.app.explore.jobs import Jobs
+
+    async def ended() -> dict[str, Any]:
+        jobs = Jobs()
+        await jobs.warm()
+        for child in psutil.Process().children():
+            if "explore.work" in " ".join(child.cmdline()):
+                child.kill()  # the loop has not seen it yet when the run begins
+        job = jobs.ask(config_from(QUICK, {}, None), {}, "")
+        assert job.task is not None
+        await job.task
+        await jobs.close()
+        assert job.recording.end is not None
+        return job.recording.end
+
+    assert outcome_of(ended())["kind"] == "done"
+
+
 def test_a_connection_whose_sending_fails_is_closed() -> None:
     from starlette.websockets import WebSocketDisconnect
 

@@ -39,6 +39,8 @@ class Job:
     recording: Recording
     task: asyncio.Task[None] | None = None
     watchers: set[Callable[[], None]] = field(default_factory=set)
+    taken: bool = False
+    """Whether a process has taken it."""
 
     def take(self, sort: str, content: Any) -> None:
         """Take a message of the process that computes it."""
@@ -51,6 +53,8 @@ class Job:
             row, new_map = content
             recording.rows.append(row)
             recording.maps += [] if new_map is None else [new_map]
+        elif sort == "taken":
+            self.taken = True
         else:
             recording.end = content
         for watcher in list(self.watchers):
@@ -108,17 +112,20 @@ class Jobs:
         """Compute a run, and keep it if it succeeds; failed runs may be tried again."""
         job.take("stage", "waiting for another run" if self._room.locked() else "starting")
         async with self._room:
-            self._idle = [process for process in self._idle if _alive(process)]
-            await self.warm()
-            process = self._idle.pop()
-            try:
-                await self._hear(job, process, asked)
-            finally:
-                if job.recording.end is None or process.returncode is not None:
-                    await _killed(process)
-                else:
-                    self._idle.append(process)
+            # One that waited may have ended, which is seen only when it does not take a run; the last is new.
+            for others in reversed(range(len(self._idle) + 1)):
                 await self.warm()
+                process = self._idle.pop()
+                try:
+                    await self._hear(job, process, asked, others)
+                finally:
+                    if job.recording.end is None or process.returncode is not None:
+                        await _killed(process)
+                    else:
+                        self._idle.append(process)
+                    await self.warm()
+                if job.recording.end is not None:
+                    break
         del self._jobs[job.recording.job]
         if job.recording.end is not None and job.recording.end["kind"] == "done":
             self._jobs[job.recording.job] = job
@@ -126,8 +133,11 @@ class Jobs:
         for name in done[:-_KEPT_RUNS]:
             del self._jobs[name]
 
-    async def _hear(self, job: Job, process: Process, asked: bytes) -> None:
-        """Send a run to a process, and take its messages until the run or the process ends."""
+    async def _hear(self, job: Job, process: Process, asked: bytes, others: int) -> None:
+        """Send a run to a process, and take its messages until the run or the process ends.
+
+        No end is recorded where the process ends before it takes the run, and others are left to take it.
+        """
         assert process.stdin is not None
         assert process.stdout is not None
         try:
@@ -137,15 +147,11 @@ class Jobs:
                 job.take(*pickle.loads(await process.stdout.readexactly(length)))
         except (EOFError, OSError):
             code = await process.wait()
+            if others and not job.taken:
+                return
             cause = f"signal {-code}" if code < 0 else f"status {code}"
             text = f"the computing process was stopped by the system ({cause}); press again"
             job.take("end", failed(mistake(text)))
-
-
-def _alive(process: Process) -> bool:
-    """Whether a process may take a run; its output ends before its status is known."""
-    assert process.stdout is not None
-    return process.returncode is None and not process.stdout.at_eof()
 
 
 async def _killed(process: Process) -> None:

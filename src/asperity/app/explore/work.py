@@ -42,7 +42,9 @@ def work() -> None:
     with contextlib.suppress(EOFError, BrokenPipeError):
         compile_loops(lambda text: tell("stage", text), lambda _: None)
         while True:
-            tell("end", _computed(tell, *pickle.load(sys.stdin.buffer)))
+            run = pickle.load(sys.stdin.buffer)
+            tell("taken", None)
+            tell("end", _computed(tell, *run))
 
 
 class _Teller(Progress):
