@@ -1,6 +1,7 @@
 """95 % bands of ``asperity predict``: in every file, for histories of the load, against other ways."""
 
 import csv
+import re
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,26 @@ def rough(sites=32, seed=3):
 def legs():
     drop = P.Step(pressure=1.5e6)
     return [P.Ramp("2.4 s", pressure="6 MPa"), P.Hold("1000 s"), drop, P.Hold("4000 s")]
+
+
+@pytest.mark.parametrize("words", [WORDS, ("--load", "1 mN")])
+def test_a_band_of_few_tiles_is_said_to_be_unknown(asperity, words):
+    x = np.arange(32) - 11.5
+    np.savetxt("scan.txt", -0.01 * (x**2 + x[:, None] ** 2))  # one summit in one tile
+    times = np.geomspace(0.1, 1e4, 20)
+    rows = "".join(
+        f"{t},{E}\n" for t, E in zip(times, PronySeries(1805.0, PMMA).modulus_at(times), strict=True)
+    )
+    Path("pmma.csv").write_text(f"time [s],modulus [MPa]\n{rows}")
+    flags = (*READ, "--tilt", "none", "--poisson", "0.38", "--shear-strength", "50MPa")
+    status, said, errors = asperity(
+        "predict", "pmma.csv", "--surface", "scan.txt", *flags, *words, "--out", "few"
+    )
+    assert status == 0, errors
+    page = re.sub("<[^>]*>", " ", Path("few/prediction.html").read_text(encoding="utf-8"))
+    for text in (said, Path("few/summary.txt").read_text(encoding="utf-8"), page):
+        assert "nan" not in re.findall("[a-z]+", text)
+        assert "unknown: fewer than three tiles" in text
 
 
 def test_the_bands_of_a_ramp_a_hold_a_drop_and_a_hold_from_one_command(asperity):

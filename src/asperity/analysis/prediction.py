@@ -20,7 +20,7 @@ from asperity.analysis.observation import Observation
 from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
-from asperity.base.words import counted
+from asperity.base.words import band_ends, counted
 from asperity.creep import Eyring
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -162,15 +162,14 @@ class Prediction(views.InNotebooks, views.Pictured):
     bands: tuple[Band, ...] = ()
 
     def __repr__(self) -> str:
-        ends = self.band("contact_area_corrected")
-        low, area, high = (
-            float(values[-1]) for values in (ends[0], self.series("contact_area_corrected"), ends[1])
-        )
-        if self.growth is None:
-            area_at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
-            return f"<Prediction: {area_at_last}, 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}>"
-        band = "{:.4g} to {:.4g}".format(*self.growth.ratio_band)
-        return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {band}>"
+        if self.growth is not None:
+            ends = band_ends(self.growth.ratio_band)
+            return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {ends}>"
+        names = ("contact_area_corrected", "contact_area_corrected_low", "contact_area_corrected_high")
+        area, *pair = (float(self.series(name)[-1]) for name in names)
+        ends = band_ends(pair, lambda end: written(end, "m^2"))
+        at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
+        return f"<Prediction: {at_last}, 95 % band {ends}>"
 
     @property
     def fit(self) -> Fit | None:

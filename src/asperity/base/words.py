@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from typing import Any, Self
 
@@ -39,6 +39,14 @@ def written_with_units(table: object) -> Iterator[InUnits]:
     elif isinstance(table, list | tuple):
         for value in table:
             yield from written_with_units(value)
+
+
+def band_ends(ends: Iterable[float], say: Callable[[float], str] = "{:.4g}".format) -> str:
+    """Two ends of the band of a scan, or, where they are NaN, why they are unknown."""
+    low, high = ends
+    if math.isnan(low):
+        return "unknown: fewer than three tiles of the scan bear the load"
+    return f"{say(low)} to {say(high)}"
 
 
 def number(word: str) -> object:

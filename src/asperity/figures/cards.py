@@ -15,7 +15,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import Row, contact_rows, history_rows
 from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
-from asperity.base.words import uncertain
+from asperity.base.words import band_ends, uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
@@ -146,13 +146,14 @@ def _(fit: Fit) -> str:
 @html_of.register
 def _(prediction: Prediction) -> str:
     area = prediction.series("contact_area_corrected"), *prediction.band("contact_area_corrected")
-    last, low, high = (quantity(float(values[-1]), "m^2") for values in area)
-    rows = [("area at last", last), ("95 % band", f"{low} to {high}")]
+    last, *ends = (float(values[-1]) for values in area)
+    band = band_ends(ends, lambda end: quantity(end, "m^2"))
+    rows = [("area at last", quantity(last, "m^2")), ("95 % band", band)]
     if (growth := prediction.growth) is not None:
         least, most = growth.range
         rows = [
             (prediction.between("A"), f"{growth.ratio:.5g}"),
-            ("95 % band", "{:.4g} to {:.4g}".format(*growth.ratio_band)),
+            ("95 % band", band_ends(growth.ratio_band)),
             ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
         ]
     rows += [

@@ -19,6 +19,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.version import __version__
+from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
 from asperity.figures import style
 from asperity.figures.carried import carried_figure
@@ -167,6 +168,7 @@ def written_page(name: str, **values: Any) -> str:
         lstrip_blocks=True,
     )
     environment.filters["measured"] = quantity
+    environment.globals["band_ends"] = band_ends
     date = datetime.datetime.now(datetime.UTC).date().isoformat()
     return environment.get_template(name).render(version=__version__, date=date, **values)
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import carried_rows, words_of
 from asperity.analysis.scan import understood, written
+from asperity.base.words import band_ends, thousands
 from asperity.base.words import counted as how_many
-from asperity.base.words import thousands
 
 Row = tuple[str, str]
 
@@ -49,8 +47,8 @@ def report(prediction: Prediction, *, seconds: float, resumed: bool = False) -> 
         rows.append(("theory", f"{ends}{name}: dashed in growth.png"))
     if prediction.friction is not None:
         mu = np.transpose([prediction.friction, *prediction.band("friction")])[[loaded, -1]]
-        first, last = ("{:.3g} ({:.3g} to {:.3g})".format(*one) for one in mu)
-        rows.append(("friction", f"{first} at first, {last} at last, with 95 % bands"))
+        first, last = (f"{value:.3g}, 95 % band {band_ends(ends, '{:.3g}'.format)}" for value, *ends in mu)
+        rows.append(("friction", f"{first}, at first; {last}, at last"))
     if len(prediction.bands) > 1:
         whole, half = prediction.bands[:2]
         changes = ", ".join(f"{name} by {100 * by:+.2g} %" for name, by in whole.change_to(half).items())
@@ -81,11 +79,12 @@ def _contacts(prediction: Prediction) -> list[Row]:
             continue
         names = ("contact_area", "contact_area_corrected", "mean_contact_pressure")
         counted, less, pressure = (float(prediction.series(name)[place]) for name in names)
-        low, high = (float(end[place]) for end in prediction.band(names[1]))
-        band = "" if math.isnan(low) else f", 95 % band {written(low, 'm^2')} to {written(high, 'm^2')}"
+        band = band_ends(
+            (float(end[place]) for end in prediction.band(names[1])), lambda end: written(end, "m^2")
+        )
         many = how_many(prediction.resolved[number].patches, "patch", "patches")
         text = f"{written(less, 'm^2')} = {100 * less / prediction.nominal_area:.3g} %"
-        text += f", corrected for pixel rims{band}; "
+        text += f", corrected for pixel rims, 95 % band {band}; "
         text += f"raw {written(counted, 'm^2')} in {many}, mean pressure {written(pressure, 'Pa')}"
         jumped = place > 0 and prediction.time[place] == prediction.time[place - 1]
         when = "just after" if jumped else f"contact at {written(float(prediction.time[place]), 's')}"
@@ -114,13 +113,11 @@ def _growth(prediction: Prediction) -> list[Row]:
     if growth is None:
         return []
     least, most, last = (100 * slope for slope in (*growth.range, growth.decades[-1][2]))
-    low, high, (near, far) = 100 * growth.band[0], 100 * growth.band[1], growth.ratio_band
     text = f"{least:.3g} to {most:.3g} % of the first area, {last:.3g} % in the last; "
-    text += f"mean {100 * growth.per_decade:.3g} %, 95 % band {low:.3g} to {high:.3g} %"
-    rows = [
-        ("growth", f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {near:.4g} to {far:.4g}"),
-        ("in each decade", text),
-    ]
+    band = band_ends(growth.band, lambda slope: f"{100 * slope:.3g} %")
+    text += f"mean {100 * growth.per_decade:.3g} %, 95 % band {band}"
+    ratio = f"{prediction.between('A')} = {growth.ratio:.5g}, 95 % band {band_ends(growth.ratio_band)}"
+    rows = [("growth", ratio), ("in each decade", text)]
     if effective is not None:
         name, symbol = prediction.beside
         rows.append((name, f"{prediction.between(symbol)} = {effective[-1] / effective[0]:.5g}"))
