@@ -45,13 +45,14 @@ def test_a_band_of_few_tiles_is_said_to_be_unknown(asperity, words):
     Path("pmma.csv").write_text(f"time [s],modulus [MPa]\n{rows}")
     flags = (*READ, "--tilt", "none", "--poisson", "0.38", "--shear-strength", "50MPa")
     status, said, errors = asperity(
-        "predict", "pmma.csv", "--surface", "scan.txt", *flags, *words, "--out", "few"
+        "predict", "pmma.csv", "--surface", "scan.txt", *flags, *words, "--figures", "svg", "--out", "few"
     )
     assert status == 0, errors
+    assert not [path for path in Path("few").glob("*.svg") if "95 % band" in path.read_text(encoding="utf-8")]
     page = re.sub("<[^>]*>", " ", Path("few/prediction.html").read_text(encoding="utf-8"))
     for text in (said, Path("few/summary.txt").read_text(encoding="utf-8"), page):
         assert "nan" not in re.findall("[a-z]+", text)
-        assert "unknown: fewer than three tiles" in text
+        assert "unknown: too few patches" in text
 
 
 def test_the_bands_of_a_ramp_a_hold_a_drop_and_a_hold_from_one_command(asperity):

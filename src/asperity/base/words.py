@@ -45,7 +45,7 @@ def band_ends(ends: Iterable[float], say: Callable[[float], str] = "{:.4g}".form
     """Two ends of the band of a scan, or, where they are NaN, why they are unknown."""
     low, high = ends
     if math.isnan(low):
-        return "unknown: fewer than three tiles of the scan bear the load"
+        return "unknown: too few patches"
     return f"{say(low)} to {say(high)}"
 
 

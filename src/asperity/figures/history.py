@@ -153,7 +153,7 @@ def shade(
     axes: Axes, time: TimeAxis, dataset: xr.Dataset, name: str, values: Field, color: str = style.SKY
 ) -> None:
     """Shade the 95 % band of a series as it is drawn, leg by leg; nothing where it has none."""
-    if f"{name}_low" not in dataset:
+    if f"{name}_low" not in dataset or dataset[f"{name}_low"].isnull().all():
         return
     low, high = (values * (dataset[f"{name}_{end}"] / dataset[name]).values for end in ("low", "high"))
     label = "95 % band"

@@ -85,8 +85,11 @@ def _draw_decades(axes: Axes, prediction: Prediction) -> None:
     edges, label = np.append(begin, end[-1]), "decade by decade"
     axes.stairs(100 * slope, edges, baseline=None, color=style.BLUE, linewidth=1.2, label=label)
     low, high = (100 * edge for edge in growth.band)
-    label = f"mean {100 * growth.per_decade:.3g} %, 95 % band"
-    axes.axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=label)
+    mean = f"mean {100 * growth.per_decade:.3g} %"
+    if math.isnan(low):
+        axes.axhline(100 * growth.per_decade, color=style.SKY, label=mean)
+    else:
+        axes.axhspan(low, high, color=style.SKY, alpha=0.35, linewidth=0, label=f"{mean}, 95 % band")
     axes.set_xscale("log")
     axes.set_ylabel("growth per decade\n[% of first area]", multialignment="center")
 
@@ -127,11 +130,10 @@ def draw_growth(axes: Axes, prediction: Prediction) -> None:
 
 
 def draw_band(axes: Axes, prediction: Prediction, name: str, factor: float = 1.0) -> None:
-    """Shade the 95 % band of a quantity."""
-    low, high = prediction.band(name)
-    axes.fill_between(
-        prediction.time, factor * low, factor * high, color=style.SKY, alpha=0.35, lw=0, label="95 % band"
-    )
+    """Shade the 95 % band of a quantity; nothing where it has none."""
+    low, high = (factor * end for end in prediction.band(name))
+    if not np.isnan(low).all():
+        axes.fill_between(prediction.time, low, high, color=style.SKY, alpha=0.35, lw=0, label="95 % band")
 
 
 @style.drawn
