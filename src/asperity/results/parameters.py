@@ -42,6 +42,8 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     **_BRANCHES,
     **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
     "relaxation": ("table of the relaxation", ""),
+    "reference": ("temperature of the table", "K"),
+    "activation_energy": ("activation energy of the relaxation times", "J/mol"),
     "data_first": ("first time of the data that gave the branches", "time"),
     "data_last": ("last time of the data that gave the branches", "time"),
     "pressure": _PRESSURE,

@@ -11,39 +11,16 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, Switch, Whole, flags_for, given
+from asperity.app.cli.flags import Flags, Folder, Switch, flags_for, given
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Results, flags_of_fields
+from asperity.app.cli.options import Results
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
 
 _CHECKPOINT_EVERY = 3.0
 
 
-@flags_of_fields
-class PredictFlags:
-    """How a relaxation table is fitted, and for which temperature.
-
-    Parameters
-    ----------
-    branches
-        Number of free relaxation times in the fit of the table. [default: the fewest whose misfit looks like
-        noise, five at most; else 1 or 2 per decade]
-    reference
-        Temperature of the table, such as 20degC.
-    activation_energy
-        Activation energy of the relaxation times (Arrhenius), such as 100kJ/mol.
-    wlf
-        In its place C1 and C2 of Williams, Landel and Ferry, for the decimal logarithm; C2 in K.
-    """
-
-    branches: Whole | None = None
-    reference: Annotated[str | None, Parameter(metavar="QUANTITY", allow_leading_hyphen=True)] = None
-    activation_energy: Annotated[str | None, Parameter(metavar="QUANTITY")] = None
-    wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
-
-
-_PREDICT, _RESULTS = PredictFlags(), Results()
+_RESULTS = Results()
 
 
 @command("prediction")
@@ -55,7 +32,6 @@ def predict(
     ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     resolution_study: Switch = False,
-    wanted: PredictFlags = _PREDICT,
     out: Folder = Path("prediction"),
     results: Results = _RESULTS,
     keys: Flags | None = None,
@@ -90,11 +66,7 @@ def predict(
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.prediction_flags import prediction_asked
 
-    asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
-    if output.measured is not None:
-        from asperity.fits.measurements import measured_area
-
-        measured_area(output.measured, si=True)
+    asked, compute, output = prediction_asked(material, flags, ramp)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report

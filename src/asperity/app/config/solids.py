@@ -10,13 +10,14 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from asperity.app.config.creep import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, marked
 from asperity.app.config.sections import (
     Duration,
-    OneOrTwo,
+    InUnit,
     Section,
+    Temperature,
     any_of,
     arguments_of,
     field_of,
@@ -30,7 +31,7 @@ from asperity.app.config.sections import (
 from asperity.base.files import expanded
 from asperity.base.parameters import Law, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import InputError
+from asperity.errors import LARGEST, InputError
 from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
 
@@ -89,24 +90,30 @@ class OfTable(Section):
         "Assumption beyond the times of the data. plateau: the modulus keeps the last value of the table. "
         "model: the branches continue. By default other times are refused.",
     )
+    free_branches: Annotated[int, Field(ge=1)] | None = usual(
+        None,
+        "Number of free relaxation times in the fit of the table. By default the fewest whose misfit looks "
+        "like noise, five at most; else 1 or 2 per decade.",
+    )
+    temperature: Temperature | None = usual(
+        None,
+        "Temperature of the contact, such as 40degC: for activated creep, or to shift a relaxation table "
+        "from its own.",
+    )
+    reference: Temperature | None = usual(None, "Temperature of the table, such as 20degC.")
+    activation_energy: Annotated[float, Field(gt=0, le=LARGEST), InUnit("J/mol")] | None = usual(
+        None, "Activation energy of the relaxation times (Arrhenius), such as 100kJ/mol."
+    )
+    wlf: list[float] | None = usual(
+        None,
+        "In its place C1 and C2 of Williams, Landel and Ferry, for the decimal logarithm; C2 in K.",
+    )
 
 
-OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
-    name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
-}
+_RENAMED = {"kind": "table_kind", "modulus": "table_modulus", "branches": "free_branches"}
+OF_TABLES = _RENAMED | {name: name for name in OfTable.model_fields if name not in _RENAMED.values()}
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
-
-PREDICTED = {
-    *OF_LAWS["creep"],
-    *OF_TABLES.values(),
-    "young",
-    "poisson",
-    "branches",
-    "creep",
-    "permanent",
-    "hardness",
-}
-"""Keys of a half-space that a prediction takes as flags."""
+del OF_TABLES["relaxation"]
 
 
 class SolidSection(Section):
@@ -157,6 +164,8 @@ class SolidSection(Section):
         for kind, kinds in KEYS_OF_LAWS.items():
             law = getattr(self, kind, None)
             stated = {name for name in OF_LAWS[kind] if getattr(self, name, None) is not None}
+            if law is None and getattr(self, "relaxation", None) is not None:
+                stated.discard("temperature")  # that of the table
             named = marked(stated) or "none"
             ways = [way for way in kinds.get(law or "", []) if way <= keys.keys()]
             if law is None and stated:
@@ -216,6 +225,11 @@ class Continuum(SolidSection):
 
     def check(self) -> None:
         """Refuse branches and a table, or keys of a table without one, with `ValueError`."""
+        if self.table is not None:
+            for key in ("branches", "creep"):
+                if getattr(self, key, None):
+                    expected = "none beside a relaxation table, which is that of a linear solid"
+                    raise ValueError(f"{key}: expected {expected}, got both; try `young` in its place")
         super().check()
         if "relaxation" not in type(self).model_fields:
             return
@@ -227,20 +241,19 @@ class Continuum(SolidSection):
             if of_branches and getattr(self, "data_last", None) is None:
                 raise ValueError("extrapolate: expected data_last beside model, got none")
             others = [key for key in OF_TABLES.values() if getattr(self, key) is not None and not of_branches]
+            others = [key for key in others if key != "temperature" or getattr(self, "creep", None) is None]
             if others:
                 of_data = others == ["extrapolate"] and getattr(self, "data_last", None) is not None
                 advice = '; try extrapolate = "model" (--extrapolate model)' if of_data else ""
                 raise ValueError(f"{others[0]}: expected relaxation beside it, got none{advice}")
             return
-        if self.branches:
-            raise ValueError("expected branches or relaxation, got both")
         if len(listed(self.young) or []) > 1:  # type: ignore[arg-type]
             raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
         try:
             _ = self.of_table
         except InputError as error:
-            asked = error.name if error.name in OF_TABLES.values() else "relaxation"
-            raise ValueError(f"{asked}: {error}") from None
+            of = (OF_TABLES | {"modulus": "modulus"}).get(error.name, f"relaxation: {error.name}")
+            raise ValueError(sentence(error.about(of))) from None
 
     @property
     def table(self) -> Path | None:
@@ -278,8 +291,11 @@ class Continuum(SolidSection):
         facts: dict[str, Any] = {"branches": list(material.fit.series.branches)}
         if self.modulus is not None or self.young is not None:
             return facts
-        contact, ratio = cast(float, material.solid.modulus), self._of_one_body["poisson"]
-        return facts | ({"modulus": contact} if ratio is None else {"young": contact * (1 - ratio**2)})
+        modulus, ratio = material.fit.series.modulus, self._of_one_body["poisson"]
+        if ratio is None:
+            return facts | {"modulus": modulus}
+        factors = {"shear": 2 * (1 + ratio), "contact": 1 - ratio**2}
+        return facts | {"young": modulus * factors.get(str(material.facts["measured"]), 1)}
 
     @property
     def given(self) -> dict[str, Any]:
@@ -401,21 +417,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
 SOLIDS: dict[str, type[SolidSection]] = {
     kind: HalfSpace if kind == "half_space" else _section_of(kind) for kind in KINDS
 }
-
-
-_BESIDE: dict[str, Any] = {
-    name: (field.annotation, field)
-    for name, field in HalfSpace.model_fields.items()
-    if name in (*OF_TABLES.values(), "hardness", "temperature")
-}
-BesideTable = create_model(
-    "BesideTable",
-    __base__=Section,
-    poisson=(Annotated[OneOrTwo[float], Field(max_length=1)] | None, None),
-    modulus=(TableModulus | None, None),
-    **_BESIDE,
-)
-"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 @functools.lru_cache(maxsize=8)

@@ -62,6 +62,7 @@ def predict_config(
         config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
     progress.stage("reading the scan")
     scan, material = surface.build(), section.material
+    scan.in_meters()
     check_units(config, material.solid, scan)
     idle = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
     not_used = unused(config, "a prediction", idle)
