@@ -104,6 +104,18 @@ def given(
     return sections | ({"protocol": {"legs": legs_from_words(leg)}} if leg else {})
 
 
+def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
+    """The file of a run, if the material is one; else flags must name a scan, and a table becomes a key."""
+    if material is not None and material.suffix == ".toml":
+        return material
+    if "path" not in flags.get("surface", {}):
+        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
+    solid = flags.setdefault("solid", {})
+    solid |= {} if material is None else {"relaxation": str(material)}
+    solid.setdefault("kind", "half_space")
+    return None
+
+
 def flag(name: str) -> str:
     """The flag of an argument of this name."""
     return f"--{name.replace('_', '-')}"

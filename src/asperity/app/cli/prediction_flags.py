@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asperity.app.cli.flags import check_unit, flag, in_flags
+from asperity.app.cli.flags import check_unit, file_of_run, flag, in_flags
 from asperity.app.config.mistakes import Sections, flag_of
 from asperity.app.config.models import Output
 from asperity.app.config.reading import read_config
@@ -27,14 +27,20 @@ def prediction_asked(
     material: Path | None, flags: Sections, ramp: str | None
 ) -> tuple[str, Callable[..., Prediction], Output]:
     """What is asked, in a text that is the same for the same numbers; what computes it; what is written."""
-    loading, file, legs = None, material, flags.get("protocol", {}).get("legs", [])
+    legs: Any = flags.get("protocol", {}).get("legs", [])
     if ramp is not None:
         check_unit("--ramp", ramp, "s")
-        loading = units.quantity(ramp, "s", "--ramp")
-    _check_units(legs)  # type: ignore[arg-type]
+    loading = None if ramp is None else units.quantity(ramp, "s", "--ramp")
+    _check_units(legs)
     if material is None or material.suffix != ".toml":
-        _complete(material, flags)
-        file = None
+        contact, rises = flags.get("contact", {}), bool(legs) and legs[0]["kind"] == "ramp"
+        if len(contact) != 1 and (contact or not rises):
+            got = "both" if contact else "neither"
+            raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+        if material is None and "young" not in flags.get("solid", {}):
+            expected = "a relaxation table, a TOML file, or --young"
+            raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
+    file = file_of_run(material, flags)
     try:
         config = read_config(file, flags)
     except ConfigError as error:  # the table is no flag here
@@ -51,24 +57,6 @@ def prediction_asked(
             return predict_config(config, ramp=loading, **more)
 
     return repr((config, loading)), compute, config.output
-
-
-def _complete(table: Path | None, flags: Sections) -> None:
-    """Make flags without a file of a run the sections of one; `InputError` for what is missing."""
-    contact, solid = flags.get("contact", {}), flags.setdefault("solid", {})
-    legs: Any = flags.get("protocol", {}).get("legs", [])
-    rises = bool(legs) and legs[0]["kind"] == "ramp"
-    if len(contact) != 1 and (contact or not rises):
-        got = "both" if contact else "neither"
-        raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
-    if table is not None:
-        solid["relaxation"] = str(table)
-    elif "young" not in solid:
-        expected = "a relaxation table, a TOML file, or --young"
-        raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
-    if "path" not in flags.get("surface", {}):
-        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
-    solid["kind"] = "half_space"
 
 
 def _check_units(legs: Sequence[Mapping[str, Any]]) -> None:
