@@ -43,6 +43,8 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
     "relaxation": ("table of the relaxation", ""),
     "reference": ("temperature of the table", "K"),
+    "free_branches": ("number of free relaxation times in the fit of the table", "1"),
+    "wlf": ("constants of Williams, Landel and Ferry", "1"),
     "activation_energy": ("activation energy of the relaxation times", "J/mol"),
     "data_first": ("first time of the data that gave the branches", "time"),
     "data_last": ("last time of the data that gave the branches", "time"),
