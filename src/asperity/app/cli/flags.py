@@ -101,7 +101,25 @@ def given(
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     if surface is not None:
         sections.setdefault("surface", {})["path"] = str(surface)
-    return sections | ({"protocol": {"legs": legs_from_words(leg)}} if leg else {})
+    if leg:
+        legs = legs_from_words(leg)
+        sections["protocol"] = {"legs": legs}
+        for each in legs if units else ():
+            _check_leg(each)
+    return sections
+
+
+def _check_leg(leg: Mapping[str, Any]) -> None:
+    """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
+    from asperity.base.parameters import parameters_of
+    from asperity.protocols import KINDS
+
+    for inner in leg.get("legs", ()):
+        _check_leg(inner)
+    parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
+    for name in filter(parameters.__contains__, leg):
+        if unit := parameters[name].quantity.unit:
+            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit)
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
