@@ -250,11 +250,10 @@ class Continuum(SolidSection):
             of_branches = self.extrapolate == "model"
             if of_branches and self.data_last is None:
                 raise ValueError("extrapolate: expected data_last beside model, got none")
-            lacking = [
-                key for key in OF_TABLES.values() if getattr(self, key) is not None and not of_branches
-            ]
-            lacking = [key for key in lacking if key != "temperature" or getattr(self, "creep", None) is None]
-            if lacking:
+            lacking = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
+            if getattr(self, "creep", None) is not None:
+                lacking = [key for key in lacking if key != "temperature"]
+            if lacking and not of_branches:
                 of_data = lacking == ["extrapolate"] and self.data_last is not None
                 advice = '; try extrapolate = "model" (--extrapolate model)' if of_data else ""
                 raise ValueError(f"{lacking[0]}: expected relaxation beside it, got none{advice}")
@@ -332,7 +331,7 @@ class Continuum(SolidSection):
 
     @property
     def span(self) -> tuple[float, float]:
-        """The times of the data, if known; else from a tenth of the shortest relaxation time to ten longest."""
+        """The times of the data; else a tenth of the shortest relaxation time and ten times the longest."""
         if self.of_data and self.of_data[0]:
             return self.of_data
         if self.fit is not None:
