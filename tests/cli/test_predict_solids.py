@@ -187,6 +187,13 @@ def test_a_table_in_a_file_is_the_table(undrawn, asperity):
     np.testing.assert_allclose(undrawn[0].series("contact_area"), ours.series("contact_area"), rtol=1e-9)
     assert undrawn[0].growth == ours.growth
     assert undrawn[0].assumed["table"] == "table.csv"
+    # At 10 K more every time is shorter by Arrhenius, in a run too, whose file has the branches alone.
+    warm = {"temperature": "30degC", "reference": "20degC", "activation_energy": "100 kJ/mol"}
+    shifted = write(solid={**solid, **warm, "free_branches": 1}, aging={})
+    section = read_config(shifted, {}).solid.resolved()
+    factor = np.exp(1e5 / 8.31446261815324 * (1 / 303.15 - 1 / 293.15))
+    assert section.build().relaxing[0][1] == pytest.approx(factor, rel=1e-3)
+    assert not {*warm, "relaxation", "free_branches"} & section.model_dump(exclude_none=True).keys()
 
 
 def test_what_a_file_may_not_ask(refused):

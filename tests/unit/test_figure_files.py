@@ -14,6 +14,7 @@ from PIL import Image
 
 import asperity as asp
 from asperity import figures
+from asperity.base.calls import remarks_made
 from asperity.base.columns import Columns, Role
 from asperity.base.tables import read_table
 from asperity.figures.style import COLUMN, PAGE
@@ -184,23 +185,25 @@ def test_measured_areas_are_drawn_beside_computed_ones_and_their_ratio_below(pre
     summary = asp.analysis.aging_summary(held)
     first, steps = float(held["contact_area"][0]), stepped.dataset
     corrected = 1e12 * prediction.series("contact_area_corrected")
-    cases: list[Any] = [
-        (
-            figures.prediction_pictures(prediction, measured=path)["growth"].figure,
-            0,
-            prediction.time,
-            corrected,
-            1e12,
-        ),
-        (figures.aging_curve(held, summary, path), 0, summary.time, summary.area_ratio, 1 / first),
-        (
-            figures.history_figure(steps, path),
-            1,
-            steps["time"].values,
-            1e12 * steps["contact_area"].values,
-            1e12,
-        ),
-    ]
+    with remarks_made() as made:
+        cases: list[Any] = [
+            (
+                figures.prediction_pictures(prediction, measured=path)["growth"].figure,
+                0,
+                prediction.time,
+                corrected,
+                1e12,
+            ),
+            (figures.aging_curve(held, summary, path), 0, summary.time, summary.area_ratio, 1 / first),
+            (
+                figures.history_figure(steps, path),
+                1,
+                steps["time"].values,
+                1e12 * steps["contact_area"].values,
+                1e12,
+            ),
+        ]
+    beyond = []
     for figure, number, time, computed, scale in cases:
         upper, lower = figure.axes[number : number + 2]
         (bars,), (ratios,) = upper.containers, lower.containers
@@ -210,8 +213,13 @@ def test_measured_areas_are_drawn_beside_computed_ones_and_their_ratio_below(pre
         assert upper.get_ylim()[1] > value.max() + scale * 2e-13
         beside = np.interp(np.log([3, 60, 600]), np.log(time[time > 0]), computed[time > 0], right=np.nan)
         np.testing.assert_allclose(ratios.lines[0].get_ydata(), value / beside)
+        beyond += [count] if (count := int(np.isnan(beside).sum())) else []
         places = [3, 60, 600] if number == 0 else ratios.lines[0].get_xdata()
         np.testing.assert_allclose(ratios.lines[0].get_xdata(), places)
+    assert beyond
+    assert [text.partition(" measured times are outside ")[0] for text in made] == [
+        f"{count} of 3" for count in beyond
+    ]
 
 
 def test_what_a_contact_carries_has_the_axes_of_its_history(stepped):

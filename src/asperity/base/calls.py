@@ -6,7 +6,8 @@ import functools
 import inspect
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType, FunctionType
 from typing import Any
 
@@ -59,6 +60,24 @@ def remark(text: str) -> None:
         outermost = level if str(frame.f_globals.get("__name__")).startswith("asperity.") else outermost
         frame, level = frame.f_back, level + 1
     warnings.warn(text, Remark, stacklevel=outermost + 1)
+
+
+@contextmanager
+def remarks_made() -> Iterator[list[str]]:
+    """Gather the remarks that are made meanwhile, in place of warnings."""
+    texts: list[str] = []
+    with warnings.catch_warnings():
+        shown = warnings.showwarning
+
+        def gather(message: Warning | str, category: type[Warning], *about: Any, **more: Any) -> None:
+            if issubclass(category, Remark):
+                texts.append(str(message))
+            else:
+                shown(message, category, *about, **more)
+
+        warnings.simplefilter("always", Remark)
+        warnings.showwarning = gather
+        yield texts
 
 
 def _answering(member: Any) -> Any:

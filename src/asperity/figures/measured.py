@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from asperity.analysis.scan import written
+from asperity.base.calls import remark
 from asperity.figures import style
 from asperity.fits import Measurements
 from asperity.lattice import Field
@@ -24,13 +26,17 @@ def draw_measured(
     """Draw measured values with their errors into a panel, and in that below it measured over computed.
 
     Computed values are as they are drawn: `factor` times those of the unit of the measured ones. Between
-    their times they are interpolated over ln t; beyond these there is no ratio. `place` says where on the
-    axis a time is. Returns what it draws, as columns.
+    their times they are interpolated over ln t; beyond these there is no ratio, and a `Remark` says so.
+    `place` says where on the axis a time is. Returns what it draws, as columns.
     """
     upper, lower = grid
     positive = time > 0
-    later = np.log(np.maximum(series.time, 1e-300))
-    beside = np.interp(later, np.log(time[positive]), computed[positive], left=np.nan, right=np.nan)
+    later, between = np.log(np.maximum(series.time, 1e-300)), np.log(time[positive])
+    beside = np.interp(later, between, computed[positive], left=np.nan, right=np.nan)
+    if count := int(np.isnan(beside).sum()):
+        span = " to ".join(written(float(end), series.time_unit) for end in time[positive][[0, -1]])
+        text = f"{count} of {later.size} measured times are outside the computed ones, {span}, and have no "
+        remark(f"{text}ratio measured / computed; try other first and last (--first, --last)")
     at, value = place(series.time), factor * series.value
     error = None if series.stderr is None else factor * series.stderr
     look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}

@@ -207,6 +207,8 @@ def _shift(
         raise InputError("activation_energy", expected=expected, got=got, advice=advice)
     kelvin = si.quantity(temperature, "K", "temperature"), si.quantity(reference, "K", "reference")
     if wlf is not None:
+        if len(wlf) != 2:
+            raise InputError("wlf", expected="two constants, C1 and C2", got=checks.shown(wlf))
         return by_wlf(*wlf, *kelvin)
     return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
 

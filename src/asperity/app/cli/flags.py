@@ -101,7 +101,37 @@ def given(
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
     if surface is not None:
         sections.setdefault("surface", {})["path"] = str(surface)
-    return sections | ({"protocol": {"legs": legs_from_words(leg)}} if leg else {})
+    if leg:
+        legs = legs_from_words(leg)
+        sections["protocol"] = {"legs": legs}
+        for each in legs if units else ():
+            _check_leg(each)
+    return sections
+
+
+def _check_leg(leg: Mapping[str, Any]) -> None:
+    """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
+    from asperity.base.parameters import parameters_of
+    from asperity.protocols import KINDS
+
+    for inner in leg.get("legs", ()):
+        _check_leg(inner)
+    parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
+    for name in filter(parameters.__contains__, leg):
+        if unit := parameters[name].quantity.unit:
+            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit)
+
+
+def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
+    """The file of a run, if the material is one; else flags must name a scan, and a table becomes a key."""
+    if material is not None and material.suffix == ".toml":
+        return material
+    if "path" not in flags.get("surface", {}):
+        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
+    solid = flags.setdefault("solid", {})
+    solid |= {} if material is None else {"relaxation": str(material)}
+    solid.setdefault("kind", "half_space")
+    return None
 
 
 def flag(name: str) -> str:
@@ -120,7 +150,7 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         yield
     except InputError as error:
         # What stands in parentheses is Python.
-        advice = re.sub(rf"\(.*\)|\b({'|'.join(flags)})=(?=\S)", named, error.advice)
+        advice = re.sub(rf"\(.*\)|\b({'|'.join(map(re.escape, flags))})=(?=\S)", named, error.advice)
         name = flags.get(error.name, error.name)
         raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
 
@@ -204,11 +234,11 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
-    from asperity.app.config.creep import FORMULAS
+    from asperity.app.config.creep import FORMULAS, OF_LAWS
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
     from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
-    from asperity.app.config.solids import PREDICTED, HalfSpace
+    from asperity.app.config.solids import OF_TABLES, HalfSpace
     from asperity.app.config.surfaces import MeasuredSurface
     from asperity.solids.arguments import POISSON
 
@@ -217,8 +247,6 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--poisson": "Poisson's ratio, which does not relax; without a table, two numbers for two bodies. "
         f"[default: {POISSON}]",
         "--creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure.",
-        "--temperature": "Temperature of the contact, such as 40degC: for activated creep, or to shift a "
-        "relaxation table from --reference.",
         "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",
         "--pressure": "Load over nominal area, such as 1MPa.",
         "--load": "Normal load, such as 10N, in place of the pressure.",
@@ -227,9 +255,11 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         "--blur": "Full width at half maximum of its point spread function, such as 0.3um.",
         "--threshold": "Fraction of contact above which such a pixel counts as contact. [default: 0.5]",
     }
+    of_solid = {*OF_LAWS["creep"], *OF_TABLES.values()}
+    of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
     for section, model, names in (
         ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path", "unit"}),
-        ("solid", HalfSpace, PREDICTED),
+        ("solid", HalfSpace, of_solid),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
         ("friction", Friction, {"shear_strength"}),

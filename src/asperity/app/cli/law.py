@@ -9,7 +9,18 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, Switch, Whole, check_unit, flag, flags_for, given, in_flags
+from asperity.app.cli.flags import (
+    Flags,
+    Folder,
+    Switch,
+    Whole,
+    check_unit,
+    file_of_run,
+    flag,
+    flags_for,
+    given,
+    in_flags,
+)
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
 from asperity.errors import InputError
@@ -72,21 +83,14 @@ def law(
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
-    solid, config = flags.setdefault("solid", {}), None
-    if material is not None and material.suffix == ".toml":
-        config = material
-    elif surface is None:
-        raise InputError("--surface", expected="the file of a scan", got="none", advice="--surface scan.opd")
-    else:
-        solid |= {} if material is None else {"relaxation": str(material)}
-        solid.setdefault("kind", "half_space")
+    file = file_of_run(material, flags)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     if times is not None:
         flags["aging"] = {"times": times}
     from asperity.app.config.reading import read_config, to_toml
 
-    settings = read_config(config, flags)
+    settings = read_config(file, flags)
     if write:
         from asperity.analysis.law_words import place_of
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
 from asperity.app.config.reading import to_toml
-from asperity.app.runs.words import outside
+from asperity.base.calls import remark, remarks_made
 from asperity.base.files import Standing
 from asperity.base.tables import with_unit
 from asperity.figures import (
@@ -42,7 +42,10 @@ def write_run(outcome: Outcome, folder: Path) -> list[str]:
     _write_table(outcome, folder / "aging.csv")
     if "patches" in outcome.dataset:
         _write_patches(outcome.dataset, folder / "patches.csv")
-    return _write_figures(outcome, folder)
+    with remarks_made() as remarks:
+        if outcome.config.output.figures:
+            _write_figures(outcome, folder)
+    return remarks
 
 
 def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> list[str]:
@@ -62,12 +65,9 @@ def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = Tru
         write_one(figure, part)
 
 
-def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
+def _write_figures(outcome: Outcome, folder: Path) -> None:
     """Draw; a figure that fails gives a remark, and the numbers are written."""
     summary, measured = outcome.summary, outcome.config.output.measured
-    if not outcome.config.output.figures:
-        return []
-    remarks = [] if measured is None else outside(measured, outcome.dataset)
     drawings: dict[str, Callable[[], Figure]] = {}
     if summary is None:
         drawings["history"] = lambda: history_figure(outcome.dataset, measured)
@@ -81,7 +81,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
         shown = outcome.dataset
         if maps > _MOST_MAPS:
             shown = shown.isel(field_time=[n * (maps - 1) // (_MOST_MAPS - 1) for n in range(_MOST_MAPS)])
-            remarks.append(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
+            remark(f"contacts shows {_MOST_MAPS} of {maps} maps; history.zarr holds all")
         drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
     if maps > 1:
         drawings["patches"] = lambda: patch_figure(outcome.dataset)
@@ -89,8 +89,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> list[str]:
         try:
             write(draw(), folder / name, outcome.config.output.figures)
         except (ValueError, ArithmeticError, RuntimeError) as error:
-            remarks.append(f"the figure {name!r} could not be drawn: {error}")
-    return remarks
+            remark(f"the figure {name!r} could not be drawn: {error}")
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:

@@ -3,47 +3,41 @@
 from __future__ import annotations
 
 import functools
+import re
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import Flags, Folder, Switch, Whole, flags_for, given
+from asperity.app.cli.flags import (
+    Flags,
+    Folder,
+    Switch,
+    check_unit,
+    file_of_run,
+    flag,
+    flags_for,
+    given,
+    in_flags,
+)
 from asperity.app.cli.new_files import check_free
-from asperity.app.cli.options import Results, flags_of_fields
+from asperity.app.cli.options import Results
+from asperity.errors import ConfigError, InputError
+
+if TYPE_CHECKING:
+    from asperity.app.config import RunConfig
 
 __all__ = ["flags_for", "predict"]  # the annotation that `command` writes names flags_for
 
 _CHECKPOINT_EVERY = 3.0
+_ARGUMENTS = ("surface", "ramp", "load", "pressure", "first", "last", "per_decade", "extrapolate", "hardness")
+"""Arguments of the library that are flags of the same name."""
 
 
-@flags_of_fields
-class PredictFlags:
-    """How a relaxation table is fitted, and for which temperature.
-
-    Parameters
-    ----------
-    branches
-        Number of free relaxation times in the fit of the table. [default: the fewest whose misfit looks like
-        noise, five at most; else 1 or 2 per decade]
-    reference
-        Temperature of the table, such as 20degC.
-    activation_energy
-        Activation energy of the relaxation times (Arrhenius), such as 100kJ/mol.
-    wlf
-        In its place C1 and C2 of Williams, Landel and Ferry, for the decimal logarithm; C2 in K.
-    """
-
-    branches: Whole | None = None
-    reference: Annotated[str | None, Parameter(metavar="QUANTITY", allow_leading_hyphen=True)] = None
-    activation_energy: Annotated[str | None, Parameter(metavar="QUANTITY")] = None
-    wlf: Annotated[tuple[float, float] | None, Parameter(negative=())] = None
-
-
-_PREDICT, _RESULTS = PredictFlags(), Results()
+_RESULTS = Results()
 
 
 @command("prediction")
@@ -55,7 +49,6 @@ def predict(
     ramp: Annotated[str | None, Parameter(metavar="QUANTITY")] = None,
     leg: Annotated[list[str] | None, Parameter(negative=(), show_default=False)] = None,
     resolution_study: Switch = False,
-    wanted: PredictFlags = _PREDICT,
     out: Folder = Path("prediction"),
     results: Results = _RESULTS,
     keys: Flags | None = None,
@@ -87,26 +80,50 @@ def predict(
         Predict also without the shortest waves of the scan, to see what a finer scan would change.
     """
     flags = given(keys, surface=surface, leg=leg, units=True)
+    if ramp is not None:
+        check_unit("--ramp", ramp, "s")
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.app.cli.prediction_flags import prediction_asked
-
-    asked, compute, output = prediction_asked(material, flags, vars(wanted), ramp)
-    if output.measured is not None:
-        from asperity.fits.measurements import measured_area
-
-        measured_area(output.measured, si=True)
+    settings = _settings(material, flags)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
+    from asperity.app.config.mistakes import flag_of
+    from asperity.app.predict import predict_config
     from asperity.app.predict.folder import write_files
     from asperity.app.predict.words import report
+    from asperity.base.units import quantity
 
-    compute_into(
-        "prediction",
-        out,
-        f"{asked}{resolution_study}",
-        functools.partial(compute, resolution_study=resolution_study),
-        report=report,
-        write=functools.partial(write_files, output=output, command=shlex.join(["asperity", *sys.argv[1:]])),
-        every=_CHECKPOINT_EVERY,
-        results=results,
-        replaceable=replaceable,
-    )
+    loading = None if ramp is None else quantity(ramp, "s", "--ramp")
+    named = {f"[{section}] {key}": flag_of(section, key) for section, keys in flags.items() for key in keys}
+    named |= {name: flag(name) for name in _ARGUMENTS} | ({"protocol": "--leg"} if leg else {})
+    typed = shlex.join(["asperity", *sys.argv[1:]])
+    with in_flags(named):
+        compute_into(
+            "prediction",
+            out,
+            f"{settings!r}{loading}{resolution_study}",
+            functools.partial(predict_config, settings, ramp=loading, resolution_study=resolution_study),
+            report=report,
+            write=functools.partial(write_files, output=settings.output, command=typed),
+            every=_CHECKPOINT_EVERY,
+            results=results,
+            replaceable=replaceable,
+        )
+
+
+def _settings(material: Path | None, flags: dict[str, dict[str, object]]) -> RunConfig:
+    """The configuration: that of a file of a run, or of a table, or of flags alone."""
+    from asperity.app.config.reading import read_config
+
+    if material is None or material.suffix != ".toml":
+        contact, legs = flags.get("contact", {}), cast(list[Any], flags.get("protocol", {}).get("legs", []))
+        if len(contact) != 1 and (contact or not legs or legs[0]["kind"] != "ramp"):
+            got = "both" if contact else "neither"
+            raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
+        if material is None and "young" not in flags.get("solid", {}):
+            expected = "a relaxation table, a TOML file, or --young"
+            raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
+    try:
+        return read_config(file_of_run(material, flags), flags)
+    except ConfigError as error:  # the table is no flag here
+        foreign = re.compile("^--relaxation: (?!expected)|; try adhesion.*")
+        lines = (foreign.sub("", line).replace("--relaxation", "material") for line in error.problems)
+        raise ConfigError(list(lines)) from None

@@ -30,6 +30,7 @@ _FLAGS = {
     ("solid", "base_branches"): "base-branch",
     ("solid", "per_decade"): "branches-per-decade",
     ("solid", "table_kind"): "kind",
+    ("solid", "free_branches"): "branches",
 }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, cast
 
 from pydantic import Field, PrivateAttr, model_validator
 
@@ -32,6 +32,7 @@ from asperity.app.config.sections import (
     Work,
     any_of,
     field_of,
+    listed,
     made,
     union_of,
     usual,
@@ -52,6 +53,8 @@ KINDS: Mapping[str, Mapping[str, type[Section]]] = {"surface": SURFACES, "solid"
 
 
 if TYPE_CHECKING:
+    from asperity.carried import Carried as CarriedQuantities
+
     AnySurface = SurfaceSection
     AnySolid = SolidSection
     AnyLeg: TypeAlias = "LegSection"
@@ -210,21 +213,6 @@ class Carried(Section):
             raise ValueError(f"{name}: expected {other} beside it, got none")
         return self
 
-    def asked(self, poisson: float | list[float] | None) -> dict[str, Any] | None:
-        """Arguments of `asperity.Carried` with these Poisson's ratios; None if nothing is to be recorded."""
-        facts = self.model_dump(exclude_defaults=True)
-        if not facts:
-            return None
-        for name in {"resistivity", "conductivity"} & facts.keys():
-            first, *others = facts[name]
-            facts[name] = (first, *others) if others else first
-        if "friction_coefficient" in facts:
-            facts["friction"] = facts.pop("friction_coefficient")
-        ratios = {*(poisson if isinstance(poisson, list) else [poisson])} - {None}
-        if facts.pop("stiffness", False) and len(ratios) == 1:
-            facts["poisson"] = ratios.pop()
-        return facts
-
 
 class Output(Section):
     """Maps, figures, and an instrument."""
@@ -345,9 +333,20 @@ class RunConfig(Section):
         return self.aging.first or first, self.aging.last or last
 
     @property
-    def carries(self) -> dict[str, Any] | None:
-        """Arguments of `asperity.Carried`; None if nothing is to be recorded."""
-        return self.carried.asked(getattr(self.solid, "poisson", None))
+    def carries(self) -> CarriedQuantities | None:
+        """What to record besides load and area, if anything."""
+        if not (facts := self.carried.model_dump(exclude_defaults=True)):
+            return None
+        from asperity.carried import Carried  # which brings the solvers
+
+        for name in {"resistivity", "conductivity"} & facts.keys():
+            facts[name] = tuple(facts[name]) if len(facts[name]) > 1 else facts[name][0]
+        if "friction_coefficient" in facts:
+            facts["friction"] = facts.pop("friction_coefficient")
+        ratios = {*cast(list[float], listed(getattr(self.solid, "poisson", None)) or [])}
+        if facts.pop("stiffness", False) and len(ratios) == 1:
+            facts["poisson"] = ratios.pop()
+        return Carried(**facts)
 
     @property
     def end(self) -> float:

@@ -33,9 +33,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if config.protocol:
         arguments["protocol"] = list(config.legs)
     arguments |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
+    arguments["carried"] = config.carries
     arguments = {name: value for name, value in arguments.items() if value not in (None, [])}
-    if config.carries is not None:
-        arguments["carried"] = Carried(**config.carries)
     spread = config.aging.times is None and not config.protocol
     lines = [
         f"# Asperity {__version__}",

@@ -6,7 +6,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -17,8 +17,6 @@ from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
 from asperity.errors import ConfigError, InputError
-
-_Model = TypeVar("_Model", bound=BaseModel)
 
 _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
     ("contact", ({"load"}, {"pressure"}, {"separation"})),
@@ -54,15 +52,11 @@ def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> R
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
     """Check the preparation of a surface file; `ConfigError` with one line for each mistake."""
-    return section_from("surface", MeasuredSurface, {"path": str(path), **flags})
-
-
-def section_from(section: str, model: type[_Model], flags: dict[str, object]) -> _Model:
-    """Check one section that came as flags; `ConfigError` with one line for each mistake."""
     try:
-        return model.model_validate(flags)
+        section: MeasuredSurface = MeasuredSurface.model_validate({"path": str(path), **flags})
     except ValidationError as error:
-        raise ConfigError(spelled(error.errors(), {section: flags}, None, section)) from None
+        raise ConfigError(spelled(error.errors(), {"surface": flags}, None, "surface")) from None
+    return section
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:

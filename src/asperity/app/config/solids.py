@@ -10,13 +10,14 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, cast, get_args
 
-from pydantic import BeforeValidator, Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from asperity.app.config.creep import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, marked
 from asperity.app.config.sections import (
     Duration,
-    OneOrTwo,
+    InUnit,
     Section,
+    Temperature,
     any_of,
     arguments_of,
     field_of,
@@ -30,7 +31,7 @@ from asperity.app.config.sections import (
 from asperity.base.files import expanded
 from asperity.base.parameters import Law, parameters_of
 from asperity.creep import Eyring
-from asperity.errors import InputError
+from asperity.errors import LARGEST, InputError
 from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
 
@@ -55,7 +56,7 @@ def _as_words(value: object) -> object:
 
 
 class OfTable(Section):
-    """Keys about a relaxation table that gives the branches of a solid."""
+    """Keys about the data of the branches of a solid, which a relaxation table may give."""
 
     relaxation: str | None = usual(
         None,
@@ -89,24 +90,36 @@ class OfTable(Section):
         "Assumption beyond the times of the data. plateau: the modulus keeps the last value of the table. "
         "model: the branches continue. By default other times are refused.",
     )
+    free_branches: Annotated[int, Field(ge=1)] | None = usual(
+        None,
+        "Number of free relaxation times in the fit of the table. By default the fewest whose misfit looks "
+        "like noise, five at most; else 1 or 2 per decade.",
+    )
+    temperature: Temperature | None = usual(
+        None,
+        "Temperature of the contact, such as 40degC: for activated creep, or to shift a relaxation table "
+        "from its own.",
+    )
+    reference: Temperature | None = usual(None, "Temperature of the table, such as 20degC.")
+    activation_energy: Annotated[float, Field(gt=0, le=LARGEST), InUnit("J/mol")] | None = usual(
+        None, "Activation energy of the relaxation times (Arrhenius), such as 100kJ/mol."
+    )
+    wlf: list[float] | None = usual(
+        None,
+        "In its place C1 and C2 of Williams, Landel and Ferry, for the decimal logarithm; C2 in K.",
+    )
+    data_first: Duration | None = usual(
+        None, "First time of the data of the branches; earlier times need extrapolate = model."
+    )
+    data_last: Duration | None = usual(
+        None, "Last time of the data of the branches; later times need extrapolate = model."
+    )
 
 
-OF_TABLES = {"kind": "table_kind", "modulus": "table_modulus"} | {
-    name: name for name in ("columns", "units", "noise", "per_decade", "extrapolate")
-}
+_RENAMED = {"kind": "table_kind", "modulus": "table_modulus", "branches": "free_branches"}
+_OTHERS = {*_RENAMED.values(), "relaxation", "data_first", "data_last"}
+OF_TABLES = _RENAMED | {name: name for name in OfTable.model_fields if name not in _OTHERS}
 """Keys about a relaxation table, by the arguments of `asperity.relaxation.material`."""
-
-PREDICTED = {
-    *OF_LAWS["creep"],
-    *OF_TABLES.values(),
-    "young",
-    "poisson",
-    "branches",
-    "creep",
-    "permanent",
-    "hardness",
-}
-"""Keys of a half-space that a prediction takes as flags."""
 
 
 class SolidSection(Section):
@@ -157,6 +170,8 @@ class SolidSection(Section):
         for kind, kinds in KEYS_OF_LAWS.items():
             law = getattr(self, kind, None)
             stated = {name for name in OF_LAWS[kind] if getattr(self, name, None) is not None}
+            if law is None and getattr(self, "relaxation", None) is not None:
+                stated.discard("temperature")  # that of the table
             named = marked(stated) or "none"
             ways = [way for way in kinds.get(law or "", []) if way <= keys.keys()]
             if law is None and stated:
@@ -197,9 +212,10 @@ class Continuum(SolidSection):
         young: list[float] | float | None
         poisson: list[float] | float | None
         branches: list[tuple[float, float]]
-        table_modulus: TableModulus | None
-        per_decade: float | None
+        relaxation: str | None
         extrapolate: Beyond | None
+        data_first: float | None
+        data_last: float | None
 
     @model_validator(mode="before")
     @classmethod
@@ -215,38 +231,45 @@ class Continuum(SolidSection):
         return keys
 
     def check(self) -> None:
-        """Refuse branches and a table, or keys of a table without one, with `ValueError`."""
+        """Refuse branches and a table, and keys of a table or of branches without, with `ValueError`."""
+        if self.table is not None:
+            for key in ("branches", "creep"):
+                if getattr(self, key, None):
+                    expected = "none beside a relaxation table, which is that of a linear solid"
+                    raise ValueError(f"{key}: expected {expected}, got both; try `young` in its place")
         super().check()
-        if "relaxation" not in type(self).model_fields:
-            return
+        for key in ("draws", "data_first", "data_last"):
+            if getattr(self, key, None) is not None and not self.branches:
+                names = ("relaxation", "flow", "creep")
+                others = (name for name in names if getattr(self, name, None) is not None)
+                raise ValueError(f"{key}: expected branches beside it, got {next(others, 'none')}")
         if self.table is None:
             if self.modulus is None and self.young is None:
                 expected = "modulus, young and poisson, or relaxation and poisson"
                 raise ValueError(f"expected {expected}, got none; try `young`")
             of_branches = self.extrapolate == "model"
-            if of_branches and getattr(self, "data_last", None) is None:
+            if of_branches and self.data_last is None:
                 raise ValueError("extrapolate: expected data_last beside model, got none")
-            others = [key for key in OF_TABLES.values() if getattr(self, key) is not None and not of_branches]
-            if others:
-                of_data = others == ["extrapolate"] and getattr(self, "data_last", None) is not None
+            lacking = [key for key in OF_TABLES.values() if getattr(self, key) is not None]
+            if getattr(self, "creep", None) is not None:
+                lacking = [key for key in lacking if key != "temperature"]
+            if lacking and not of_branches:
+                of_data = lacking == ["extrapolate"] and self.data_last is not None
                 advice = '; try extrapolate = "model" (--extrapolate model)' if of_data else ""
-                raise ValueError(f"{others[0]}: expected relaxation beside it, got none{advice}")
+                raise ValueError(f"{lacking[0]}: expected relaxation beside it, got none{advice}")
             return
-        if self.branches:
-            raise ValueError("expected branches or relaxation, got both")
         if len(listed(self.young) or []) > 1:  # type: ignore[arg-type]
             raise ValueError("relaxation: expected one body beside it, got two; try asperity.relaxation")
         try:
             _ = self.of_table
         except InputError as error:
-            asked = error.name if error.name in OF_TABLES.values() else "relaxation"
-            raise ValueError(f"{asked}: {error}") from None
+            of = (OF_TABLES | {"modulus": "modulus"}).get(error.name, f"relaxation: {error.name}")
+            raise ValueError(sentence(error.about(of))) from None
 
     @property
     def table(self) -> Path | None:
         """The file of the relaxation, if there is one."""
-        path = getattr(self, "relaxation", None)
-        return None if path is None else expanded(path)
+        return None if self.relaxation is None else expanded(self.relaxation)
 
     @property
     def of_table(self) -> Material | None:
@@ -278,8 +301,11 @@ class Continuum(SolidSection):
         facts: dict[str, Any] = {"branches": list(material.fit.series.branches)}
         if self.modulus is not None or self.young is not None:
             return facts
-        contact, ratio = cast(float, material.solid.modulus), self._of_one_body["poisson"]
-        return facts | ({"modulus": contact} if ratio is None else {"young": contact * (1 - ratio**2)})
+        modulus, ratio = material.fit.series.modulus, self._of_one_body["poisson"]
+        if ratio is None:
+            return facts | {"modulus": modulus}
+        factors = {"shear": 2 * (1 + ratio), "contact": 1 - ratio**2}
+        return facts | {"young": modulus * factors.get(str(material.facts["measured"]), 1)}
 
     @property
     def given(self) -> dict[str, Any]:
@@ -287,20 +313,27 @@ class Continuum(SolidSection):
         return super().given | self._of_table
 
     @property
+    def of_data(self) -> tuple[float, float] | None:
+        """First and last time of the data that gave the branches."""
+        return None if self.data_last is None else (self.data_first or 0.0, self.data_last)
+
+    @property
     def assumed(self) -> str:
-        """Assumption beyond the table."""
+        """Assumption beyond the table, or beyond the data of the branches."""
+        if self.of_data is not None and self.extrapolate == "model":
+            return "beyond the data, {:g} to {:g} s, the branches are assumed to go on".format(*self.of_data)
         return "" if self.fit is None else self.fit.assumed
 
     @property
     def maxwell(self) -> list[tuple[float, float]]:
         """Shares and relaxation times of all branches."""
-        return cast(
-            list[tuple[float, float]], self._of_table.get("branches") or getattr(self, "branches", [])
-        )
+        return cast(list[tuple[float, float]], self._of_table.get("branches", self.branches))
 
     @property
     def span(self) -> tuple[float, float]:
-        """From a tenth of the shortest relaxation time to ten times the longest; of a table, its times."""
+        """The times of the data; else a tenth of the shortest relaxation time and ten times the longest."""
+        if self.of_data and self.of_data[0]:
+            return self.of_data
         if self.fit is not None:
             return self.fit.data.span
         times = [time for _, time in (*self.maxwell, *getattr(self, "base_branches", []))]
@@ -308,15 +341,17 @@ class Continuum(SolidSection):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """First and last time of a table, or assumed beyond it; None without."""
-        return None if (fit := self.fit) is None else fit.series.span
+        """First and last time of the data of table or branches, or assumed beyond them; None without."""
+        if self.fit is not None:
+            return self.fit.series.span
+        return None if self.extrapolate == "model" else self.of_data
 
     def resolved(self) -> Self:
         """The same solid with the branches and the modulus that a table gives."""
         if self.table is None:
             return self
         facts = self.model_dump(exclude_none=True, exclude=set(OfTable.model_fields))
-        if "data_last" in type(self).model_fields and math.isfinite((span := cast(Any, self.known))[1]):
+        if math.isfinite((span := cast(Any, self.known))[1]):
             facts |= dict(zip(("data_first", "data_last"), span, strict=True))
         return type(self).model_validate(facts | self._of_table)
 
@@ -330,10 +365,9 @@ def _section_of(kind: str) -> type[SolidSection]:
         keys |= KEYS[law]
     if "modulus" in keys:  # activation gives a stress in Pa
         keys |= {name: field_of(one) for name, one in ACTIVATED.items() if "creep" in keys}
-    if keys.keys() >= {"modulus", "young", "poisson"}:  # a table gives the modulus, or the branches too
+    if keys.keys() >= {"young", "branches"}:  # which a table gives
         base = Continuum
-        if "branches" in keys:
-            keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
+        keys |= {name: (field.annotation, field) for name, field in OfTable.model_fields.items()}
     return made(f"{kind.title().replace('_', '')}Solid", __name__, base, kind, keys)
 
 
@@ -350,43 +384,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
         "of a prediction.",
     )
 
-    data_first: Duration | None = usual(
-        None, "First time of the data of the branches; earlier times need extrapolate = model."
-    )
-    data_last: Duration | None = usual(
-        None, "Last time of the data of the branches; later times need extrapolate = model."
-    )
-
-    def check(self) -> None:
-        """Refuse draws, or times of data, without branches, with `ValueError`."""
-        super().check()
-        for key in ("draws", "data_first", "data_last"):
-            if getattr(self, key) is not None and not self.branches:
-                others = (name for name in ("relaxation", "flow", "creep") if getattr(self, name) is not None)
-                raise ValueError(f"{key}: expected branches beside it, got {next(others, 'none')}")
-
-    @property
-    def of_data(self) -> tuple[float, float] | None:
-        """First and last time of the data that gave the branches."""
-        return None if self.data_last is None else (self.data_first or 0.0, self.data_last)
-
-    @property
-    def known(self) -> tuple[float, float] | None:
-        """First and last time of the data of table or branches, or assumed beyond them."""
-        return super().known if self.extrapolate == "model" else self.of_data or super().known
-
-    @property
-    def assumed(self) -> str:
-        """See `Continuum`."""
-        if self.extrapolate != "model" or self.of_data is None:
-            return str(super().assumed)
-        return "beyond the data, {:g} to {:g} s, the branches are assumed to go on".format(*self.of_data)
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """See `Continuum`."""
-        return self.of_data if self.of_data and self.of_data[0] else super().span
-
     @property
     def material(self) -> Material:
         """The material of a prediction."""
@@ -401,21 +398,6 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
 SOLIDS: dict[str, type[SolidSection]] = {
     kind: HalfSpace if kind == "half_space" else _section_of(kind) for kind in KINDS
 }
-
-
-_BESIDE: dict[str, Any] = {
-    name: (field.annotation, field)
-    for name, field in HalfSpace.model_fields.items()
-    if name in (*OF_TABLES.values(), "hardness", "temperature")
-}
-BesideTable = create_model(
-    "BesideTable",
-    __base__=Section,
-    poisson=(Annotated[OneOrTwo[float], Field(max_length=1)] | None, None),
-    modulus=(TableModulus | None, None),
-    **_BESIDE,
-)
-"""Keys of a half-space that a prediction takes beside a relaxation table."""
 
 
 @functools.lru_cache(maxsize=8)

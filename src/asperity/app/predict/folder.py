@@ -10,7 +10,7 @@ import pandas as pd
 
 from asperity.analysis.prediction import Prediction
 from asperity.app.config.models import Output
-from asperity.app.runs.words import outside
+from asperity.base.calls import remarks_made
 from asperity.base.words import tables_to_toml
 from asperity.figures import write
 from asperity.figures.page import prediction_page, prediction_pictures
@@ -20,9 +20,9 @@ from asperity.results.quantities import PREDICT, areas_first, select
 
 def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> list[str]:
     """Write all but history and summary to a folder, with the command on the page; return more remarks."""
-    remarks = [] if output.measured is None else outside(output.measured, prediction.dataset)
+    with remarks_made() as remarks:
+        pictures = prediction_pictures(prediction, measured=output.measured)
     prediction = replace(prediction, remarks=(*prediction.remarks, *remarks))
-    pictures = prediction_pictures(prediction, measured=output.measured)
     page = prediction_page(prediction, pictures, command=command)
     (folder / "prediction.html").write_text(page, encoding="utf-8")
     dataset = prediction.dataset

@@ -17,7 +17,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.app.config import RunConfig
 from asperity.app.config.models import Contact as ContactSection
 from asperity.app.config.solids import HalfSpace
-from asperity.app.runs.pipeline import carried_by, check_units, completed, recorded_times, unused
+from asperity.app.runs.pipeline import check_units, completed, recorded_times, unused
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress
@@ -62,6 +62,7 @@ def predict_config(
         config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
     progress.stage("reading the scan")
     scan, material = surface.build(), section.material
+    scan.in_meters()
     check_units(config, material.solid, scan)
     idle = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
     not_used = unused(config, "a prediction", idle)
@@ -79,7 +80,7 @@ def predict_config(
         legs=legs,
         ramp=loading,
         strength=config.friction.shear_strength,
-        carried=carried_by(config),
+        carried=config.carries,
         instrument=config.output.instrument,
         study=resolution_study,
         progress=progress,

@@ -7,7 +7,7 @@ from typing import Any
 from asperity.analysis import law
 from asperity.app.config import RunConfig
 from asperity.app.config.models import Aging, Contact, Friction, Output
-from asperity.app.runs.pipeline import Outcome, carried_by, check_units, completed, unused
+from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
 from asperity.errors import InputError
 from asperity.progress import Progress
 
@@ -40,7 +40,7 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
     carried = config.carried.model_copy(update={"stiffness": True} if solid.half_space else {})
     config = config.model_copy(update={"surface": surface, "carried": carried})
     times, rtol = config.aging.times, config.aging.rtol
-    dataset = law(solid, scan, times=times, carried=carried_by(config), rtol=rtol, progress=progress, **asked)
+    dataset = law(solid, scan, times=times, carried=config.carries, rtol=rtol, progress=progress, **asked)
     pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
     used, remarks = completed(config.model_copy(update={"contact": pressed}), solid, scan)
     update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}

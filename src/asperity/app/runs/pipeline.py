@@ -22,7 +22,7 @@ from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
-from asperity.carried import Carried, check_half_space
+from asperity.carried import check_half_space
 from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.fits.measurements import measured_area
@@ -102,7 +102,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         fields_at=config.output.maps_at or (),
         progress=progress.reached,
         checkpoint=checkpoint,
-        carried=carried_by(config),
+        carried=config.carries,
     )
     dataset = _observed(history.dataset, config.output.instrument)
     remarks += remarks_on_contact(rough, solid, dataset)
@@ -271,11 +271,6 @@ def _map_times(config: RunConfig) -> list[float]:
     if not config.protocol:
         return list(map_times(recorded_times(config).tolist()))
     return map_moments(Schedule.of(config.written_out, np.empty(0)).switches)
-
-
-def carried_by(config: RunConfig) -> Carried | None:
-    """What to record besides load and area, if anything."""
-    return None if config.carries is None else Carried(**config.carries)
 
 
 def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:

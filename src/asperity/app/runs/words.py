@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from asperity.analysis.rows import Row, history_rows
@@ -12,7 +11,6 @@ from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
 from asperity.app.config.surfaces import SurfaceSection
 from asperity.app.runs.pipeline import Outcome
-from asperity.fits.measurements import measured_area
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
 
@@ -33,21 +31,6 @@ def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: s
         *history_rows(dataset, outcome.summary),
         Row("cost", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
         *(Row("remark", remark) for remark in outcome.remarks),
-    ]
-
-
-def outside(measured: str, dataset: xr.Dataset) -> list[str]:
-    """Remark on measured times before or after the computed ones, which have no ratio in the figure."""
-    si = bool(dataset.attrs["si"])
-    times, computed = measured_area(measured, si=si).time, dataset["time"].values
-    computed = computed[computed > 0]
-    first, last = computed.min(initial=np.inf), computed.max(initial=0.0)
-    if not (count := int(((times < first) | (times > last)).sum())):
-        return []
-    span = " to ".join(written(float(time), "s" if si else "1") for time in (first, last))
-    return [
-        f"{count} of {times.size} measured times are outside the computed ones, {span}, and have no ratio "
-        "measured / computed; try other first and last (--first, --last)"
     ]
 
 
