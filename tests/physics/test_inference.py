@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from scipy.optimize import least_squares
 from scipy.stats import chisquare
 
 import asperity as asp
+from asperity.app.cli.reports.infer import inference_report
 from asperity.errors import CheckpointError, ConvergenceError, Remark
 from asperity.fits.result import student
 from asperity.inference import Prior, inferring, rivals, sampling
@@ -470,6 +472,16 @@ def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
     made = of_name("ball", T, T, priors=None, branches=1, absolute=True, quantity=quantity)
     found = made.curve(T, {name: np.array([value]) for name, value in BALL.items()})
     np.testing.assert_allclose(found[0], held_ball(quantity), rtol=1e-12)
+
+
+def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
+    how: dict[str, Any] = {"model": "ball", "quantity": "depth", **SMALL}
+    found = asp.infer([0.1, 1.0, 10.0, 100.0, 1000.0], [1.0, 1.1, 1.21, 1.35, 1.5], **how)
+    assert set(found.models["model"]) == {"1 relaxation time", "power", "logarithm"}
+    assert found.models["AICc"].isna().all()
+    assert any("too few for AICc" in remark for remark in found.remarks)
+    for _, words in inference_report(found, "held.csv"):
+        assert not re.search(r"\b(nan|inf)\b", words)
 
 
 @pytest.mark.slow

@@ -129,12 +129,16 @@ class Inference(views.Brief, views.Pictured):
 
     @property
     def models(self) -> pd.DataFrame:
-        """Models side by side: AICc less the least, misfit of held-out points, growth beyond the last one."""
+        """Models side by side: AICc less the least, misfit of held-out points, growth beyond the last one.
+
+        NaN where the points are too few.
+        """
         last = self.time[-1] * np.array([1.0, 10.0, 1000.0])
         rows = []
         for rival in self.rivals:
             now, *later = rival.band(last)[1]
-            rows.append((rival.name, rival.aicc, rival.missed, *(at / now for at in later)))
+            score = rival.aicc if math.isfinite(rival.aicc) else math.nan
+            rows.append((rival.name, score, rival.missed, *(at / now for at in later)))
         names = ["model", "AICc", "held-out points (errors)", "at 10 x last time", "at 1000 x last time"]
         return pd.DataFrame(rows, columns=names)
 
@@ -417,9 +421,13 @@ def _judged(rivals: list[Rival], stated: Model | None, *, informed: bool) -> tup
         )
     if first.aicc - best.aicc > ACCEPTED:
         advice = f"try the model {'relaxation' if best.times else best.name}"
+        if problem.model.name == "ball":
+            advice = "what lies beyond the data is open"
         remarks.append(f"{best.name} fits better, by {first.aicc - best.aicc:.3g} in AICc: {advice}")
     if not math.isfinite(first.missed):
         remarks.append(f"of {n} points three cannot be held out: no model was tested by prediction")
+    if not math.isfinite(best.aicc):
+        remarks.append(f"{n} points are too few for AICc: nothing chooses between the models")
     if not informed:
         scatter, rho = problem.scatter(first.at)
         # For few points Student's t widens the intervals.

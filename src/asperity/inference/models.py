@@ -131,7 +131,8 @@ def of_name(
     if quantity in OF_BALL:
         creep = {key: prior for key, prior in built.priors.items() if key not in _BODY}
         size = functools.partial(_of_ball, quantity=quantity)
-        built = replace(built, name="ball", priors=_BALL | creep, size=size, power=OF_BALL[quantity])
+        named = built.name if name in CREEP[1:] else "ball"
+        built = replace(built, name=named, priors=_BALL | creep, size=size, power=OF_BALL[quantity])
     ranges = built.priors
     if not absolute:
         ranges = {

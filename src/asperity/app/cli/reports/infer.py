@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,7 +20,7 @@ def inference_report(inference: Inference, source: str) -> list[Row]:
         ("model", inference.model.name),
     ]
     cells = [
-        [str(row[0]), *(f"{value:.3g}" for value in row[1:])]
+        [str(row[0]), *("-" if math.isnan(value) else f"{value:.3g}" for value in row[1:])]
         for row in inference.models.itertuples(index=False)
     ]
     rows += table_row("models", [[*inference.models.columns], *cells])
