@@ -334,3 +334,17 @@ def test_a_number_without_a_unit_that_is_odd_in_si_gets_a_remark(asperity):
         status, _, error = asperity("run", *shlex.split(f"{rough} {layer} {line}"))
         assert status == 0
         assert remarks(error, "remark: ") == expected
+
+
+def test_a_file_may_stand_for_the_kind_of_surface(scan, tmp_path):
+    for name, flag in (("file", "--file"), ("kind", "--surface")):
+        words = [*UNITS, *SOLID, "--pressure", "1 MPa", *BRIEF, "--figures", ""]
+        assert main(["run", flag, str(scan), *words, "--out", str(tmp_path / name)]) == 0
+    assert (tmp_path / "kind/config.toml").read_text() == (tmp_path / "file/config.toml").read_text()
+
+
+@pytest.mark.parametrize("words", ["--rms-height 0.3nm", "--cutoff '8 nm'"])
+def test_a_length_of_a_spectral_surface_with_a_unit_names_the_key_of_units(asperity, words):
+    flag, number = words.split(maxsplit=1)
+    status, _, error = asperity("run", "--surface", "spectral", *shlex.split(words))
+    assert (status, "--unit nm" in error, flag in error, number[0] in error) == (2, True, True, True)

@@ -214,3 +214,9 @@ def test_what_cannot_be_fitted_is_named():
             "shapes none"
         ),
     )
+
+
+@pytest.mark.parametrize("area", [228.0, 0.1])
+def test_an_area_that_stays_has_no_growth_at_all(area):
+    rate = growth_rate([0.0, 0.001, 0.0018, 0.01, 3.0], np.full(5, area))
+    assert (rate.B, rate.B_stderr, rate.relative, rate.middle, rate.straight) == (0, 0, 0, area, None)

@@ -157,7 +157,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
         times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
         bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
         note = f" % of A(0) per decade, t = {times}{bends}"
-        interval = (low, high)
+        interval = (low, high) if low < high else None
         rows.append(Row("growth", decade * rate.B, "1", interval, note, digits=3, brief=True))
     if abs(summary.steepest_per_decade) > 0:
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = "

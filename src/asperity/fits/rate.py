@@ -114,9 +114,10 @@ def growth_rate(
         expected = f"at least 3 points at times above 0 from {low:g} to {high:g}"
         raise InputError("time", expected=expected, got=window.x.size, advice="a wider window")
     x, y, sigma = np.log(window.x), window.y, window.stderr
-    line = polynomial(x, y, sigma)
+    mean = float(y.mean())  # taken off, so that an area that stays has a slope of exactly 0
+    line = polynomial(x, y - mean, sigma)
     slope, slope_stderr = line.slope
-    relative, relative_stderr = polynomial(x, np.log(y), None if sigma is None else sigma / y).slope
+    relative, relative_stderr = polynomial(x, np.log(y / mean), None if sigma is None else sigma / y).slope
     return GrowthRate(
         B=slope / A0,
         B_stderr=math.hypot(slope_stderr, slope * A0_stderr / A0) / A0,
@@ -129,7 +130,7 @@ def growth_rate(
         initial_area_stderr=A0_stderr,
         first=float(window.x[0]),
         last=float(window.x[-1]),
-        middle=float(line.coefficients[0]),
+        middle=mean + float(line.coefficients[0]),
         rms_residual=rms(line.residual / y),
         **line.quality,
     )

@@ -99,6 +99,9 @@ def given(
             for pair in written if units and any(key.units) else ():
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
+    kind = str(sections.get("surface", {}).get("kind", ""))
+    if surface is None and Path(kind).suffix:  # --surface scan.opd, as of commands that take files only
+        sections["surface"]["kind"], surface = "file", Path(kind)
     if surface is not None:
         sections.setdefault("surface", {})["path"] = str(surface)
     if leg:

@@ -199,6 +199,10 @@ def _expectation(detail: ErrorDetails) -> str:
         line += f"; try {str(got).replace(',', '.')}"
         if len(detail["loc"]) > 2 and "protocol" not in detail["loc"]:  # within a list
             line += f", or {str(got).replace(',', ' ')} for two values"
+    elif (kind, detail["loc"][:2]) == ("float_type", ("surface", "spectral")) and (
+        length := re.fullmatch(r"(.*?) *([munp]?m)", str(got))
+    ):
+        line += f"; try {length[1]}, and unit = {length[2]!r} for all lengths (--unit {length[2]})"
     elif kind == "literal_error" and isinstance(got, str):
         line += _meant(got, re.findall(r"'(\w+)'", str(context.get("expected"))))
     return line
