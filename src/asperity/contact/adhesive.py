@@ -75,13 +75,14 @@ class Adhesive:
 
 def check_zone(bodies: Bodies) -> None:
     """Refuse pixels that do not resolve the zone of a front, by the instantaneous modulus."""
-    law = bodies.solid.adhesion
-    if law is not None and (most := _largest_pixel(bodies, 0.0)) < max(bodies.lattice.spacing):
+    if (pixels := _pixels(bodies, 0.0)) is not None:
+        most, got = pixels
         raise InputError(
             "adhesion",
-            expected=f"pixels of at most {most:.3g}: {TUNING.fewest_pixels} in a zone of pi E* w/(4 s0^2)",
-            got=f"{max(bodies.lattice.spacing):.3g}",
-            advice="a longer range, or contact.pull_off(work=...) of the contact without adhesion",
+            expected=f"pixels of at most {most}: {TUNING.fewest_pixels} in a zone of pi E* w/(4 s0^2)",
+            got=got,
+            advice="a longer range; or no adhesion of the solid, but a pull-off force of the contact: "
+            "contact.pull_off(work=...), --work-of-adhesion",
         )
 
 
@@ -90,18 +91,21 @@ def zone_remark(bodies: Bodies, time: float) -> str:
 
     Fronts that creep slowly feel the relaxed modulus.
     """
-    if bodies.solid.adhesion is None or (most := _largest_pixel(bodies, time)) >= max(bodies.lattice.spacing):
+    if (pixels := _pixels(bodies, time)) is None:
         return ""
+    most, got = pixels
     return (
-        f"as the modulus relaxes, the zone of a front shrinks: only pixels of at most {most:.3g} resolve it "
-        f"in the end; those of {max(bodies.lattice.spacing):.3g} may pin the front"
+        f"as the modulus relaxes, the zone of a front shrinks: only pixels of at most {most} resolve it "
+        f"in the end; those of {got} may pin the front"
     )
 
 
-def _largest_pixel(bodies: Bodies, time: float) -> float:
-    """The largest pixel in which the zone is resolved, by the modulus after a time."""
+def _pixels(bodies: Bodies, time: float) -> list[str] | None:
+    """The largest pixel that resolves the zone by the modulus after a time, and the pixel if it is larger."""
     solid = bodies.solid
-    assert solid.adhesion is not None
-    assert solid.modulus is not None
+    if solid.adhesion is None or solid.modulus is None:
+        return None
     relaxed = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
-    return solid.adhesion.zone(solid.modulus * relaxed) / TUNING.fewest_pixels
+    most = solid.adhesion.zone(solid.modulus * relaxed) / TUNING.fewest_pixels
+    pixel = max(bodies.lattice.spacing)
+    return [f"{size:.3g}{' m' * bodies.si}" for size in (most, pixel)] if most < pixel else None
