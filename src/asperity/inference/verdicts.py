@@ -85,7 +85,8 @@ class Verdict:
             sign, end = ("<", self.high) if self.verdict == "bounded above" else (">", self.low)
             return f"{self.parameter} {sign} {end:.3g}{unit}"
         low, median, high = distinguishable(self.low, self.median, self.high)
-        within = f" within a factor of {self.factor:.2g}" if self.verdict == "bounded" else ""
+        wide = self.verdict == "bounded" and math.isfinite(self.factor)
+        within = f" within a factor of {_plain(self.factor, 2)}" if wide else ""
         return f"{self.parameter} = {median} [{low}, {high}]{unit}{within}"
 
     @property
@@ -336,7 +337,12 @@ def distinguishable(*values: float) -> list[str]:
     """Write rising numbers with three digits or more, such that their difference has two."""
     size = max(abs(values[0]), abs(values[-1]))
     digits = 2 - math.floor(math.log10((values[-1] - values[0]) / size)) if values[-1] > values[0] else 3
-    return [f"{value:.{min(max(digits, 3), 8)}g}" for value in values]
+    return [_plain(value, min(max(digits, 3), 8)) for value in values]
+
+
+def _plain(value: float, digits: int) -> str:
+    """Write a number with so many digits, below 1e8 without an exponent: 1620."""
+    return f"{float(f'{value:.{digits}g}'):.8g}"
 
 
 def _spread(values: Floats) -> float:
