@@ -72,7 +72,8 @@ def test_what_dies_in_the_middle_ends_in_words_and_loses_nothing(done, tmp_path,
         with dask("worker", address):
             with Client(address) as client:
                 client.wait_for_workers(1, timeout=60)
-            running = start("sweep", path, "--out", out, "--quiet", "--scheduler", address, before=SHORT)
+            limits = SHORT if what == "workers" else ""  # else a late death would be a lack of workers first
+            running = start("sweep", path, "--out", out, "--quiet", "--scheduler", address, before=limits)
             wait_for_a_run(running, out)
             if what == "scheduler":
                 process.send_signal(signal.SIGKILL)

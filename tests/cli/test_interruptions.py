@@ -43,18 +43,22 @@ LISTEN = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler
 """Python ignores the signal if it was started with it ignored, as in a shell's background."""
 
 
-def stopped(running, stop, at):
-    """Send a signal to a process when it says this; give what it then says."""
-    assert running.stderr is not None
-    next(line for line in running.stderr if line.startswith(at))
-    running.send_signal(stop)
-    return running.communicate(timeout=60)
+def stopping(stop, at):
+    """Let a process send itself a signal when it says this, however slow its reader is."""
+    return f"""{LISTEN}import os, sys
+write = sys.stderr.write
+def said(text):
+    if text.startswith({at!r}):
+        os.kill(os.getpid(), {int(stop)})
+    return write(text)
+sys.stderr.write = said
+"""
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_run_that_is_stopped(tmp_path, stop):
-    running = process("run", "--shape", "400,400", "--out", tmp_path / "out", before=LISTEN)
-    out, error = stopped(running, stop, "  t = 0.001")
+    running = process("run", *SMALL, "--out", tmp_path / "out", before=stopping(stop, "  t = 0.001"))
+    out, error = running.communicate(timeout=60)
     assert (running.returncode, out) == (130, "")
     assert error.splitlines()[-1] == "asperity: interrupted; nothing was written"
     assert "Traceback" not in error
@@ -64,10 +68,10 @@ def test_a_run_that_is_stopped(tmp_path, stop):
 @pytest.mark.slow
 def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
     often = "import asperity.app.cli.run as command\ncommand._CHECKPOINT_EVERY = 0.0"
-    flags = ("--shape", "256,256", "--last", "1e6")  # long enough to be stopped on the way
+    flags = ("--shape", "64,64", "--last", "1e6")
     for stop, at in ((signal.SIGKILL, "  t = 1 "), (signal.SIGINT, "  t = 100")):
-        running = process("run", *flags, "--out", tmp_path / "out", before=LISTEN + often)
-        _, error = stopped(running, stop, at)
+        running = process("run", *flags, "--out", tmp_path / "out", before=stopping(stop, at) + often)
+        _, error = running.communicate(timeout=60)
         (place,) = (path for path in tmp_path.iterdir() if not path.name.startswith("."))
         assert place.name.startswith("out.")
         assert place.suffix == ".checkpoint"

@@ -62,7 +62,7 @@ def _compute(store: Store, identity: str, config: RunConfig, content: str) -> No
     try:
         outcome = execute(config, Progress(), checkpoint=place)
     except CheckpointError:  # it only saves time: without it the run begins anew
-        Path(place.path).unlink()
+        Path(place.path).unlink(missing_ok=True)
         outcome = execute(config, Progress(), checkpoint=place)
     read = json.loads(str(outcome.dataset.attrs["surface"])).get("sha256", "")
     if content and read != content:
