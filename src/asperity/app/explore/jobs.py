@@ -104,8 +104,10 @@ class Jobs:
             )
 
     def _stop_if_unwatched(self, job: Job) -> None:
-        if not job.watchers and job.recording.end is None and job.task is not None:
-            self._jobs.pop(job.recording.job, None)
+        # Where several pages left a run, it may be stopped, and another of its name have begun.
+        current = self._jobs.get(job.recording.job) is job
+        if current and not job.watchers and job.recording.end is None and job.task is not None:
+            del self._jobs[job.recording.job]
             job.task.cancel()
 
     async def _follow(self, job: Job, asked: bytes) -> None:
