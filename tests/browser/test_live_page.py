@@ -188,7 +188,7 @@ def test_what_is_copied_gives_the_same_numbers(live, tmp_path):
     exec(compile(text, "copied", "exec"), names)
     assert names["history"].dataset["area"].values.tolist() == areas
     page.click('[data-copy="link"]')
-    page.wait_for_timeout(100)
+    until(page, "navigator.clipboard.readText().then((text) => text.startsWith('http'))")
     address = page.evaluate("navigator.clipboard.readText()")
     other = page.context.new_page()
     other.goto(address)
@@ -230,10 +230,15 @@ def test_a_long_run_can_be_stopped(live):
 
 def test_a_lost_connection_is_said_and_mended(live, tab):
     page = live()
-    page.evaluate("app.socket.close()")
-    until(page, "!asperity.state.connected")
-    assert "lost" in page.locator("#connection").text_content()
-    until(page, "asperity.state.connected")
+    page.evaluate("""() => {
+      window.heard = [];
+      const place = document.querySelector("#connection");
+      const hear = () => heard.push([asperity.state.connected, place.textContent]);
+      new MutationObserver(hear).observe(place, {childList: true});
+      app.socket.close(); }""")
+    until(page, "heard.length > 1 && asperity.state.connected")
+    (connected, told), *_ = page.evaluate("heard")
+    assert (connected, "lost" in told) == (False, True)
     assert page.locator("#connection").text_content() == ""
     page.fill("[id='surface.seed']", "9")
     again(page, lambda: page.click("#press"))

@@ -6,11 +6,11 @@ import asyncio
 import math
 import os
 import shutil
-import signal
 import socket
 import time as clock
 from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -47,10 +47,13 @@ MANY = {"aging": {"first": 1e-3, "last": 1e6, "per_decade": 100}}
 """Times enough to do something meanwhile."""
 
 
-def workers(server: Server) -> list[psutil.Process]:
-    """Processes of a server that compute."""
-    children = psutil.Process(server.process.pid).children()
-    return [one for one in children if "explore.work" in " ".join(one.cmdline())]
+def workers(parent: int | None = None) -> list[psutil.Process]:
+    """Processes of a server, or of this process, that compute."""
+    found = []
+    for one in psutil.Process(parent).children():
+        with suppress(psutil.Error):  # one that ends meanwhile has no command
+            found += [one] * ("explore.work" in " ".join(one.cmdline()))
+    return found
 
 
 def seed(number: int) -> dict[str, Any]:
@@ -166,7 +169,7 @@ def test_a_large_press_keeps_nobody_waiting_and_can_be_stopped(server: Server) -
         assert np.median(waits) < 0.5  # one may be longer, where the machine was busy
         begun = clock.perf_counter()
         page.send("stop")
-        stopped = page.until("failed")[-1][0]
+        stopped = page.until("scene", "failed")[-1][0]
         assert stopped["mistakes"] == [{"where": "", "text": "stopped"}]
         assert clock.perf_counter() - begun < 2.0
         assert page.ran(seed(41))[-1][0]["kind"] == "done"
@@ -178,8 +181,8 @@ def test_a_killed_process_is_said_and_replaced(server: Server) -> None:
         page.send("run", config=LARGE | {"surface": {"shape": [1024, 1024], "seed": 3}})
         while "pressing" not in page.receive()[0].get("text", ""):
             pass
-        for worker in workers(server):
-            os.kill(worker.pid, signal.SIGKILL)
+        for worker in workers(server.process.pid):
+            worker.kill()
         failed = page.until("failed")[-1][0]
         assert failed["mistakes"] == [
             {"where": "", "text": "the computing process was stopped by the system (signal 9); press again"}
@@ -328,7 +331,16 @@ def test_it_ends_quietly_with_all_its_processes() -> None:
         children = psutil.Process(own.process.pid).children(recursive=True)
         assert children
         assert own.end() == (0, "")
-    assert not psutil.wait_procs(children, timeout=10)[1]
+    assert not psutil.wait_procs(children, timeout=120)[1]
+
+
+@pytest.mark.slow
+def test_it_ends_quietly_before_the_end_of_an_upload() -> None:
+    own = Server()
+    with posting(own, "part.npy", f"Origin: {own.address}\r\n", 100_000) as raw:
+        assert own.request("GET", "/style.css")[0] == 200  # after which the upload has begun
+        raw.sendall(b"abc")
+        assert own.end() == (0, "")
 
 
 @pytest.mark.slow
@@ -339,7 +351,7 @@ def test_its_processes_end_when_it_is_killed() -> None:
         assert children
     own.process.kill()
     own.process.communicate(timeout=30)
-    assert not psutil.wait_procs(children, timeout=20)[1]
+    assert not psutil.wait_procs(children, timeout=120)[1]  # they compile first where nothing is cached
 
 
 @pytest.mark.slow
@@ -368,9 +380,8 @@ def test_a_run_goes_to_another_process_when_the_one_that_waited_has_ended() -> N
     async def ended() -> dict[str, Any]:
         jobs = Jobs()
         await jobs.warm()
-        for child in psutil.Process().children():
-            if "explore.work" in " ".join(child.cmdline()):
-                child.kill()  # the loop has not seen it yet when the run begins
+        for child in workers():
+            child.kill()  # the loop has not seen it yet when the run begins
         job = jobs.ask(config_from(QUICK, {}, None), {}, "")
         assert job.task is not None
         await job.task
@@ -379,6 +390,34 @@ def test_a_run_goes_to_another_process_when_the_one_that_waited_has_ended() -> N
         return job.recording.end
 
     assert outcome_of(ended())["kind"] == "done"
+
+
+def test_a_page_that_leaves_late_stops_no_later_run_of_the_same_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from asperity.app.explore.jobs import Jobs
+
+    async def follow(*_: object) -> None:
+        await asyncio.Event().wait()
+
+    def nothing() -> None: ...
+
+    async def runs() -> bool:
+        jobs, config = Jobs(), config_from(QUICK, {}, None)
+        first = jobs.ask(config, {}, "")
+        jobs.leave(first, nothing, at_once=False)
+        jobs.leave(first, nothing, at_once=True)
+        assert first.task is not None
+        await asyncio.wait([first.task])
+        again = jobs.ask(config, {}, "")
+        await asyncio.sleep(0.1)  # longer than a page is waited for
+        found = again is not first and jobs.ask(config, {}, "") is again
+        await jobs.close()
+        return found
+
+    monkeypatch.setattr(Jobs, "_follow", follow)
+    monkeypatch.setattr("asperity.app.explore.jobs._UNWATCHED", 0.05)
+    assert outcome_of(runs())
 
 
 def test_a_connection_whose_sending_fails_is_closed() -> None:
@@ -405,7 +444,7 @@ def test_a_connection_whose_sending_fails_is_closed() -> None:
         )
         server: Any = SimpleNamespace(hello=lambda: {"kind": "hello", "odd": object()})
         with pytest.raises(TypeError):  # for the terminal: a fault of ours
-            await asyncio.wait_for(Session(socket, server).run(), 5)
+            await asyncio.wait_for(Session(socket, server).run(), 50)
         return codes
 
     assert outcome_of(serve())[0] == 1011

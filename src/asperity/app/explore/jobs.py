@@ -96,16 +96,13 @@ class Jobs:
     async def warm(self) -> None:
         """Start a process that imports the engine before the next run comes."""
         if not (self._idle or self._closed):
-            # Ctrl-C is for the server, which ends its processes: they are in a session of their own.
-            self._idle.append(
-                await asyncio.create_subprocess_exec(
-                    sys.executable, "-c", _WORK, stdin=PIPE, stdout=PIPE, start_new_session=True
-                )
-            )
+            self._idle.append(await _started())
 
     def _stop_if_unwatched(self, job: Job) -> None:
-        if not job.watchers and job.recording.end is None and job.task is not None:
-            self._jobs.pop(job.recording.job, None)
+        # Where several pages left a run, it may be stopped, and another of its name have begun.
+        current = self._jobs.get(job.recording.job) is job
+        if current and not job.watchers and job.recording.end is None and job.task is not None:
+            del self._jobs[job.recording.job]
             job.task.cancel()
 
     async def _follow(self, job: Job, asked: bytes) -> None:
@@ -114,8 +111,7 @@ class Jobs:
         async with self._room:
             # One that waited may have ended, which is seen only when it does not take a run; the last is new.
             for others in reversed(range(len(self._idle) + 1)):
-                await self.warm()
-                process = self._idle.pop()
+                process = self._idle.pop() if others and self._idle else await _started()
                 try:
                     await self._hear(job, process, asked, others)
                 finally:
@@ -152,6 +148,13 @@ class Jobs:
             cause = f"signal {-code}" if code < 0 else f"status {code}"
             text = f"the computing process was stopped by the system ({cause}); press again"
             job.take("end", failed(mistake(text)))
+
+
+async def _started() -> Process:
+    # Ctrl-C is for the server, which ends its processes: they are in a session of their own.
+    return await asyncio.create_subprocess_exec(
+        sys.executable, "-c", _WORK, stdin=PIPE, stdout=PIPE, start_new_session=True
+    )
 
 
 async def _killed(process: Process) -> None:

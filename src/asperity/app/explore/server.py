@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import logging
 import math
 import mimetypes
 import socket
@@ -388,6 +389,13 @@ def free_socket(port: int | None) -> socket.socket:
     raise InputError("--port", expected="a free port", got=got, advice="another one, or none")
 
 
+class _QuietlyEnding(uvicorn.Server):
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Cut off connections that do not end in time: no error, whatever they were at."""
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
+        await super().shutdown(sockets)
+
+
 def serve(root: Path | None, *, port: int | None, tell: Callable[[str], None], browser: bool) -> None:
     """Serve the page, with a folder if any, until the process is interrupted.
 
@@ -408,7 +416,7 @@ def serve(root: Path | None, *, port: int | None, tell: Callable[[str], None], b
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=1,
         )
-        server = uvicorn.Server(settings)
+        server = _QuietlyEnding(settings)
         tell(address)
         if browser:
             webbrowser.open(address)
