@@ -215,7 +215,7 @@ def test_the_page_as_a_file_opens_without_a_server(live, tab, tmp_path):
 
 def test_a_long_run_can_be_stopped(live):
     page = live()
-    page.fill("[id='surface.shape']", "700 700")
+    page.fill("[id='surface.shape']", "1500 1500")
     page.click("#press")
     until(page, "asperity.state.busy && /pressing|aging/.test(document.querySelector('#stage').textContent)")
     page.focus("#stop")
