@@ -61,7 +61,7 @@ class _Series(BaseModel):
     @model_validator(mode="after")
     def _rises(self) -> Self:
         if len(self.columns) < 2:
-            raise ValueError(f"expected a column that rises and others against it, got {len(self.columns)} column")
+            raise ValueError(f"expected two columns or more, got {len(self.columns)}")
         (first, along), *others = self.columns.items()
         for name, column in others:
             if len(column.values) != len(along.values):
