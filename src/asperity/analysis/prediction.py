@@ -165,8 +165,8 @@ class Prediction(views.InNotebooks, views.Pictured):
         if self.growth is not None:
             ends = band_ends(self.growth.ratio_band)
             return f"<Prediction: {self.between('A')} = {self.growth.ratio:.5g}, 95 % band {ends}>"
-        names = ("contact_area_corrected", "contact_area_corrected_low", "contact_area_corrected_high")
-        area, *pair = (float(self.series(name)[-1]) for name in names)
+        name = "contact_area_corrected"
+        area, *pair = (float(values[-1]) for values in (self.series(name), *self.band(name)))
         ends = band_ends(pair, lambda end: written(end, "m^2"))
         at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
         return f"<Prediction: {at_last}, 95 % band {ends}>"
