@@ -206,7 +206,7 @@ def _load(pressed, surface):
 def _counted(asked: Problem, base: dict) -> dict:
     """The usual answer on the given lattice, with the area as it is counted."""
     config = asked.config
-    contact = asp.press(asked.surface(**base), config.solid.build(), **config.contact.model_dump())
+    contact = asp.press(asked.surface(**base), config.solid.build(), **config.contact.table)
     times = np.asarray(config.aging.times)
     data = asp.age(contact, times, protocol=asked.legs or None).dataset
     rows = np.searchsorted(data["time"].values, times, side="right") - 1

@@ -18,6 +18,7 @@ Remark (UserWarning)                nothing is wrong, but the user should know
 from __future__ import annotations
 
 import copyreg
+from collections.abc import Callable, Mapping
 
 __all__ = [
     "AsperityError",
@@ -57,6 +58,19 @@ class Remark(UserWarning):
     """Nothing is wrong, but the user should know: something takes long, or lies in an unusual place."""
 
 
+class Name(str):
+    """An argument or a key within a message: each door writes it in its way."""
+
+    __slots__ = ()
+
+
+Words = str | tuple[str, ...]
+"""Part of a message; a tuple is joined, and a `Name` in it becomes a flag or a key."""
+
+Spell = Callable[[str], str]
+Assign = Callable[[str, str | float], str]
+
+
 class InputError(AsperityError, ValueError):
     """Something that was given is wrong; it keeps as attributes what it is made of, `got` as text.
 
@@ -67,17 +81,46 @@ class InputError(AsperityError, ValueError):
     expected, got
         What was expected, and what came instead.
     advice
-        What to write or do instead; may be empty.
+        What to write or do instead, in words; may be empty.
+    cure
+        Arguments to give, with their values: each door writes them in its way.
+    said
+        The mistake in words, in place of what was expected and what came.
+    path
+        Section and key of a configuration, and places in its lists.
     """
 
-    def __init__(self, name: str, *, expected: str, got: object, advice: str = "") -> None:
+    def __init__(
+        self,
+        name: str,
+        *,
+        expected: Words = "",
+        got: object = "",
+        advice: Words = "",
+        cure: Mapping[str, str | float] | None = None,
+        said: Words = "",
+        path: tuple[str | int, ...] = (),
+    ) -> None:
         self.name, self.expected, self.got, self.advice = name, expected, brief(str(got)), advice
-        message = f"{brief(name)}: expected {expected}, got {self.got}"
-        super().__init__(f"{message}; try {advice}" if advice else message)
+        self.cure, self.said, self.path = dict(cure or {}), said, path
+        super().__init__(self.told(brief(name)))
 
-    def about(self, name: str) -> InputError:
+    def told(self, place: str, spell: Spell = str, assign: Assign = "{}={!r}".format) -> str:
+        """The message behind a place, with names and assignments as a door writes them."""
+        said = _joined(self.said, spell) or f"expected {_joined(self.expected, spell)}, got {self.got}"
+        cures = ", ".join(assign(name, value) for name, value in self.cure.items())
+        advice = ", or ".join(filter(None, (cures, _joined(self.advice, spell))))
+        return f"{place}: {said}{'; try ' * bool(advice)}{advice}".removeprefix(": ")
+
+    def about(self, name: str, *path: str | int) -> InputError:
         """Return the same error about something else."""
-        return InputError(name, expected=self.expected, got=self.got, advice=self.advice)
+        facts = {key: getattr(self, key) for key in ("expected", "got", "advice", "cure", "said")}
+        return InputError(name, **facts, path=path or self.path)
+
+
+def _joined(words: Words, spell: Spell) -> str:
+    parts = (words,) if isinstance(words, str) else words
+    return "".join(spell(part) if isinstance(part, Name) else part for part in parts)
 
 
 class CallError(InputError, TypeError):
@@ -99,13 +142,15 @@ class ConfigError(InputError):
     ----------
     problems
         One line for each mistake, kept; `shown` are the first ten, and how many more there are.
+    mistakes
+        The same as data, with the section and the key of each in `path`; empty where there are lines alone.
     """
 
-    def __init__(self, problems: list[str]) -> None:
-        self.problems = [brief(problem) for problem in problems]
+    def __init__(self, problems: list[str], mistakes: tuple[InputError, ...] = ()) -> None:
+        self.problems, self.mistakes = [brief(problem) for problem in problems], mistakes
         more = len(problems) - SHOWN_PROBLEMS
         self.shown = [*self.problems[:SHOWN_PROBLEMS], *[f"... and {more:,} more"] * (more > 0)]
-        super().__init__("configuration", expected="no mistakes", got="")
+        super().__init__("configuration", expected="no mistakes")
         self.got = "; ".join(self.shown)
         self.args = (self.got,)
 

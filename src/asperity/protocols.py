@@ -20,7 +20,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from annotated_types import Ge, Gt
+from annotated_types import Ge, Gt, Le
 
 from asperity.base import checks
 from asperity.base.calls import answered as _answered
@@ -407,7 +407,7 @@ class Repeat(Leg):
     """
 
     legs: Annotated[Sequence[Leg], Quantity("the legs that are repeated")]
-    count: Annotated[int, Ge(1), Quantity("how often in all")]
+    count: Annotated[int, Ge(1), Le(_MOST_LEGS), Quantity("how often in all")]
 
     def __post_init__(self) -> None:
         super().__post_init__()

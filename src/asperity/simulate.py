@@ -19,6 +19,7 @@ from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
 from asperity.carried import Carried
+from asperity.carried.record import quantities
 from asperity.contact.adhesive import zone_remark
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
@@ -266,7 +267,7 @@ def age(
     units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:
-        checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)").of(contact)
+        quantities(checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)"), contact)
     entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
     rows: list[Row] = []
     snapshots: list[Snapshot] = []

@@ -147,8 +147,8 @@ def outcome():
     tables["protocol"] = [first, {"kind": "step", "load": 50.0}, last]
     config = config_from(tables, {}, None)
     times = np.unique(execute(config, Progress()).dataset["time"].values).tolist()
-    maps = config.output.model_copy(update={"maps_at": times})
-    return execute(config.model_copy(update={"output": maps}), Progress())
+    maps = config.output.but(maps_at=times)
+    return execute(config.but(output=maps), Progress())
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,7 @@ from asperity import age, observe, press
 from asperity.app.campaign.plan import _NOT_SWEPT, plan_to_json
 from asperity.app.campaign.store import Store
 from asperity.app.cli import main
-from asperity.app.config.mistakes import ORDER, models_of
+from asperity.ask.section import KINDS
 from asperity.errors import AsperityError, InputError
 from asperity.results import load as load_results
 from asperity.results.parameters import PARAMETERS
@@ -77,7 +77,7 @@ def test_the_dataset_holds_what_single_runs_give_and_what_they_have_in_common(do
 
 
 def test_every_coordinate_has_a_name_and_a_unit():
-    keys = {name for section in ORDER for model in models_of(section) for name in model.model_fields}
+    keys = {name for kinds in KINDS.values() for section in kinds.values() for name in section.keys}
     assert keys - set(_NOT_SWEPT) <= set(PARAMETERS)
 
 

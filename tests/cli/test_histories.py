@@ -93,7 +93,7 @@ def test_a_file_with_repetitions(tmp_path, says):
     Path("study.toml").write_text(tables_to_toml(TABLES))
     config = read_config(Path("study.toml"), {})
     cycle = Repeat([Step(load=30.0), Hold(1.0), Ramp(1.0, load=60.0)], 2)
-    assert config.legs == (cycle, Hold(10.0, "area"))
+    assert config.protocol == (cycle, Hold(10.0, "area"))
     assert config.end == 14.0
     says("run", "study.toml", "--out", tmp_path / "out", "--figures", "")
     data = results.load(tmp_path / "out")
@@ -118,7 +118,7 @@ def test_sliding_and_friction_from_flags(tmp_path, says):
     assert [float(row["friction"]) for row in rows] == data["friction"].values.tolist()
     assert (tmp_path / "out" / "sliding.png").is_file()
     config = read_config(tmp_path / "out" / "config.toml", {})
-    assert config.legs[1:] == (Slide(3.0, velocity=2.0), Slide(2.0, velocity=np.inf))
+    assert config.protocol[1:] == (Slide(3.0, velocity=2.0), Slide(2.0, velocity=np.inf))
     program = to_python(config, recorded_times(config).tolist())
     assert "asp.friction.add_friction(history.dataset, asp.friction.ShearStrength(4.0))" in program
     found: dict[str, Any] = {}

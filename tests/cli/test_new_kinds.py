@@ -141,7 +141,7 @@ def test_keys_are_swept_recorded_and_explained(found):
 
 def test_mistakes_are_named_as_those_of_other_kinds(found):
     assert found["mistakes"] == [
-        "[surface] amplitude: expected a number above 0.0, got -1.0",
-        "[surface] perod: no such key; did you mean 'period'?",
-        "[solid] modulus: expected a number, got '2 m'",
+        "[surface] amplitude: expected a finite number > 0, got -1.0",
+        "[surface] perod: no such key; try period",
+        "[solid] modulus: expected a finite number > 0, got '2 m'",
     ]

@@ -271,8 +271,8 @@ def test_a_protocol_may_put_the_load_on(files, ramped):
     config = config_from(tables, {}, None)
     held = predict_config(config, Progress())
     assert held.growth is None  # from 2 MPa to 2 MPa: a history as any other
-    unloaded = config.contact.model_construct(load=0.0, pressure=None, separation=None)
-    ours = predict_config(config.model_copy(update={"contact": unloaded}), Progress())
+    unloaded = type(config.contact)(load=0.0)
+    ours = predict_config(config.but(contact=unloaded), Progress())
     np.testing.assert_array_equal(ours.series("area"), ramped[2.4].series("area"))
 
 

@@ -84,13 +84,13 @@ def test_a_run_has_the_numbers_of_the_command_line(server: Server, config: dict[
     scene = only(messages, "scene")[0]
     solid = {name: math.inf if one == "inf" else one for name, one in scene["config"]["solid"].items()}
     asked = config_from({**scene["config"], "solid": solid}, {}, None)
-    asked = asked.model_copy(update={"output": asked.output.model_copy(update={"maps_at": [0.0]})})
+    asked = asked.but(output=asked.output.but(maps_at=[0.0]))
     outcome = execute(asked, Progress())
     dataset = outcome.dataset
     for name in ("time", "area", "load", "separation", "residual"):
         assert np.array_equal(column(messages, name), dataset[name].values)
     # Text to copy says the same: nothing is left open, and it is that of the run.
-    written = outcome.config.model_copy(update={"output": config_from({}, {}, None).output})
+    written = outcome.config.but(output=config_from({}, {}, None).output)
     assert scene["python"] == to_python(written, recorded_times(written).tolist())
     assert "per_decade = 8" in scene["toml"]
     facts, in_contact, pressure = maps(messages)[0]

@@ -10,14 +10,15 @@ import pytest
 
 from asperity.app.campaign import Plan, read_plan
 from asperity.app.config import RunConfig, read_config
-from asperity.app.config.mistakes import ORDER, flag_of, models_of
+from asperity.app.config.mistakes import flag_of
 from asperity.app.config.reading import to_toml
+from asperity.ask.section import KINDS
 from tests.fuzz.fuzzing import Draw, damage_bytes, fuzz, tried
 from tests.fuzz.test_fuzz_files import run_command
 
 KEYS: dict[str, list[str]] = {
-    section: list(dict.fromkeys(key for model in models_of(section) for key in model.model_fields))
-    for section in ORDER
+    section: list(dict.fromkeys(key for one in kinds.values() for key in one.keys))
+    for section, kinds in KINDS.items()
 }
 SWEEP = [*dict.fromkeys(key for keys in KEYS.values() for key in keys), "seeds", "combine", "solid.k1", "x"]
 
@@ -148,7 +149,7 @@ def written(draw: Draw, name: str, *, sweep: bool) -> Path:
 
 def is_brief(config: RunConfig) -> bool:
     """Whether a run takes little time: its lattice and its list of times are short."""
-    surface = config.surface.model_dump()
+    surface = vars(config.surface)
     sites = np.prod([float(n) for n in surface.get("shape", [surface.get("size", 8)] * 2)])
     decades = np.log10(config.span[1] / config.span[0]) if config.aging.times is None else 1.0
     return bool(sites <= 1e4 and decades * config.aging.per_decade <= 300)

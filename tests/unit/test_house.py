@@ -25,6 +25,7 @@ ROOMS = [
     {"patches", "creep", "adhesion"},
     {"surfaces", "solids", "protocols"},
     {"relaxation"},
+    {"ask"},
     {"contact"},
     {"carried"},
     {"aging"},

@@ -10,7 +10,7 @@ import asperity as asp
 import asperity.app.runs.pipeline as pipeline
 from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import config_from, to_toml
-from asperity.app.config.models import RunConfig
+from asperity.ask.run import RunConfig
 from asperity.app.config.python import to_python
 from asperity.app.runs.words import _solid
 from asperity.base.parameters import parameters_of
@@ -114,7 +114,7 @@ def test_a_step_on_springs_lacks_no_more_than_is_allowed(R, load):
 
 def configured(**solid):
     solid = {"kind": "spring_lattice", **solid}
-    return RunConfig.model_validate(
+    return RunConfig.read(
         {"surface": {"kind": "gaussian", "shape": [8, 8]}, "solid": solid, "contact": {"load": 5.0}}
     )
 
@@ -163,6 +163,6 @@ def test_a_run_asks_for_the_memory_that_was_measured(permanent, measured, monkey
     asked: list[float] = []
     monkeypatch.setattr(pipeline, "require", lambda needed, *_, **__: asked.append(needed))
     config = configured(**HALF_SPACE, permanent=permanent, creep_rate=1.0, creep_stress=1.0)
-    config = config.model_copy(update={"output": config.output.model_copy(update={"maps_at": [1.0]})})
+    config = config.but(output=config.output.but(maps_at=[1.0]))
     pipeline._require_memory((512, 512), config.solid.build(), config)
     assert asked[0] > measured

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from asperity.app.config import config_from
-from asperity.app.config.solids import HalfSpace
+from asperity.ask.solid import HalfSpace
 from asperity.errors import ConfigError, InputError
 from asperity.fits import read_measurements
 from asperity.friction import read_record

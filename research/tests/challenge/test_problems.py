@@ -302,7 +302,7 @@ def test_inputs_say_all_that_is_needed(tmp_path):
             np.testing.assert_allclose(found, made, rtol=1e-12)
             assert spacing == pytest.approx(step)
         assert given.shape == heights.shape
-        assert (config.solid, config.legs, config.aging) == (one.config.solid, one.legs, one.config.aging)
+        assert (config.solid, config.protocol, config.aging) == (one.config.solid, one.legs, one.config.aging)
 
 
 def test_another_scan_is_refused(tmp_path):

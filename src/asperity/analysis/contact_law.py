@@ -50,6 +50,7 @@ from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.version import __version__
 from asperity.carried import Carried
+from asperity.carried.record import quantities
 from asperity.carried.response import unit_response
 from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
@@ -255,7 +256,7 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
     if carried is not None:
         # The law has the stiffness of the mean of the surface, `carried` that of the body.
         per_area = of_body / (of_mean * area)
-        for name, value in carried.of(contact).items():
+        for name, value in quantities(carried, contact).items():
             if name == "tangential_stiffness":
                 row[name] = value * per_area
             elif name in _CONDUCTANCES:

@@ -13,11 +13,13 @@ from contextlib import contextmanager
 from datetime import timedelta
 from decimal import Decimal
 from numbers import Real
+from pathlib import PurePath
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from asperity.base.words import closest
 from asperity.errors import LARGEST, InputError, MissingExtraError
 
 Floats = NDArray[np.float64]
@@ -113,10 +115,28 @@ def one_of(advice: str, **values: object) -> str:
     return names[0]
 
 
-def choice(name: str, value: object, choices: Sequence[object]) -> None:
-    """`InputError` for a value that is none of the choices."""
-    if value not in choices:
-        raise InputError(name, expected=f"one of {', '.join(map(repr, choices))}", got=repr(value))
+def choice(name: str, value: T, choices: Sequence[object]) -> T:
+    """One of the choices; `InputError`, with the nearest of them, for anything else."""
+    if value in choices:
+        return value
+    *some, last = map(repr, choices)
+    meant = closest(value, map(str, choices)) if isinstance(value, str) else None
+    expected = f"one of {', '.join(some)} or {last}" if some else last
+    raise InputError(name, expected=expected, got=shown(value), cure={name: meant} if meant else {})
+
+
+def switch(name: str, value: object) -> bool:
+    """True or False, and nothing that counts as one of them."""
+    if not isinstance(value, bool):
+        raise InputError(name, expected="true or false", got=shown(value))
+    return value
+
+
+def text(name: str, value: object) -> str:
+    """A text, or a path as one."""
+    if not isinstance(value, str | PurePath):
+        raise InputError(name, expected="text in quotes", got=shown(value))
+    return str(value)
 
 
 def instance(name: str, value: object, kind: type[T], advice: str) -> T:

@@ -12,13 +12,13 @@ import functools
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
-from annotated_types import Ge, Gt, Le, Lt
+from annotated_types import Ge, Gt, Le, Len, Lt
 
 from asperity.base import checks, units
-from asperity.base.words import InUnits
 from asperity.errors import InputError
 
 
@@ -58,6 +58,7 @@ _DIMENSIONS = {
     **{"Pa": "pressure", "m": "length", "s": "time", "N": "force", "m/s": "velocity", "N/m": "stiffness"},
     "J/m^2": "energy / area",
 }
+_PLAIN = {float, int, bool, str, NoneType, Path}
 _BOUNDS = ((Ge, "ge", "least"), (Gt, "gt", "above"), (Le, "le", "most"), (Lt, "lt", "below"))
 
 
@@ -104,41 +105,114 @@ class Parameter:
         """The same parameter, optional."""
         return Parameter(self.hint | None, self.facts, None)
 
-    def checked(self, name: str, value: object) -> object:
-        """The value as a number of Python within the bounds, or one of the words; `InputError` otherwise."""
-        if value is None and NoneType in self.kinds:
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Words of which it is one; empty where it may be a number, too."""
+        return () if float in self.kinds else tuple(kind for kind in self.kinds if isinstance(kind, str))
+
+    @property
+    def item(self) -> Parameter | None:
+        """One entry, of a list."""
+        hint = next(filter(None, map(item_of, self.kinds)), None)
+        if hint is None:
             return None
+        hint, *facts = _apart(hint)
+        outer = [fact for fact in self.facts if not isinstance(fact, Len | Also)]
+        return Parameter(hint, (*facts, *outer), dataclasses.MISSING)
+
+    @property
+    def pair(self) -> tuple[Parameter, ...]:
+        """Both entries, of a pair; else empty."""
+        pairs = (kind for kind in self.kinds if get_origin(kind) is tuple and ... not in get_args(kind))
+        entries = () if Path in self.kinds else get_args(next(pairs, None))
+        return tuple(Parameter(hint, tuple(facts), dataclasses.MISSING) for hint, *facts in map(_apart, entries))
+
+    @property
+    def unit(self) -> str:
+        """Unit of a number alone, and of one with a unit; empty for a pure number."""
+        quantities = (fact for fact in self.facts if isinstance(fact, Quantity))
+        return next((fact.unit for fact in quantities if fact.unit), "")
+
+    @property
+    def as_key(self) -> Parameter:
+        """The same as a key of a table, with its own default."""
+        usual, default = self.quantity.usual, self.default
+        default = default if usual is ... else usual
+        if self.quantity.key and isinstance(default, bool):
+            default = not default
+        if self.item and not self.words and default not in (None, dataclasses.MISSING):
+            default = list(default) if isinstance(default, tuple) else [default]
+        return dataclasses.replace(self, default=default)
+
+    def read(self, name: str, value: object) -> Any:
+        """The value as tables have it: lists for several, pairs as tuples, numbers in SI.
+
+        `InputError`, about the name, for another type, and for what is out of bounds.
+        """
+        if value is None and (NoneType in self.kinds or self.default is None):
+            return None
+        taken = self._taken(name, value)
+        for fact in self.facts:
+            if isinstance(fact, Also):
+                fact.check(name, taken)
+        return taken
+
+    def _taken(self, name: str, value: object) -> Any:
+        own = tuple(kind for kind in self.kinds if isinstance(kind, type) and kind not in _PLAIN)
+        if own and isinstance(value, own):
+            return value
+        if self.words and (self.item is None or isinstance(value, str)):
+            return checks.choice(name, "um" if value in ("\u00b5m", "\u03bcm") else value, self.words)
+        if (item := self.item) is not None:
+            return self._list(name, value, item)
+        if self.pair:
+            if not isinstance(value, list | tuple) or len(value) != len(self.pair):
+                expected = "pairs of numbers, such as [[0.3, 10.0]]"
+                raise InputError(name, expected=expected, got=checks.shown(value))
+            return tuple(part.read(name, one) for part, one in zip(self.pair, value, strict=True))
         if float in self.kinds:
-            if "inf" in self.kinds and isinstance(value, str | float) and value in ("inf", math.inf):
-                return math.inf
-            number = units.number(name, value, self.quantity.unit, **self.bounds)
-            return value if isinstance(value, InUnits) else number
-        if int in self.kinds:
-            return checks.integer(name, value, **self.bounds)  # type: ignore[arg-type]
-        words = [kind for kind in self.kinds if kind is not NoneType]
-        if all(isinstance(word, str) for word in words) and value not in words:
-            expected = f"{', '.join(map(repr, words[:-1]))} or {words[-1]!r}"
-            raise InputError(name, expected=expected, got=repr(value))
-        return value
+            return self._number(name, value[0] if isinstance(value, list) and len(value) == 1 else value)
+        if bool in self.kinds:
+            return checks.switch(name, value)
+        if int in self.kinds and not (str in self.kinds and isinstance(value, str)):
+            bounds = self.bounds
+            least, most = bounds.get("least", bounds.get("above", -1) + 1), bounds.get("most", bounds.get("below", 2**63) - 1)
+            return checks.integer(name, value, least=least, most=most)
+        return checks.text(name, value)
 
+    def _list(self, name: str, value: object, item: Parameter) -> list[Any]:
+        classes = tuple(kind for kind in (*self.kinds, int) if isinstance(kind, type))
+        alone = classes[:-1] and isinstance(value, classes) and not isinstance(value, bool)
+        values = [value] if alone else value
+        if not isinstance(values, list | tuple):
+            raise InputError(name, expected="a list", got=checks.shown(value))
+        sizes = next((fact for fact in self.facts if isinstance(fact, Len)), Len(0))
+        if len(values) < sizes.min_length or (sizes.max_length and len(values) > sizes.max_length):
+            ends = {f"at least {sizes.min_length}": True, f"at most {sizes.max_length}": sizes.max_length}
+            expected = f"{' and '.join(end for end, stated in ends.items() if stated)} in the list"
+            raise InputError(name, expected=expected, got=checks.shown(value))
+        return [item.read(name, one) for one in values]
 
-def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:
-    """Parameters by name: fields of a dataclass, or arguments of a function, annotated with a `Quantity`."""
-    return _read(kind)
+    def _number(self, name: str, value: object) -> float:
+        if "inf" in self.kinds and isinstance(value, str | float) and value in ("inf", math.inf):
+            return math.inf
+        return units.number(name, value, self.unit, **self.bounds)
 
 
 @functools.cache
-def _read(kind: Any) -> dict[str, Parameter]:
+def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:
+    """Parameters by name: fields of a class, or arguments of a function, annotated with a `Quantity`."""
     hints = get_type_hints(kind, include_extras=True)
-    fields: dict[str, Any] = dict(inspect.signature(kind).parameters)
     if isinstance(kind, type):
-        fields = {field.name: field for field in dataclasses.fields(kind)}
+        usual = {name: getattr(kind, name, dataclasses.MISSING) for name in hints}
+    else:
+        usual = {name: one.default for name, one in inspect.signature(kind).parameters.items()}
     parameters = {}
-    for name, field in fields.items():
+    for name, default in usual.items():
         hint, *facts = _apart(hints.get(name))
         if any(isinstance(fact, Quantity) for fact in facts):
-            default = dataclasses.MISSING if field.default is inspect.Parameter.empty else field.default
-            parameters[name] = Parameter(hint, tuple(facts), default)
+            stated = dataclasses.MISSING if default is inspect.Parameter.empty else default
+            parameters[name] = Parameter(hint, tuple(facts), stated)
     return parameters
 
 
@@ -172,7 +246,8 @@ class Checked:
 
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
-            object.__setattr__(self, name, parameter.checked(name, getattr(self, name)))
+            value = parameter.read(name, getattr(self, name))
+            object.__setattr__(self, name, tuple(value) if any(get_origin(kind) is tuple for kind in parameter.kinds) and isinstance(value, list) else value)
 
 
 class Law(Checked):

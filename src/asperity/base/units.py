@@ -17,6 +17,9 @@ from asperity.errors import InputError
 if TYPE_CHECKING:
     import pint
 
+_AVOGADRO = 6.02214076e23
+"""1/mol, exact in the SI; without scipy, whose import would delay the help of commands."""
+
 _NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 # A product of units with exponents of one digit, and no more: Pint evaluates whatever it reads.
 _FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
@@ -123,6 +126,8 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     if not match[2]:
         return amount
     converted = _converted(amount, match[2], unit)
+    if converted is None and unit == "J":  # of a bond, such as an energy of activation
+        converted = _converted(amount / _AVOGADRO, match[2], "J/mol")
     if converted is None:
         raise wrong
     return checks.number(name, converted, expected=f"{kind}, such as {example}")

@@ -15,8 +15,8 @@ from asperity.base.parameters import Quantity
 from asperity.creep.law import LARGEST_EXPONENT, LocalCreep, Rate, Stress
 from asperity.errors import InputError
 
-_BOLTZMANN, _AVOGADRO = 1.380649e-23, 6.02214076e23
-"""J/K and 1/mol, exact in the SI; without scipy, whose import would delay the help of commands."""
+_BOLTZMANN = 1.380649e-23
+"""J/K, exact in the SI; without scipy, whose import would delay the help of commands."""
 
 _BLOCK = 2**13
 """Number of stresses that stay in the cache."""
@@ -109,7 +109,7 @@ class Eyring(LocalCreep):
         thermal = _BOLTZMANN * units.number("temperature", temperature, "K", above=0)
         omega = units.number("volume", volume, "m^3", above=0)
         before = units.number("prefactor", prefactor, "m/s", above=0)
-        barrier = joules(energy)
+        barrier = units.number("energy", energy, "J", above=0)
         rate = before * math.exp(-barrier / thermal)
         if rate < _SMALLEST_RATE:
             raise InputError(
@@ -143,10 +143,3 @@ class Eyring(LocalCreep):
             v *= self.rate
             dv *= self.rate / self.stress
         return rate, slope
-
-
-def joules(energy: float | str) -> float:
-    """Convert an energy of activation, also one per mole, to joules."""
-    if isinstance(energy, str) and "mol" in energy:
-        return units.number("energy", energy, "J/mol", above=0) / _AVOGADRO
-    return units.number("energy", energy, "J", above=0)

@@ -11,79 +11,13 @@ Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186)
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
 
+from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
-from asperity.errors import LARGEST, InputError
 from asperity.friction.laws import coming_velocity
 from asperity.theory import static_friction
-
-
-@dataclass(frozen=True)
-class ShearStrength:
-    """The shear strength of contacts; see the module.
-
-    Parameters
-    ----------
-    strength
-        sigma_0 > 0, force / area; per site on a solid that is defined on sites. With a unit: ``"40 MPa"``.
-    rate_coefficient
-        a >= 0, the relative growth of the strength per factor e of velocity; 0 for a constant strength.
-    reference_velocity
-        V_ref > 0, length / time, at which the strength is sigma_0; needed unless the coefficient is 0.
-    """
-
-    strength: float
-    rate_coefficient: float = 0.0
-    reference_velocity: float | None = None
-
-    def __post_init__(self) -> None:
-        least = 1 / LARGEST
-        strength = units.number("shear_strength", self.strength, "Pa", least=least)
-        object.__setattr__(self, "strength", strength)
-        rate = checks.number("rate_coefficient", self.rate_coefficient, least=0)
-        object.__setattr__(self, "rate_coefficient", rate)
-        if self.reference_velocity is not None:
-            velocity = units.number("reference_velocity", self.reference_velocity, "m/s", least=least)
-            object.__setattr__(self, "reference_velocity", velocity)
-        elif rate:
-            raise InputError(
-                "reference_velocity",
-                expected="the velocity at which the shear strength was measured",
-                got="none, and a rate coefficient",
-                advice="reference_velocity=1.0",
-            )
-
-    def at(self, velocity: ArrayLike) -> NDArray[np.float64]:
-        """Shear strength while the contacts slide at velocities > 0, of any shape.
-
-        `InputError` if the strength depends on a velocity that is infinite, or so low that the strength would
-        not be above 0.
-        """
-        speeds = checks.floats("velocity", velocity)
-        if not self.rate_coefficient:
-            return np.full(speeds.shape, self.strength)
-        if not (np.isfinite(speeds).all() and (speeds > 0).all()):
-            raise InputError(
-                "velocity",
-                expected="finite velocities > 0, where the shear strength depends on them",
-                got="a contact that does not slide, or slides at once",
-                advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
-            )
-        assert self.reference_velocity is not None
-        strength = self.strength * (1 + self.rate_coefficient * np.log(speeds / self.reference_velocity))
-        if not (strength > 0).all():
-            raise InputError(
-                "rate_coefficient",
-                expected="a shear strength > 0 at every velocity",
-                got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
-                advice="a reference_velocity nearer to those of the slides",
-            )
-        return np.asarray(strength)
 
 
 def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | str) -> xr.Dataset:

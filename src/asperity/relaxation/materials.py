@@ -8,13 +8,15 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, cast, get_args
+from typing import Annotated, Any, Literal, cast, get_args
+
+from annotated_types import Ge, Gt, Le, Lt
 
 from asperity.base import checks
 from asperity.base import units as si
 from asperity.base.columns import Chosen, Units
 from asperity.base.files import content_of, expanded
-from asperity.base.parameters import parameters_of
+from asperity.base.parameters import Quantity, parameters_of
 from asperity.base.words import has_unit
 from asperity.creep import LAWS, Eyring
 from asperity.errors import InputError
@@ -75,23 +77,99 @@ def relaxing_of(solid: Solid) -> PronySeries:
     return PronySeries(cast(float, solid.modulus), tuple(solid.relaxing))
 
 
+_Kind = Annotated[
+    Kind | None,
+    Quantity("quantity in the table", key="table_kind", more=", if the names of its columns do not say it."),
+]
+_Columns = Annotated[
+    Chosen | None,
+    Quantity(
+        "columns by name, or by number from 0: time and modulus, time and compliance, or frequency, storage "
+        "and loss modulus",
+        more=". By default those with such names.",
+    ),
+]
+_Units = Annotated[
+    Units | None,
+    Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"'),
+]
+_Noise = Annotated[
+    float | None,
+    *(Ge(0), Lt(1)),
+    Quantity(
+        "largest relative change in the wrong direction that counts as noise", more=". By default 0.05."
+    ),
+]
+_Branches = Annotated[
+    int | None,
+    Ge(1),
+    Quantity(
+        "number of free relaxation times in the fit of the table",
+        key="free_branches",
+        more=". By default the fewest whose misfit looks like noise, five at most; else 1 or 2 per decade.",
+    ),
+]
+_PerDecade = Annotated[
+    float | None,
+    *(Ge(0.2), Le(10)),
+    Quantity(
+        "relaxation times per decade of the table",
+        more="; fewer for noisy data. By default as few free times as fit within the noise, five at most, "
+        "else 1 or 2 per decade.",
+    ),
+]
+_Extrapolate = Annotated[
+    Extrapolate | Literal["model"] | None,
+    Quantity(
+        "assumption beyond the times of the data",
+        more=". plateau: the modulus keeps the last value of the table. model: the branches continue. By "
+        "default other times are refused.",
+    ),
+]
+_Temperature = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity(
+        "temperature of the contact",
+        "K",
+        more=", such as 40degC: for activated creep, or to shift a relaxation table from its own.",
+    ),
+]
+_Reference = Annotated[
+    float | str | None, Gt(0), Quantity("temperature of the table", "K", more=", such as 20degC.")
+]
+_ActivationEnergy = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity(
+        "activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."
+    ),
+]
+_Wlf = Annotated[
+    Sequence[float] | None,
+    Quantity(
+        "in its place C1 and C2 of Williams, Landel and Ferry", more=", for the decimal logarithm; C2 in K."
+    ),
+]
+
+
 def material(
     source: str | Path | Measured | PronySeries | Solid | None = None,
     *,
-    kind: Kind | None = None,
-    columns: Chosen | None = None,
-    units: Units | None = None,
-    noise: float | None = None,
-    branches: int | None = None,
-    per_decade: float | None = None,
-    extrapolate: Extrapolate | Literal["model"] | None = None,
+    kind: _Kind = None,
+    columns: _Columns = None,
+    units: _Units = None,
+    noise: _Noise = None,
+    branches: _Branches = None,
+    per_decade: _PerDecade = None,
+    extrapolate: _Extrapolate = None,
     modulus: Modulus | float | str | None = None,
     young: float | str | None = None,
     poisson: float | None = None,
-    temperature: float | str | None = None,
-    reference: float | str | None = None,
-    activation_energy: float | str | None = None,
-    wlf: tuple[float, float] | None = None,
+    temperature: _Temperature = None,
+    reference: _Reference = None,
+    activation_energy: _ActivationEnergy = None,
+    wlf: _Wlf = None,
     shift: float | None = None,
     hardness: float | str | None = None,
     draws: Sequence[Iterable[Sequence[float | str]]] | None = None,
@@ -190,7 +268,7 @@ def _shift(
     temperature: float | str | None = None,
     reference: float | str | None = None,
     activation_energy: float | str | None = None,
-    wlf: tuple[float, float] | None = None,
+    wlf: Sequence[float] | None = None,
     shift: float | None = None,
 ) -> float:
     """Factor on all times: `shift`, or that of Arrhenius or WLF."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
 from asperity.base.version import __version__
-from asperity.carried import Carried
+from asperity.carried import Carried, record
 from asperity.contact import Contact, Control
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
@@ -43,14 +43,14 @@ def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None
         name: getattr(frame if hasattr(frame, name) else frame.contact, name)
         for name in had_by(frame.contact, "series", slides=slides)
     }
-    return row if carried is None else row | carried.of(frame.contact)
+    return row if carried is None else row | record.quantities(carried, frame.contact)
 
 
 def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
     """Fields of a frame."""
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
-    fields |= {} if carried is None else carried.maps(contact)
+    fields |= {} if carried is None else record.maps(carried, contact)
     return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 

@@ -206,7 +206,7 @@ def read(
     """
     arguments = locals()
     for name in ("undefined", "tilt", "lines", "periodic", "unit", "crop_unit", "file_unit", "length_unit"):
-        parameters_of(read)[name].checked(name, arguments[name])
+        parameters_of(read)[name].read(name, arguments[name])
     expected = "a fraction from 0 to below 1"
     limit = checks.number("max_undefined", max_undefined, least=0, below=1, expected=expected)
     limits = prepare.checked_band(longest, shortest)

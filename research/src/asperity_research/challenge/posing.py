@@ -137,7 +137,7 @@ class Problem:
     @property
     def legs(self) -> tuple[Leg, ...]:
         """The history of the load; none where it is constant."""
-        return tuple(self.config.legs)
+        return tuple(self.config.protocol)
 
     def surface(self, *, halvings: int = 0, scan: str | Path | None = None) -> Surface:
         """Make the surface, or read the scan.

@@ -54,7 +54,7 @@ def solve(
     contact = asp.press(
         asked.surface(halvings=halvings, scan=scan),
         config.solid.build(),
-        **config.contact.model_dump(),
+        **config.contact.table,
         solver=solver,
     )
     times = np.asarray(config.aging.times, dtype=np.float64)

@@ -63,7 +63,7 @@ def estimate(plan: Plan, directory: str | Path) -> Estimate:
     space: dict[tuple[int, ...], int] = {}
     memory = 0
     for point, config in points.items():
-        name, free = config.surface.model_dump_json(), config.surface.edges == "free"
+        name, free = repr(config.surface), config.surface.edges == "free"
         shape = config.surface.lattice or measured.get(name) or config.surface.build().shape
         measured[name], maps = shape, len(config.output.maps_at or ())
         solid = config.solid.build()

@@ -18,7 +18,6 @@ import hashlib
 import itertools
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -26,8 +25,9 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.config import RunConfig, config_from, from_tables, read_tables, to_tables
-from asperity.app.config.mistakes import ORDER, Sections, models_of
-from asperity.app.config.models import KINDS
+from asperity.app.config.mistakes import Sections
+from asperity.ask.run import ORDER
+from asperity.ask.section import KINDS
 from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of, written_with_units
@@ -238,7 +238,7 @@ def _lists(
     swept: dict[str, Any], kinds: Mapping[str, object], problems: list[str]
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
-    homes = {name: one for one in ORDER for model in models_of(one) for name in model.model_fields}
+    homes = {name: one for one, kinds in KINDS.items() for each in kinds.values() for name in each.keys}
     lists: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
@@ -299,19 +299,19 @@ def _place_in(table: object, key: str) -> Any:
 
 def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
     """Keys that may be swept, on a surface and a solid of these kinds."""
-    models = [
-        model
-        for section in ORDER
-        for kind, model in zip(KINDS.get(section, [section]), models_of(section), strict=True)
-        if kinds.get(section) in (kind, None) or kinds[section] not in KINDS[section]
+    names = [
+        name
+        for section, of_section in KINDS.items()
+        for kind, each in of_section.items()
+        if kinds.get(section, kind) == kind or kinds[section] not in of_section
+        for name in each.keys
     ]
-    names = [name for model in models for name in model.model_fields]
     return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
 
 
 def _seeds(seeds: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:
     """Seeds from a number, which begin with the first, or a list; a surface that is not random has none."""
-    if (model := KINDS["surface"].get(kind)) and "seed" not in model.model_fields:
+    if (chosen := KINDS["surface"].get(kind)) and "seed" not in chosen.keys:
         if seeds is not None:
             problems.append(f"[sweep] seeds: a surface of kind {kind!r} has no seed")
         return ()
@@ -346,15 +346,15 @@ def _runs(
     problems: dict[str, None] = {}
     contents: dict[str, str] = {}
     runs: list[Run] = []
-    swept = {key: key[1] for key in lists}
+    names = {key: f"[sweep] {key[1]}" for key in lists}
     if seeds and "seed" not in tables.get("surface", {}):
-        swept["surface", "seed"] = "seeds"
+        names["surface", "seed"] = "[sweep] seeds"
     for seed in seeds:  # what a seed may be does not depend on the point
         if type(seed) is not int or seed < 0:
             try:
-                config_from(_laid_over(tables, {}, seed), {}, path)
+                config_from(_laid_over(tables, {}, seed), {}, path, names)
             except ConfigError as error:
-                problems |= dict.fromkeys(_swept_named(error, swept))
+                problems |= dict.fromkeys(error.problems)
     for point in points:
         flags: Sections = {}
         for ((section, name), values), index in zip(lists.items(), point, strict=True):
@@ -363,24 +363,16 @@ def _runs(
                 value = str(path.parent / expanded(value))
             flags.setdefault(section, {})[name] = value
         try:
-            config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path)
+            config = config_from(_laid_over(tables, flags, *seeds[:1]), {}, path, names)
             # A worker in any folder finds a surface file; a solid needs no file any more.
             resolved = {"solid": config.solid.resolved(), "surface": config.surface.anywhere()}
-            config = config.model_copy(update=resolved)
+            config = config.but(**resolved)
             runs += _with_seeds(config, point, seeds, _content(config, contents))
         except ConfigError as error:
-            problems |= dict.fromkeys(_swept_named(error, swept))
+            problems |= dict.fromkeys(error.problems)
     if problems:
         raise ConfigError(list(problems))
     return tuple(runs)
-
-
-def _swept_named(error: ConfigError, keys: Mapping[tuple[str, str], str]) -> Iterator[str]:
-    """The mistakes, with names of swept keys as in the file."""
-    for problem in error.problems:
-        for (section, name), key in keys.items():
-            problem = re.sub(rf"\[{section}\] {re.escape(name)}\b", f"[sweep] {key}", problem)
-        yield problem
 
 
 def _laid_over(tables: dict[str, Any], flags: Sections, seed: int | None = None) -> dict[str, Any]:
@@ -417,8 +409,8 @@ def _with_seeds(
 
 def seeded(config: RunConfig, seed: int) -> RunConfig:
     """A configuration with another seed, which is a whole number >= 0."""
-    surface = config.surface.model_copy(update={"seed": seed})
-    return config.model_copy(update={"surface": surface})
+    surface = config.surface.but(seed=seed)
+    return config.but(surface=surface)
 
 
 def _content(config: RunConfig, checksums: dict[str, str]) -> str:
@@ -435,12 +427,8 @@ def _content(config: RunConfig, checksums: dict[str, str]) -> str:
 
 
 def _facts(config: RunConfig, content: str) -> dict[str, Any]:
-    facts = config.model_dump()
-    facts["output"].pop("figures")
-    if config.friction.shear_strength is None:
-        del facts["friction"]
-    if config.carries is None:
-        del facts["carried"]
+    facts = to_tables(config)
+    facts["output"].pop("figures", None)
     if (file := config.surface.file) is not None:
         # The suffix decides how the content is read.
         facts["surface"]["path"] = [file.suffix.lower(), content]

@@ -207,7 +207,7 @@ def listed(written: Iterable[str]) -> list[str]:
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
     from asperity.app.config.keys import Key, keys_of, sections
-    from asperity.app.config.surfaces import MeasuredSurface
+    from asperity.ask.surface import MeasuredSurface
 
     if section == "prediction":
         yield from _of_a_prediction()
@@ -237,12 +237,12 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
-    from asperity.app.config.creep import FORMULAS, OF_LAWS
+    from asperity.ask.laws import FORMULAS, OF_LAWS
     from asperity.app.config.keys import keys_of
     from asperity.app.config.mistakes import flag_of
-    from asperity.app.config.models import Aging, Carried, Contact, Friction, Output
-    from asperity.app.config.solids import OF_TABLES, HalfSpace
-    from asperity.app.config.surfaces import MeasuredSurface
+    from asperity.ask.run import Aging, Carried, Contact, Friction, Output
+    from asperity.ask.solid import OF_TABLES, HalfSpace
+    from asperity.ask.surface import MeasuredSurface
     from asperity.solids.arguments import POISSON
 
     words = {
@@ -261,12 +261,12 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     of_solid = {*OF_LAWS["creep"], *OF_TABLES.values()}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
     for section, model, names in (
-        ("surface", MeasuredSurface, set(MeasuredSurface.model_fields) - {"path", "unit"}),
+        ("surface", MeasuredSurface, set(MeasuredSurface.keys) - {"path", "unit"}),
         ("solid", HalfSpace, of_solid),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
         ("friction", Friction, {"shear_strength"}),
-        ("carried", Carried, set(Carried.model_fields)),
+        ("carried", Carried, set(Carried.keys)),
         ("output", Output, {"figures", "measured", "pixel", "blur", "threshold"}),
     ):
         for name, key in keys_of(model).items():
@@ -277,7 +277,8 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:
-    from asperity.app.config.mistakes import ORDER, flag_of
+    from asperity.app.config.mistakes import flag_of
+    from asperity.ask.run import ORDER
 
     name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))
     text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")

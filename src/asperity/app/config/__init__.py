@@ -1,6 +1,5 @@
-"""The configuration of a run: its model, its file, and how its mistakes are named."""
+"""The configuration of a run: its file, and how its mistakes are named."""
 
-from asperity.app.config.models import RunConfig
 from asperity.app.config.reading import (
     config_from,
     file_surface,
@@ -10,7 +9,8 @@ from asperity.app.config.reading import (
     to_tables,
     to_toml,
 )
-from asperity.app.config.surfaces import MeasuredSurface
+from asperity.ask.run import RunConfig
+from asperity.ask.surface import MeasuredSurface
 
 __all__ = [
     "MeasuredSurface",

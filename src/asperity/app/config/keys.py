@@ -1,18 +1,19 @@
-"""One description of the keys of a configuration, from which flags, forms and reference pages are made.
-
-It is read from the models, so a new key has its flag, its field and its lines.
-"""
+"""Keys as the doors show them: from each, its flag, its field in the form and its line of the reference."""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
-from pydantic import BaseModel
-
-from asperity.app.config.models import FILES, KINDS, LEGS, SECTIONS, RunConfig
+from asperity.ask.legs import keys_of_leg
+from asperity.ask.run import FILES
+from asperity.ask.section import KINDS, Section
+from asperity.ask.section import Keys as Parameters
+from asperity.base.parameters import Parameter
+from asperity.errors import LARGEST
+from asperity.protocols import KINDS as LEGS
 
 What = Literal[
     "number",
@@ -65,6 +66,8 @@ class Key:
 
 Keys = dict[str, Key]
 
+_SEVERAL = {"legs": "legs", "text or whole": "texts"}
+
 
 def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     """Keys of all sections, by section, kind ("" where a section has no kinds) and name.
@@ -72,59 +75,79 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
     are too long for a flag or a field of a form.
     """
-    kinds: dict[str, Mapping[str, type[BaseModel]]] = {**KINDS, "protocol": LEGS}
+    kinds = {
+        name: {kind: keys_of(one) for kind, one in kinds.items()} for name, kinds in KINDS.items()
+    }
+    kinds["protocol"] = {kind: _keys(keys_of_leg(kind)) for kind in LEGS}
+    order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
     return {
         section: {
             kind: {
-                name: key
-                for name, key in keys_of(model).items()
-                if not (short and key.what == "lists of pairs")
+                name: key for name, key in keys.items() if not (short and key.what == "lists of pairs")
             }
-            for kind, model in (kinds.get(section) or {"": SECTIONS[section]}).items()
+            for kind, keys in kinds[section].items()
         }
-        for section in RunConfig.model_fields
+        for section in order
     }
 
 
-@functools.cache  # a command asks often, and a schema takes milliseconds
-def keys_of(model: type[BaseModel]) -> Keys:
-    """Keys of one model, but for its kind."""
-    schema = model.model_json_schema()
-    schema = schema["$defs"][model.__name__] | schema if "$ref" in schema else schema
-    needed = schema.get("required", [])
-    return {
-        name: _key(name, facts, required=name in needed)
-        for name, facts in schema["properties"].items()
-        if name != "kind"
-    }
+@functools.cache
+def keys_of(section: type[Section]) -> Keys:
+    """Keys of one section."""
+    return _keys(section.keys)
 
 
-def _key(name: str, facts: dict[str, Any], *, required: bool) -> Key:
-    kinds = [kind for kind in facts.get("anyOf", [facts]) if kind.get("type") != "null"]
-    several = "items" in kinds[0]
-    schema = kinds[0]["items"] if several else kinds[0]
-    choices = tuple(schema.get("enum", [schema["const"]] if "const" in schema else []))
-    plain = {"number": "number", "integer": "whole", "boolean": "switch", "string": "text"}
-    sort = "choice" if choices else plain.get(schema.get("type"), "legs")
-    if "prefixItems" in schema:
-        sort = "pair"
-    elif "items" in schema:
-        sort = "lists of pairs"
-    elif len(kinds) > 1:
-        sort = "text or whole"
-    elif sort == "text" and name in FILES.values():
-        sort = "path"
+def _keys(parameters: Parameters) -> Keys:
+    return {name: _key(name, parameter) for name, parameter in parameters.items()}
+
+
+def _key(name: str, parameter: Parameter) -> Key:
+    quantity, default, item = parameter.quantity, parameter.default, parameter.item
+    text = f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
+    one = parameter if parameter.words or item is None else item
+    sort = _sort(name, one)
+    if item is not None and not parameter.words:
+        sort = "lists of pairs" if item.item is not None else _SEVERAL.get(sort, f"{sort}s")
+    bounds = _bounds(one, sort)
     return Key(
         name=name,
-        what=cast(What, f"{sort}s" if several and sort not in ("legs", "lists of pairs") else sort),
-        unit=schema.get("unit", ""),
-        units=tuple(part.get("unit", "") for part in schema.get("prefixItems", ())),
-        choices=choices,
-        default=facts.get("default"),
-        required=required,
-        least=schema.get("exclusiveMinimum", schema.get("minimum")),
-        most=schema.get("exclusiveMaximum", schema.get("maximum")),
-        above="exclusiveMinimum" in schema,
-        below="exclusiveMaximum" in schema,
-        description=facts.get("description", ""),
+        what=sort,  # type: ignore[arg-type]
+        unit=one.unit if sort.startswith("number") else "",
+        units=tuple(part.unit for part in one.pair) if one.pair else (),
+        choices=one.words,
+        default=None if default is dataclasses.MISSING else list(default) if isinstance(default, tuple) else default,
+        required=default is dataclasses.MISSING,
+        least=bounds.get("above", bounds.get("least")),
+        most=bounds.get("below", bounds.get("most")),
+        above="above" in bounds,
+        below="below" in bounds,
+        description=text[0].upper() + text[1:],
     )
+
+
+def _sort(name: str, one: Parameter) -> str:
+    """Type of one entry."""
+    if one.words:
+        return "choice"
+    if one.pair:
+        return "pair"
+    if float in one.kinds:
+        return "number"
+    if bool in one.kinds:
+        return "switch"
+    if int in one.kinds:
+        return "text or whole" if str in one.kinds else "whole"
+    if str in one.kinds:
+        return "path" if name in FILES.values() else "text"
+    return "legs"
+
+
+def _bounds(one: Parameter, sort: str) -> dict[str, float]:
+    """Bounds of a number; a finite one has both."""
+    if sort.removesuffix("s") not in ("number", "whole"):
+        return {}
+    bounds = one.bounds
+    if sort.startswith("number") and "inf" not in one.kinds:
+        bounds = ({} if "above" in bounds else {"least": -LARGEST}) | bounds
+        bounds = ({} if "below" in bounds else {"most": LARGEST}) | bounds
+    return bounds

@@ -6,11 +6,11 @@ import math
 import textwrap
 from typing import Any
 
-from asperity.app.config.models import RunConfig
-from asperity.app.config.surfaces import MeasuredSurface
+from asperity.ask.carried import Carried
+from asperity.ask.run import RunConfig
+from asperity.ask.surface import MeasuredSurface
 from asperity.base.parameters import Law, parameters_of
 from asperity.base.version import __version__
-from asperity.carried import Carried
 from asperity.errors import InputError
 from asperity.protocols import Leg
 
@@ -25,13 +25,13 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     `times` are written where the configuration does not give first, last and how many. `InputError` if what
     presses is left open.
     """
-    pressed = config.contact.model_dump(exclude_none=True)
+    pressed = config.contact.table
     if not pressed:
         raise InputError("contact", expected="a load, a pressure or a separation", got="none")
     contact = _call("asp.press", "rough", "solid", **pressed)
     arguments: dict[str, Any] = {}
     if config.protocol:
-        arguments["protocol"] = list(config.legs)
+        arguments["protocol"] = list(config.protocol)
     arguments |= {"hold": config.aging.hold, "rtol": config.aging.rtol, "fields_at": config.output.maps_at}
     arguments["carried"] = config.carries
     arguments = {name: value for name, value in arguments.items() if value not in (None, [])}
@@ -52,9 +52,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
     if not config.protocol:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
-    if config.friction.shear_strength is not None:
-        strength = {name: value for name, value in config.friction.model_dump().items() if value}
-        law = _call("asp.friction.ShearStrength", repr(strength.pop("shear_strength")), **strength)
+    if (strength := config.friction.strength) is not None:
+        law = _call("asp.friction.ShearStrength", **{name: one for name, one in vars(strength).items() if one})
         lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', law)}")
     return "\n".join([*lines, "print(history)", ""])
 

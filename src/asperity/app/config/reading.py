@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
-
-from asperity.app.config.creep import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
-from asperity.app.config.mistakes import Sections, spelled
-from asperity.app.config.models import FILES, KINDS, RunConfig
-from asperity.app.config.surfaces import MeasuredSurface
+from asperity.app.config.mistakes import Door, Sections
+from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
+from asperity.ask.run import FILES, RunConfig
+from asperity.ask.section import KINDS, Refused, Section
+from asperity.ask.surface import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
 from asperity.errors import ConfigError, InputError
@@ -38,35 +37,43 @@ def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
     return config_from({} if path is None else read_tables(path), flags, path)
 
 
-def config_from(tables: dict[str, Any], flags: Sections, path: Path | None) -> RunConfig:
-    """Check the tables of a file, overridden by flags; ``path`` names the file in mistakes.
+def config_from(
+    tables: dict[str, Any],
+    flags: Sections,
+    path: Path | None,
+    names: Mapping[tuple[str, str], str] | None = None,
+) -> RunConfig:
+    """Check the tables of a file, overridden by flags; ``path`` and ``names`` are for mistakes.
 
     `ConfigError` with one line for each mistake.
     """
-    merged = _merged(tables, flags)
+    merged, mistakes = _merged(tables, flags), list[InputError]()
+    if merged.pop("sweep", None) is not None:
+        said, advice = "makes this the file of a campaign, not of a run", "asperity sweep FILE --out FOLDER"
+        mistakes.append(InputError("sweep", said=said, advice=advice, path=("sweep",)))
     try:
-        return RunConfig.model_validate(merged)
-    except ValidationError as error:
-        raise ConfigError(spelled(error.errors(), flags, path)) from None
+        config = RunConfig.read(merged)
+    except Refused as error:
+        mistakes += error.mistakes
+    if mistakes:
+        raise Door(flags, path, names).refused(mistakes)
+    return config
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
     """Check the preparation of a surface file; `ConfigError` with one line for each mistake."""
     try:
-        section: MeasuredSurface = MeasuredSurface.model_validate({"path": str(path), **flags})
-    except ValidationError as error:
-        raise ConfigError(spelled(error.errors(), {"surface": flags}, None, "surface")) from None
-    return section
+        return MeasuredSurface(path=str(path), **flags)
+    except Refused as error:
+        raise Door({"surface": flags}).refused(error.mistakes) from None
 
 
 def to_tables(config: RunConfig) -> dict[str, Any]:
     """Tables of which `from_tables` makes the same configuration, without draws."""
-    tables: dict[str, Any] = config.model_dump(exclude_none=True)
+    tables = config.tables
     if "times" in tables["aging"]:
         for rival in ("first", "last", "per_decade"):
             tables["aging"].pop(rival, None)
-    if not config.protocol:
-        del tables["protocol"]
     for name in ("contact", "friction"):
         if not tables[name]:
             del tables[name]
@@ -77,7 +84,7 @@ def to_tables(config: RunConfig) -> dict[str, Any]:
 
 def from_tables(tables: dict[str, Any]) -> RunConfig:
     """Make a configuration of the tables of `to_tables`."""
-    return RunConfig.model_validate(tables)
+    return RunConfig.read(tables)
 
 
 def to_toml(config: RunConfig) -> str:
@@ -132,6 +139,8 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
                 table.pop(rival, None)
         table.update(keys)
     for section, kinds in KINDS.items():
+        if "" in kinds:
+            continue
         table = merged.setdefault(section, {})
         if not isinstance(table, dict):
             continue
@@ -141,7 +150,7 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         usual = "file" if section == "surface" and "path" in table else next(iter(kinds))
         table.setdefault("kind", usual)
         _drop_foreign(kinds, table, tables.get(section), chosen)
-        of_kind = getattr(kinds.get(str(table["kind"])), "model_fields", {})
+        of_kind = getattr(kinds.get(str(table["kind"])), "keys", {})
         if "spacing" in of_kind and "pixel_size" in table.keys() - of_kind.keys() and "spacing" not in table:
             table["spacing"] = table.pop("pixel_size")
     return merged
@@ -157,12 +166,12 @@ def _rivals(section: str, key: str, value: object) -> set[str]:
 
 
 def _drop_foreign(
-    kinds: Mapping[str, type[BaseModel]], table: dict[str, Any], before: object, chosen: dict[str, object]
+    kinds: Mapping[str, type[Section]], table: dict[str, Any], before: object, chosen: dict[str, object]
 ) -> None:
     """Drop the keys of the file for its kind, if a flag replaces that."""
     model = kinds.get(table["kind"]) if isinstance(table["kind"], str) else None
     old = before.get("kind", next(iter(kinds))) if isinstance(before, dict) else table["kind"]
     if model is None or old == table["kind"] or old not in kinds:
         return
-    for key in set(kinds[old].model_fields) - set(model.model_fields) - set(chosen):
+    for key in set(kinds[old].keys) - set(model.keys) - set(chosen):
         table.pop(key, None)

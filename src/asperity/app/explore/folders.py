@@ -24,6 +24,7 @@ from asperity.app.config import RunConfig, config_from
 from asperity.app.config.python import to_python
 from asperity.app.explore.scene import Arrays, Header, Recording, ending, recorded
 from asperity.app.runs import recorded_times
+from asperity.app.runs.pipeline import height_law
 from asperity.base import files
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import Schedule, described
@@ -129,7 +130,7 @@ def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
     recording = recorded(dataset, config, job=job, title=printable(folder.resolve().name))
     rows = files.marker_of(folder).get("rows")
     if rows is None:  # a saved history, or a folder of a version that kept none
-        law = None if config is None else config.surface.law
+        law = None if config is None else height_law(config.surface)
         held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
         rows = words_of(history_rows(dataset, aging_summary(dataset, law=law) if held else None))
     recording.end = ending(dataset, rows)
@@ -200,7 +201,7 @@ def _of_campaign(plan: Plan, store: Store, run: Run, name: str) -> tuple[Recordi
     dataset.attrs |= finished.lattice | attributes_of_solid(config.solid.build())
     series = dict(zip(QUANTITIES, finished.series, strict=True))
     if config.protocol:
-        dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.legs])
+        dataset.attrs["protocol"] = json.dumps([described(leg) for leg in config.protocol])
         schedule = Schedule.of(config.written_out, np.unique(series["time"]))
         dataset.attrs["switches"] = json.dumps(schedule.switches)
     dataset = dataset.assign_coords(time=series["time"])

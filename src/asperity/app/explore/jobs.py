@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.config import RunConfig, to_tables
-from asperity.app.config.models import FILES
+from asperity.ask.run import FILES
 from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
 

@@ -42,7 +42,8 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return mistake(brief(str(error).replace(path, name)), where)
     match error:
         case ConfigError():
-            return [{"where": _place(one), "text": without_flags(one)} for one in error.shown]
+            places = [*map(_place, error.mistakes), *[""] * len(error.shown)]
+            return [{"where": where, "text": one} for where, one in zip(places, error.shown, strict=False)]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
             homes = {one: kinds.values() for one, kinds in sections().items() if one != "protocol"}
@@ -57,10 +58,7 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
     return mistake(f"unexpected: {type(error).__name__}: {reason_of(error)}")
 
 
-def _place(problem: str) -> str:
-    """The key that a line of `ConfigError` names."""
-    if leg := _LEG.match(problem):
-        return ".".join(filter(None, (leg[1].replace(" ", "."), leg[2])))
-    if problem.startswith("[") and (match := re.match(r"^\[(\w+)\](?: (\w+):)?", problem)):
-        return ".".join(filter(None, match.groups()))
-    return ""
+def _place(mistake: InputError) -> str:
+    """The field of a mistake: ``contact.load``, ``protocol[0].load``."""
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in mistake.path)
+    return "".join(parts).removeprefix(".")

@@ -31,7 +31,7 @@ from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
-from asperity.app.config.models import FILES
+from asperity.ask.run import FILES
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
 from asperity.app.explore.jobs import Job, Jobs

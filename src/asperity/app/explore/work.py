@@ -68,8 +68,8 @@ class _Teller(Progress):
         if self._recording.scene is None:
             config, output, surface = self._config, self._asked.output, self._config.surface
             if (path := str(surface.file)) in self._shown:  # by the name that the user knows
-                surface = surface.model_copy(update={"path": self._shown[path]})
-            written = config.model_copy(update={"output": output, "surface": surface})
+                surface = surface.but(path=self._shown[path])
+            written = config.but(output=output, surface=surface)
             facts = {"last_time": config.end, "python": to_python(written, list(self._times))}
             self._recording.begin(started(frame, config), written, self._title, **facts)
             scene: Header = self._recording.scene or {}
@@ -86,8 +86,8 @@ def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header
     begun, teller = perf_counter(), _Teller(tell, config, shown, title)
     # The page takes its maps from the moments as they come, unless an instrument looks at those of the run.
     if config.output.maps_at is None and not config.output.instrument:
-        output = config.output.model_copy(update={"maps_at": []})
-        config = config.model_copy(update={"output": output})
+        output = config.output.but(maps_at=[])
+        config = config.but(output=output)
     try:
         outcome = execute(config, teller)
     except BrokenPipeError:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from asperity.analysis.prediction import Prediction
-from asperity.app.config.models import Output
+from asperity.ask.run import Output
 from asperity.base.calls import remarks_made
 from asperity.base.words import tables_to_toml
 from asperity.figures import write

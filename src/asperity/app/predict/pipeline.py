@@ -15,8 +15,8 @@ from asperity.analysis.predicting import (
 )
 from asperity.analysis.prediction import Prediction
 from asperity.app.config import RunConfig
-from asperity.app.config.models import Contact as ContactSection
-from asperity.app.config.solids import HalfSpace
+from asperity.ask.run import Contact as ContactSection
+from asperity.ask.solid import HalfSpace
 from asperity.app.runs.pipeline import check_units, completed, recorded_times, unused
 from asperity.errors import InputError
 from asperity.lattice import Field
@@ -59,14 +59,14 @@ def predict_config(
         raise InputError("[surface] periodic", expected=expected, got="'mirror'", advice=advice)
     aging = config.aging
     if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
-        config = config.model_copy(update={"aging": aging.model_copy(update={"first": loading})})
+        config = config.but(aging=aging.but(first=loading))
     progress.stage("reading the scan")
     scan, material = surface.build(), section.material
     scan.in_meters()
     check_units(config, material.solid, scan)
     idle = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
     not_used = unused(config, "a prediction", idle)
-    config, remarks = completed(config.model_copy(update={"surface": surface}), material.solid, scan)
+    config, remarks = completed(config.but(surface=surface), material.solid, scan)
     times = recorded_times(config)
     times = times[times > 0]
     if not legs:
@@ -76,7 +76,7 @@ def predict_config(
         material,
         scan,
         times,
-        config.contact.model_dump(exclude_none=True),
+        config.contact.table,
         legs=legs,
         ramp=loading,
         strength=config.friction.shear_strength,
@@ -103,17 +103,17 @@ def _check_times(config: RunConfig, times: Field) -> None:
 
 def _loading_of(config: RunConfig) -> tuple[RunConfig, float]:
     """Replace a protocol of a ramp and a hold by a load and its ramp; or begin another one at load 0."""
-    pressed = config.contact.model_dump(exclude_none=True)
-    match config.legs:
+    pressed = config.contact.table
+    match config.protocol:
         case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (
             pressed in ({}, {"load": 0}) and up.mobility == held.mobility == 1
         ):
             asked = {
                 "contact": ContactSection(load=up.load, pressure=up.pressure),
-                "aging": config.aging.model_copy(update={"last": up.duration + held.duration}),
+                "aging": config.aging.but(last=up.duration + held.duration),
                 "protocol": [],
             }
-            return config.model_copy(update=asked), up.duration
+            return config.but(**asked), up.duration
         case (up, *_) if up.target and up.duration and not pressed:
-            return config.model_copy(update={"contact": ContactSection.model_construct(load=0.0)}), 0.0
+            return config.but(contact=ContactSection(load=0.0)), 0.0
     return config, 0.0

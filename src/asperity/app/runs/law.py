@@ -6,16 +6,16 @@ from typing import Any
 
 from asperity.analysis import law
 from asperity.app.config import RunConfig
-from asperity.app.config.models import Aging, Contact, Friction, Output
+from asperity.ask.run import Aging, Contact, Friction, Output
 from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
 from asperity.errors import InputError
 from asperity.progress import Progress
 
 _UNUSED = {
     "solid": ("draws",),
-    "contact": tuple(Contact.model_fields),
+    "contact": tuple(Contact.keys),
     "aging": ("first", "last", "per_decade", "hold"),
-    "friction": tuple(Friction.model_fields),
+    "friction": tuple(Friction.keys),
     "output": ("maps_at", "pixel", "blur", "threshold"),
 }
 """Keys that a law does not use, by section."""
@@ -37,15 +37,15 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
     if solid.in_lengths:
         scan.in_meters()
     check_units(config, solid, scan)
-    carried = config.carried.model_copy(update={"stiffness": True} if solid.half_space else {})
-    config = config.model_copy(update={"surface": surface, "carried": carried})
+    carried = config.carried.but(**{"stiffness": True} if solid.half_space else {})
+    config = config.but(surface=surface, carried=carried)
     times, rtol = config.aging.times, config.aging.rtol
     dataset = law(solid, scan, times=times, carried=config.carries, rtol=rtol, progress=progress, **asked)
     pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
-    used, remarks = completed(config.model_copy(update={"contact": pressed}), solid, scan)
+    used, remarks = completed(config.but(contact=pressed), solid, scan)
     update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}
     update |= {
         "output": Output(figures=config.output.figures),
         "aging": Aging(times=dataset["time"].values.tolist(), rtol=rtol),
     }
-    return Outcome(used.model_copy(update=update), dataset, None, remarks + unused(config, "a law", _UNUSED))
+    return Outcome(used.but(**update), dataset, None, remarks + unused(config, "a law", _UNUSED))

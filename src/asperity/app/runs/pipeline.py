@@ -17,16 +17,17 @@ from asperity.analysis.plausible import remark_on_loading, remarks_on_contact, r
 from asperity.analysis.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
-from asperity.app.config.models import Contact as ContactSection
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
+from asperity.ask.run import Contact as ContactSection
+from asperity.ask.surface import SurfaceSection
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import check_half_space
 from asperity.contact.bodies import bodies_of
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.fits.measurements import measured_area
-from asperity.friction import ShearStrength, add_friction
+from asperity.friction import add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
@@ -34,6 +35,8 @@ from asperity.results import Checkpoint
 from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid
 from asperity.surfaces import Surface
+from asperity.theory import ExponentialHeights, GaussianHeights
+from asperity.theory.heights import HeightLaw
 
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
@@ -70,7 +73,8 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     if config.surface.lattice is None:
         _require_memory(rough.shape, solid, config)
     check_units(config, solid, rough)
-    law = _shear_strength(config)  # refuses before hours have passed, as does the next
+    if (law := config.friction.strength) is not None:  # refuses before hours have passed, as does the next
+        law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
     bodies = bodies_of(rough, solid)  # refuses before anything is compiled
     if config.protocol:
         check_slides(config.written_out, bodies.lattice, solid)
@@ -82,7 +86,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     for remark in remarks:
         progress.remark(remark)
     progress.stage(f"pressing {' x '.join(map(str, rough.shape))} sites")
-    contact = pressed(rough, solid, **config.contact.model_dump())
+    contact = pressed(rough, solid, **config.contact.table)
     if contact.area == 0:
         expected, advice = (
             f"one at which the solids touch, below {contact.heights.max():.6g}",
@@ -96,7 +100,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     history = age(
         contact,
         times,
-        protocol=config.legs or None,
+        protocol=config.protocol or None,
         hold=config.aging.hold,
         rtol=config.aging.rtol,
         fields_at=config.output.maps_at or (),
@@ -119,7 +123,7 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
     except (InputError, ConvergenceError, PulledOff) as error:  # the history is worth keeping all the same
         remarks += (f"no relaxed state: {error}",)
     dataset = dataset.assign_attrs(config=to_toml(config))
-    return Outcome(config, dataset, aging_summary(dataset, law=config.surface.law), remarks)
+    return Outcome(config, dataset, aging_summary(dataset, law=height_law(config.surface)), remarks)
 
 
 def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> None:
@@ -129,6 +133,12 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
     require(needed, shape, power_of_two=config.surface.only_powers_of_two)
 
 
+def height_law(surface: SurfaceSection) -> HeightLaw | None:
+    """The law of the heights, if the sites are independent."""
+    laws: dict[str, type[HeightLaw]] = {"gaussian": GaussianHeights, "exponential": ExponentialHeights}
+    return laws[surface.kind](surface.rms) if surface.kind in laws else None
+
+
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     """Refuse numbers with units beside a surface or a solid without; and a measured area in other units."""
     si = solid.in_lengths and rough.has_lengths
@@ -136,7 +146,7 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
         measured_area(config.output.measured, si=si)
     if si:
         return
-    if (text := next(written_with_units(config.model_dump()), None)) is not None:
+    if (text := next(written_with_units(config.tables), None)) is not None:
         expected, advice = f"plain numbers for a {solid.kind}, which is defined on sites", "solid half_space"
         if solid.in_lengths:
             expected = "plain numbers, as the surface has no unit of length"
@@ -180,7 +190,7 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
     remarks = rough.remarks + _odd_numbers(config, solid.modulus, rough) + assumed
     contact = config.contact
-    if not contact.model_dump(exclude_none=True):
+    if not contact.table:
         contact, remark = _usual_contact(config, solid, rough)
         remarks += (remark,)
     remarks += remarks_on_edges(rough)
@@ -201,12 +211,12 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
             "try periodic = 'reflect' (--periodic reflect)",
         )
-    if rough.heights.ndim == 1 and chosen.law is not None:
+    if rough.heights.ndim == 1 and height_law(chosen) is not None:
         n = rough.heights.size
         remarks += (
             f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
         )
-    match config.legs:
+    match config.protocol:
         case (Ramp() as up, *_) if contact.load == 0 and config.aging.times is not None:
             end = written(up.duration, "s") if rough.has_lengths else f"{up.duration:g}"
             remarks += remark_on_loading(config.aging.times, up.duration, end)
@@ -216,15 +226,15 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
     aging = config.aging
     if aging.times is None:
         ends = dict(zip(("first", "last"), config.span, strict=True))
-        aging = aging.model_copy(update={"first": ends["first"]} if config.protocol else ends)
+        aging = aging.but(**{"first": ends["first"]} if config.protocol else ends)
     completed = {
         "surface": chosen,
         "solid": config.solid.resolved(),
         "contact": contact,
         "aging": aging,
-        "output": config.output.model_copy(update={"maps_at": maps_at}),
+        "output": config.output.but(maps_at=maps_at),
     }
-    return config.model_copy(update=completed), remarks
+    return config.but(**completed), remarks
 
 
 def unused(config: RunConfig, name: str, keys: Mapping[str, Iterable[str]] = _DRAWS) -> tuple[str, ...]:
@@ -232,8 +242,8 @@ def unused(config: RunConfig, name: str, keys: Mapping[str, Iterable[str]] = _DR
     idle = [
         f"[{section}] {key}"
         for section, unused_keys in keys.items()
-        for key, value in getattr(config, section)
-        if key in unused_keys and key in getattr(config, section).model_fields_set and value is not None
+        for key, value in vars(getattr(config, section)).items()
+        if key in unused_keys and key in getattr(config, section).stated and value is not None
     ]
     return (f"{name} does not use {', '.join(idle)}",) if idle else ()
 
@@ -281,15 +291,3 @@ def _observed(dataset: xr.Dataset, instrument: dict[str, Any]) -> xr.Dataset:
     described = {"long_name": "contact area that the instrument sees", "units": unit}
     areas = [observe(one, **instrument).area for one in maps]
     return dataset.assign(area_observed=("field_time", areas, described))
-
-
-def _shear_strength(config: RunConfig) -> ShearStrength | None:
-    """The law of the shear strength, if there is one; it must know all velocities."""
-    friction = config.friction
-    if friction.shear_strength is None:
-        return None
-    law = ShearStrength(
-        friction.shear_strength, friction.rate_coefficient or 0.0, friction.reference_velocity
-    )
-    law.at([leg.speed for leg in config.written_out if leg.speed] or [0.0])
-    return law

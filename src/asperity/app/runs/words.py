@@ -9,7 +9,7 @@ import xarray as xr
 from asperity.analysis.rows import Row, history_rows
 from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
-from asperity.app.config.surfaces import SurfaceSection
+from asperity.ask.surface import SurfaceSection
 from asperity.app.runs.pipeline import Outcome
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
@@ -35,7 +35,7 @@ def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: s
 
 
 def _surface(outcome: Outcome) -> str:
-    chosen = outcome.config.surface.model_dump(exclude_none=True)
+    chosen = outcome.config.surface.table
     if chosen["kind"] == "file":
         lattice = " x ".join(str(n) for n in outcome.dataset["heights"].shape)
         silent = ("kind", "path", "max_undefined", "channel", "resample", "despike")
@@ -48,8 +48,8 @@ def _surface(outcome: Outcome) -> str:
 
 def described(surface: SurfaceSection) -> str:
     """The parameters of a surface, in a line."""
-    facts, apart = surface.model_dump(exclude_none=True, exclude={"kind"}), ("places", "radii", "heights")
-    words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items())
+    facts, apart = surface.table, ("places", "radii", "heights")
+    words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items() if k != "kind")
     return f"{surface.kind}: {', '.join(words)}"
 
 
@@ -62,7 +62,7 @@ def _word(value: object, between: str) -> str:
 
 
 def _solid(config: RunConfig, dataset: xr.Dataset) -> str:
-    described = config.solid.model_dump(exclude_none=True)
+    described = config.solid.table
     kind, parts = described.pop("kind"), []
     units = units_named(
         {str(name): str(one.attrs.get("units", "")) for name, one in dataset.variables.items()}

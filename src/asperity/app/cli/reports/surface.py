@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
-from asperity.app.config.surfaces import MeasuredSurface, SurfaceSection
+from asperity.ask.surface import MeasuredSurface, SurfaceSection
 from asperity.app.runs.words import described
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
@@ -28,11 +28,11 @@ def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found["lines"] = "none"
     as_found |= dict.fromkeys(("crop", "longest", "shortest"))
-    unprepared = settings.model_copy(update=as_found).build()
+    unprepared = settings.but(**as_found).build()
     prepared = settings.build()
     # The border of a tapered scan was not measured.
     tapered = settings.rule == "taper"
-    scan = settings.model_copy(update={"periodic": "wrap"}).build() if tapered else prepared
+    scan = settings.but(periodic="wrap").build() if tapered else prepared
     spectrum, done = power_spectrum(scan), _preparation(prepared)
     shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))
     note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])

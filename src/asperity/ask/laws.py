@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Iterable
+from typing import Literal
 
-from pydantic import AfterValidator
-
-from asperity.app.config.sections import any_of, field_of, usual
-from asperity.base.parameters import parameters_of
+from asperity.ask.section import Keys
+from asperity.base.parameters import Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
+from asperity.errors import Name
 from asperity.solids import LAWS
 
 
-def marked(keys: set[str]) -> str:
-    """Keys for a message, marked, so that it can name their flags."""
-    return ", ".join(f"`{key}`" for key in sorted(keys))
+def any_of(words: Iterable[str]) -> str:
+    """Words of which one is meant: ``one, two or three``."""
+    *some, last = words
+    return f"{', '.join(some)} or {last}" if some else last
+
+
+def named(keys: Iterable[str], between: str = ", ") -> tuple[str, ...]:
+    """Keys for a message, as each door writes them."""
+    parts = [part for key in sorted(keys) for part in (between, Name(key))]
+    return tuple(parts[1:]) or ("none",)
 
 
 FORMULAS = {
@@ -43,24 +50,20 @@ OF_LAWS = {
 
 _SAID = {
     "creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure, "
-    "or on the lattice of springs the force of a spring to the bulk.",
-    "adhesion": f"Law of adhesion: {FORMULAS['adhesion']}.",
+    "or on the lattice of springs the force of a spring to the bulk",
+    "adhesion": f"Law of adhesion: {FORMULAS['adhesion']}",
 }
 
 
-def _keys(kind: str) -> dict[str, Any]:
+def _keys(kind: str) -> Keys:
     """Keys of the laws of a kind."""
-    word = Annotated[
-        Literal[(*LAWS[kind], "none")] | None,  # type: ignore[valid-type]
-        AfterValidator(lambda word: None if word == "none" else word),
-    ]
-    numbers = {
-        f"{kind}_{name}": field_of(parameter.optional)
+    words = Parameter(Literal[(*LAWS[kind], "none")] | None, (Quantity(_SAID[kind]),), None)  # type: ignore[operator, arg-type]
+    return {kind: words} | {
+        f"{kind}_{name}": parameter.optional
         for law in LAWS[kind].values()
         for name, parameter in parameters_of(law).items()
     }
-    return {kind: (word, usual(None, _SAID[kind])), **numbers}
 
 
-KEYS: dict[str, dict[str, Any]] = {kind: _keys(kind) for kind in LAWS}
+KEYS: dict[str, Keys] = {kind: _keys(kind) for kind in LAWS}
 """Keys of laws, by the argument of a solid that takes one."""

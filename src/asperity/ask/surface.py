@@ -6,31 +6,31 @@ import hashlib
 from collections.abc import Callable
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self, cast
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
 
-from asperity.app.config.sections import Section, arguments_of, keys_of_maker, listed, made, usual
+from asperity.ask.section import Section, arguments_of, keys_of_maker
 from asperity.base.files import content_of, expanded
+from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.surfaces import KINDS, Surface
 from asperity.surfaces.heights import sides_of_pixels
 
-if TYPE_CHECKING:
-    from asperity.theory.heights import HeightLaw
-
 
 class SurfaceSection(Section):
     """A surface, of one kind or another."""
 
-    kind: str
-    edges: Literal["periodic", "reflecting", "free"] | None = usual(
-        None,
-        "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default "
-        "they depend on the kind of surface, and on how a scan is made periodic.",
-    )
+    section = "surface"
+
+    edges: Annotated[
+        Literal["periodic", "reflecting", "free"] | None,
+        Quantity(
+            "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default "
+            "they depend on the kind of surface, and on how a scan is made periodic"
+        ),
+    ] = None
 
     @property
     def make(self) -> Callable[..., Any]:
@@ -51,14 +51,6 @@ class SurfaceSection(Section):
         return hasattr(self, "size")
 
     @property
-    def law(self) -> HeightLaw | None:
-        """The law of the heights, if the sites are independent."""
-        from asperity.theory import ExponentialHeights, GaussianHeights
-
-        laws = {"gaussian": GaussianHeights, "exponential": ExponentialHeights}
-        return cast("HeightLaw", laws[self.kind](self.model_dump()["rms"])) if self.kind in laws else None
-
-    @property
     def file(self) -> Path | None:
         """The file on which it depends, if any."""
         path = getattr(self, "path", None)
@@ -66,7 +58,7 @@ class SurfaceSection(Section):
 
     def anywhere(self) -> Self:
         """The same, with an absolute path of its file."""
-        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
+        return self if self.file is None else self.but(path=str(self.file.resolve()))
 
     @property
     def scan(self) -> Self:
@@ -103,7 +95,8 @@ class SurfaceSection(Section):
         surface, around = self.make(first, **facts), self.around
         if isinstance(surface, Surface) and not around:
             return surface
-        origin = self.model_dump(exclude_none=True, exclude={"edges"})
+        origin = self.table
+        origin.pop("edges", None)
         if "pixel_size" in around:
             origin |= {"pixel_size": list(around["pixel_size"]), "length_unit": around.get("unit", "")}
         if self.file is not None:
@@ -111,26 +104,11 @@ class SurfaceSection(Section):
         return Surface(np.asarray(surface), **around, provenance=origin)
 
 
-def _section_of(kind: str) -> type[SurfaceSection]:
-    name = f"{kind.title().replace('_', '')}Surface"
-    return made(name, __name__, SurfaceSection, kind, keys_of_maker(KINDS[kind]))
-
-
-class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
+class MeasuredSurface(SurfaceSection.of_kind("file", keys_of_maker(KINDS["file"]))):  # type: ignore[misc]
     """Heights from a file; see `asperity.surfaces.read`."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _with_length_unit(cls, keys: Any) -> Any:
-        """Pixel sizes with a unit, as numbers in the unit of length that they name or that is given."""
-        sizes = listed(keys.get("pixel_size")) if isinstance(keys, dict) else None
-        if not isinstance(sizes, list | tuple) or not any(map(has_unit, sizes)):
-            return keys
-        try:
-            numbers, unit = sides_of_pixels(sizes, len(sizes), keys.get("length_unit"))
-        except InputError:  # the key itself is refused
-            return keys
-        return keys | {"pixel_size": list(numbers), "length_unit": unit}
+    def __init__(self, **table: Any) -> None:
+        super().__init__(**_with_length_unit(table))
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
@@ -142,7 +120,7 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
     @property
     def scan(self) -> Self:
         """The same, with reflecting edges in place of mirrored copies."""
-        return self.model_copy(update={"periodic": "reflect"}) if self.rule == "mirror" else self
+        return self.but(periodic="reflect") if self.rule == "mirror" else self
 
     @property
     def arguments(self) -> tuple[Any, dict[str, Any]]:
@@ -156,6 +134,20 @@ class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
         return {}
 
 
+def _with_length_unit(table: dict[str, Any]) -> dict[str, Any]:
+    """Pixel sizes with a unit, as numbers in the unit of length that they name or that is given."""
+    size = table.get("pixel_size")
+    sizes = [size] if isinstance(size, str) else size
+    if not isinstance(sizes, list | tuple) or not any(map(has_unit, sizes)):
+        return table
+    try:
+        numbers, unit = sides_of_pixels(sizes, len(sizes), table.get("length_unit"))
+    except InputError:  # the key itself is refused
+        return table
+    return table | {"pixel_size": list(numbers), "length_unit": unit}
+
+
 SURFACES: dict[str, type[SurfaceSection]] = {
-    kind: MeasuredSurface if kind == "file" else _section_of(kind) for kind in KINDS
+    kind: MeasuredSurface if kind == "file" else SurfaceSection.of_kind(kind, keys_of_maker(make))
+    for kind, make in KINDS.items()
 }

@@ -1,0 +1,50 @@
+"""Carried quantities that a history records: which, and for which materials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from asperity.errors import InputError
+
+Each = float | str | Sequence[float | str]
+"""A number or a text with a unit, of the half-space and perhaps of the rough body."""
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Carried quantities of a half-space to record beside the normal stiffness; for `asperity.age`.
+
+    Parameters
+    ----------
+    resistivity
+        Record ``resistance``; see `Contact.resistance`.
+    conductivity
+        Record ``thermal_resistance``; see `Contact.thermal_resistance`.
+    poisson
+        Record ``tangential_stiffness``; see `Contact.tangential_stiffness`.
+    shear, friction
+        Record ``stick_fraction``, the share of the contact that sticks under this shear force, applied at
+        that time, with this coefficient of friction. It is 0 where the bodies slide: at loads up to
+        shear / friction. See `Contact.partial_slip`.
+    work_of_adhesion
+        Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
+        0 without contact. See `Contact.pull_off`.
+
+    Raises
+    ------
+    InputError
+        Only one of shear and friction is given.
+    """
+
+    resistivity: Each | None = None
+    conductivity: Each | None = None
+    poisson: float | None = None
+    shear: float | str | None = None
+    friction: float | None = None
+    work_of_adhesion: float | str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.shear is None) != (self.friction is None):
+            got = "friction" if self.shear is None else "shear"
+            raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")

@@ -1,0 +1,409 @@
+"""The sections of the configuration of a run, and their keys.
+
+Only the path of a measured surface has no default; the default load follows from the surface and the
+solid. The flags of the command line are made of these models.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from annotated_types import Ge, Gt, Le, Len
+
+from asperity.ask import section
+from asperity.ask.carried import Carried as CarriedQuantities
+from asperity.ask.legs import read_legs
+from asperity.ask.section import Refused, Section, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.solid import SOLIDS, SolidSection
+from asperity.ask.strength import ShearStrength
+from asperity.ask.surface import SURFACES, SurfaceSection
+from asperity.base.checks import choice, shown
+from asperity.base.files import Format
+from asperity.base.parameters import Quantity
+from asperity.errors import SHOWN_PROBLEMS, InputError, Name
+from asperity.protocols import Leg, described
+
+FILES = {"surface": "path", "solid": "relaxation", "output": "measured"}
+"""Keys that name files, by their sections."""
+
+_Time = Annotated[float, Ge(0), Le(1e30), Quantity("time", "s")]
+
+
+class Contact(Section):
+    """A load, a pressure or a separation; by default about 1 % of the surface touches."""
+
+    section = "contact"
+
+    load: Annotated[
+        float | None,
+        Quantity(
+            "Normal load; 0 before a ramp; may be negative with adhesion. "
+            "By default 0.005 (k0 + k1) x rms height x sites; on a continuum see the pressure",
+            "N",
+        ),
+    ] = None
+    pressure: Annotated[
+        float | None,
+        Quantity(
+            "Load over nominal area, in place of the load. By default, on a continuum, 0.005 E* x rms slope",
+            "Pa",
+        ),
+    ] = None
+    separation: Annotated[
+        float | None, Quantity("Mean height of the undeformed solid, in place of the load", "m")
+    ] = None
+
+    def check(self) -> None:
+        """Refuse two of the three."""
+        if len(names := list(self.table)) > 1:
+            got = "both" if len(names) == 2 else "all"
+            raise self.wrong(expected=f"{', '.join(names[:-1])} or {names[-1]}", got=got)
+
+
+class Aging(Section):
+    """The times to record ([0.0]: only the start and the limit), the constant quantity, and the tolerance."""
+
+    section = "aging"
+
+    first: Annotated[
+        float | None,
+        *(Gt(0), Le(1e30)),
+        Quantity(
+            "First time to record. By default that of the relaxation table, else a tenth of the "
+            "shortest relaxation time, else 0.001",
+            "s",
+        ),
+    ] = None
+    last: Annotated[
+        float | None,
+        *(Gt(0), Le(1e30)),
+        Quantity(
+            "Last time to record. By default that of the relaxation table, else ten times the "
+            "longest relaxation time, else 1e+06",
+            "s",
+        ),
+    ] = None
+    per_decade: Annotated[int, Ge(1), Le(1000), Quantity("Times to record in each decade")] = 4
+    times: Annotated[
+        Sequence[_Time] | None,
+        Len(1),
+        Quantity("List of times to record, in place of first, last and times per decade"),
+    ] = None
+    hold: Annotated[
+        Literal["load", "separation"] | None,
+        Quantity(
+            "Quantity that stays constant while the contact ages. By default the one that pressed it"
+        ),
+    ] = None
+    rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("Relative tolerance of the time steps")] = 2e-3
+
+    def check(self) -> None:
+        """Refuse listed times beside a span, and times that do not increase."""
+        if self.times is None:
+            return
+        if rivals := self.stated & {"first", "last", "per_decade"}:
+            raise self.wrong(expected=f"times or {', '.join(sorted(rivals))}", got="both")
+        for earlier, later in pairwise(self.times):
+            if later <= earlier:
+                got = f"{later:g} after {earlier:g}"
+                raise self.wrong("times", expected="strictly increasing times", got=got)
+
+
+class Friction(Section):
+    """The shear strength that gives friction from the contact area; none by default."""
+
+    section = "friction"
+    keys = {name: one.optional for name, one in keys_of_maker(ShearStrength).items()}
+
+    @property
+    def strength(self) -> ShearStrength | None:
+        """The shear strength, if there is one."""
+        return ShearStrength(**arguments_of(ShearStrength, self)) if self.stated & self.table.keys() else None
+
+    def check(self) -> None:
+        """Refuse a rate without a strength, or without its velocity."""
+        if self.table and self.shear_strength is None:
+            expected = (Name("shear_strength"), " beside it")
+            raise self.wrong(min(self.table), expected=expected, got="none")
+        try:
+            _ = self.strength
+        except InputError as error:
+            raise error.about(error.name, "friction", error.name) from None
+
+
+class Carried(Section):
+    """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
+
+    section = "carried"
+
+    stiffness: Annotated[
+        bool,
+        Quantity(
+            "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"
+        ),
+    ] = False
+    resistivity: Annotated[
+        float | Sequence[float] | None,
+        *(Gt(0), Len(1, 2)),
+        Quantity(
+            "Electrical resistivity, one value or one for each body: record the resistance", "ohm m"
+        ),
+    ] = None
+    conductivity: Annotated[
+        float | Sequence[float] | None,
+        *(Gt(0), Len(1, 2)),
+        Quantity("Thermal conductivity, likewise: record the thermal resistance", "W/m/K"),
+    ] = None
+    shear: Annotated[
+        float | None, Gt(0), Quantity("Shear force: record the fraction of the contact that sticks", "N")
+    ] = None
+    friction_coefficient: Annotated[
+        float | None, Gt(0), Quantity("Local coefficient of friction under the shear force")
+    ] = None
+    work_of_adhesion: Annotated[
+        float | None,
+        Gt(0),
+        Quantity("Work of adhesion: record the pull-off force, without further creep", "J/m^2"),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse a shear force without a coefficient, and the other way round."""
+        names = ("shear", "friction_coefficient")
+        if (self.shear is None) != (self.friction_coefficient is None):
+            other, name = names if self.shear is None else names[::-1]
+            raise self.wrong(name, expected=(Name(other), " beside it"), got="none")
+
+
+class Output(Section):
+    """Maps, figures, and an instrument."""
+
+    section = "output"
+
+    maps_at: Annotated[
+        Sequence[_Time] | None,
+        Quantity("Times at which the contact is stored and drawn. By default 0 and five others"),
+    ] = None
+    figures: Annotated[Sequence[Format] | None, Quantity('Formats of the figures; "" for none')] = ("png",)
+    measured: Annotated[
+        str | None,
+        Quantity(
+            "Table of a measured contact area against time, with units: the figure of the area shows it, and "
+            "the ratio measured / computed"
+        ),
+    ] = None
+    pixel: Annotated[
+        float | None,
+        Gt(0),
+        Quantity(
+            "Pixel of a microscope through which the maps are seen; in sites if there are no units", "m"
+        ),
+    ] = None
+    blur: Annotated[
+        float | None,
+        Gt(0),
+        Quantity("Full width at half maximum of its point spread function, likewise", "m"),
+    ] = None
+    threshold: Annotated[
+        float | None,
+        *(Ge(0), Le(1)),
+        Quantity(
+            "Fraction of contact above which a pixel counts as contact. By default the fractions are added"
+        ),
+    ] = None
+
+    @property
+    def instrument(self) -> dict[str, Any]:
+        """Arguments of `asperity.observe`; empty for none."""
+        return {name: one for name, one in self.table.items() if name in ("pixel", "blur", "threshold")}
+
+    def check(self) -> None:
+        """Refuse a threshold without an instrument, and an instrument without maps."""
+        if self.threshold is not None and self.pixel is None and self.blur is None:
+            expected = (Name("pixel"), " or ", Name("blur"), " beside it")
+            raise self.wrong("threshold", expected=expected, got="neither")
+        if self.maps_at == [] and self.instrument:
+            name = next(iter(self.instrument))
+            raise self.wrong(name, expected="maps to look at", got="maps_at = []")
+
+
+SECTIONS: Mapping[str, type[Section]] = {
+    one.section: one for one in (Contact, Aging, Friction, Carried, Output)
+}
+"""Sections of one kind."""
+
+section.KINDS.update(
+    {"surface": dict(SURFACES), "solid": dict(SOLIDS)} | {name: {"": one} for name, one in SECTIONS.items()}
+)
+ORDER = list(section.KINDS)
+"""All sections, in the order in which they are written and shown."""
+
+
+@dataclass(frozen=True)
+class RunConfig:
+    """What can be asked of `asperity run`: sections, and the legs of a history."""
+
+    surface: SurfaceSection = SURFACES["gaussian"]()
+    solid: SolidSection = SOLIDS["spring_lattice"]()
+    contact: Contact = Contact()
+    aging: Aging = Aging()
+    protocol: tuple[Leg, ...] = ()
+    friction: Friction = Friction()
+    carried: Carried = Carried()
+    output: Output = Output()
+
+    @classmethod
+    def read(cls, tables: Mapping[str, Any]) -> RunConfig:
+        """Make one of tables by section; `Refused` with all mistakes."""
+        mistakes: list[InputError] = []
+        parts: dict[str, Any] = {}
+        for name in sorted(tables, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER)):
+            try:
+                parts[name] = _part(name, tables[name], advised=len(mistakes) < SHOWN_PROBLEMS)
+            except Refused as error:
+                mistakes += error.mistakes
+            except InputError as error:
+                mistakes.append(error)
+        if mistakes:
+            raise Refused(mistakes)
+        config = cls(**parts)
+        config.check()
+        return config
+
+    def but(self, **changes: Any) -> RunConfig:
+        """The same with other sections."""
+        return replace(self, **changes)
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """Tables of its sections, without what is None."""
+        tables = {name: getattr(self, name).table for name in ORDER}
+        legs = {"protocol": [described(leg) for leg in self.protocol]} if self.protocol else {}
+        return tables | legs
+
+    def check(self) -> None:
+        """Refuse sections that contradict each other."""
+        if self.protocol:
+            self._check_protocol()
+        elif self.aging.times is None and not self.span[0] < self.span[1]:
+            first, last = self.span
+            raise Refused([self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")])
+        if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
+            expected, advice = "a protocol that begins with a ramp beside 0", "a first leg such as 'ramp 1 load=...'"
+            raise Refused([self.contact.wrong("load", expected=expected, got="none", advice=advice)])
+        self._check_known()
+        for section, key in ((self.aging, "times"), (self.output, "maps_at")):
+            late = max(getattr(section, key) or [], default=-math.inf)
+            if late > self.end * (1 + 1e-9):
+                expected = f"times up to the last, {self.end:g}"
+                raise Refused([section.wrong(key, expected=expected, got=f"{late:g}")])
+        self._check_loads()
+
+    def _check_protocol(self) -> None:
+        for key, expected in (
+            ("last", "none beside a protocol, which says when it ends"),
+            ("hold", "none beside a protocol, whose legs say what they hold"),
+        ):
+            value = getattr(self.aging, key)
+            if key in self.aging.stated and value is not None:
+                raise Refused([self.aging.wrong(key, expected=expected, got=shown(value))])
+
+    def _check_known(self) -> None:
+        """Refuse times beyond the data of the solid."""
+        if (known := self.solid.known) is None:
+            return
+        first = next((time for time in self.aging.times or [self.span[0]] if time > 0), known[0])
+        early, late = first < known[0] * (1 - 1e-9), self.end > known[1] * (1 + 1e-9)
+        if early or late:
+            of_data = getattr(self.solid, "data_last", None) is not None
+            key, origin, word = ("data_last", "data", "model") if of_data else ("relaxation", "a table", "plateau")
+            expected = f"{origin} of the times to record, {first:g} to {self.end:g} s"
+            cure = {"extrapolate": word} if of_data or not early else {}
+            advice = "branches" if cure and not of_data else ""
+            got = "{:g} to {:g} s".format(*known)
+            raise Refused([self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)])
+
+    def _check_loads(self) -> None:
+        """Refuse loads that pull at a solid without adhesion."""
+        if "adhesion" in self.solid.laws:
+            return
+        pressing = [(("contact", key), getattr(self.contact, key)) for key in ("load", "pressure")]
+        pressing += [
+            (("protocol", number, leg.target), leg.value(leg.duration, 0.0))
+            for number, repeated in enumerate(self.protocol)
+            for leg in repeated.written_out()
+            if leg.target in ("load", "pressure")
+        ]
+        for path, load in pressing:
+            if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
+                cure, advice = {"adhesion": "dugdale"}, "a load above 0"
+                facts = {"expected": "more than 0", "got": f"{load:g}", "cure": cure, "advice": advice}
+                raise Refused([InputError(str(path[-1]), **facts, path=path)])
+
+    @property
+    def written_out(self) -> list[Leg]:
+        """The legs one by one, without repetitions."""
+        return [one for leg in self.protocol for one in leg.written_out()]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time to record, if not listed; with a protocol the first of each leg."""
+        first, last = self.solid.span
+        return self.aging.first or first, self.aging.last or last
+
+    @property
+    def carries(self) -> CarriedQuantities | None:
+        """What to record besides load and area, if anything."""
+        facts = {name: one for name, one in self.carried.table.items() if one is not False}
+        if not facts:
+            return None
+        for name in {"resistivity", "conductivity"} & facts.keys():
+            facts[name] = tuple(facts[name]) if len(facts[name]) > 1 else facts[name][0]
+        if "friction_coefficient" in facts:
+            facts["friction"] = facts.pop("friction_coefficient")
+        poisson = getattr(self.solid, "poisson", None)
+        ratios = {*poisson} if isinstance(poisson, list) else {poisson} - {None}
+        if facts.pop("stiffness", False) and len(ratios) == 1:
+            facts["poisson"] = ratios.pop()
+        return CarriedQuantities(**facts)
+
+    @property
+    def end(self) -> float:
+        """The last time."""
+        if not self.protocol:
+            return self.span[1] if self.aging.times is None else self.aging.times[-1]
+        return math.fsum(leg.duration for leg in self.written_out)
+
+
+def _part(name: str, table: Any, *, advised: bool) -> Any:
+    """A section of a configuration from its table, or the legs of its history."""
+    if name == "protocol":
+        return read_legs(table)
+    if isinstance(table, Section):
+        return table
+    kinds = section.KINDS.get(name)
+    if kinds is None or not isinstance(table, dict):
+        raise _outside(name, table, advised=advised)
+    if "" in kinds:
+        return kinds[""](**table)
+    kind = table.get("kind", next(iter(kinds)))
+    try:
+        chosen = kinds[choice("kind", kind, tuple(kinds))]
+    except InputError as error:
+        raise error.about("kind", name, "kind") from None
+    return chosen(**{key: value for key, value in table.items() if key != "kind"})
+
+
+def _outside(name: str, content: object, *, advised: bool) -> InputError:
+    """The mistake of what is no section; advice takes milliseconds."""
+    if name in section.KINDS:
+        return InputError(name, expected=f"a section [{name}]", got=shown(content), path=(name,))
+    if isinstance(content, dict):
+        return unknown_key(name, ORDER if advised else (), (name,), said="no such section")
+    homes = (one for one, kinds in section.KINDS.items() for each in kinds.values() if name in each.keys)
+    home = next(homes, "")
+    below = f"; it belongs below [{home}]" if home else ""
+    return InputError(name, said=f"stands outside any section{below}")
