@@ -112,6 +112,12 @@ class InputError(AsperityError, ValueError):
         advice = ", or ".join(filter(None, (cures, _joined(self.advice, spell))))
         return f"{place}: {said}{'; try ' * bool(advice)}{advice}".removeprefix(": ")
 
+    def spoken(self, spell: Spell, assign: Assign) -> InputError:
+        """Return the same error as a door says it."""
+        spoken = self.about(spell(self.name))
+        spoken.args = (self.told(brief(spoken.name), spell, assign),)
+        return spoken
+
     def about(self, name: str, *path: str | int) -> InputError:
         """Return the same error about something else."""
         facts = {key: getattr(self, key) for key in ("expected", "got", "advice", "cure", "said")}

@@ -34,7 +34,7 @@ def remarks(text: str, name: str = "remark") -> int:
 Asperity = Callable[..., tuple[int, str, str]]
 Says = Callable[..., str]
 Mistaken = Callable[..., str]
-Refused = Callable[..., None]
+SectionError = Callable[..., None]
 
 
 @pytest.fixture(autouse=True)
@@ -88,7 +88,7 @@ def mistaken(asperity: Asperity) -> Mistaken:
 
 
 @pytest.fixture
-def refused(mistaken: Mistaken) -> Refused:
+def refused(mistaken: Mistaken) -> SectionError:
     """Run a command that is a mistake, which gets a line that said.txt knows."""
     return lambda *words, status=2: told(mistaken(*words, status=status))
 

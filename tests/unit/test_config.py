@@ -12,24 +12,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asperity.ask.legs import keys_of_leg
-from asperity.ask.section import KINDS as SECTIONS
-
 import asperity as asp
 from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import MeasuredSurface, config_from
 from asperity.app.config.keys import Key, sections
+from asperity.app.config.python import to_python
+from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.app.runs import Progress, execute, recorded_times
+from asperity.app.runs.pipeline import height_law
+from asperity.ask.legs import keys_of_leg
 from asperity.ask.run import (
     Aging,
     Output,
     RunConfig,
 )
-from asperity.app.config.python import to_python
-from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.ask.section import KINDS as SECTIONS
 from asperity.ask.solid import SOLIDS, HalfSpace
 from asperity.ask.surface import SURFACES
-from asperity.app.runs import Progress, execute, recorded_times
-from asperity.app.runs.pipeline import height_law
 from asperity.base.words import has_unit, numbers, written_with_units
 from asperity.errors import ConfigError, InputError
 from asperity.lattice import Lattice
@@ -424,7 +423,9 @@ def test_a_hold_longer_than_its_table_needs_a_plateau(tmp_path: Path) -> None:
 def test_every_key_has_one_flag() -> None:
     sections = ("surface", "preparation", "solid", "contact", "aging", "friction", "carried", "output")
     keys = {(section, key.name) for section, key in flags_for(*sections).keys.values()}
-    known = {(section, key) for section, kinds in SECTIONS.items() for one in kinds.values() for key in one.keys}
+    known = {
+        (section, key) for section, kinds in SECTIONS.items() for one in kinds.values() for key in one.keys
+    }
     known |= {("surface", "kind"), ("solid", "kind")}
     assert keys == known - {("solid", "draws")}  # which are for files alone
 
@@ -604,7 +605,9 @@ def value_of(key: Key, value: float) -> object:
 
 
 def test_what_is_said_of_a_key_is_what_its_model_takes() -> None:
-    everything = {(section, kind): keys for section, kinds in sections().items() for kind, keys in kinds.items()}
+    everything = {
+        (section, kind): keys for section, kinds in sections().items() for kind, keys in kinds.items()
+    }
     for model, keys in everything.items():
         for key in keys.values():
             assert key.description

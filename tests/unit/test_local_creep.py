@@ -10,9 +10,9 @@ import asperity as asp
 import asperity.app.runs.pipeline as pipeline
 from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import config_from, to_toml
-from asperity.ask.run import RunConfig
 from asperity.app.config.python import to_python
 from asperity.app.runs.words import _solid
+from asperity.ask.run import RunConfig
 from asperity.base.parameters import parameters_of
 from asperity.contact import local_creep
 from asperity.contact.lattice_creep import LatticeCreep

@@ -57,7 +57,7 @@ _SAID = {
 
 def _keys(kind: str) -> Keys:
     """Keys of the laws of a kind."""
-    words = Parameter(Literal[(*LAWS[kind], "none")] | None, (Quantity(_SAID[kind]),), None)  # type: ignore[operator, arg-type]
+    words = Parameter(Literal[(*LAWS[kind], "none")] | None, (Quantity(_SAID[kind]),), None)
     return {kind: words} | {
         f"{kind}_{name}": parameter.optional
         for law in LAWS[kind].values()

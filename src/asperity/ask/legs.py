@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from asperity.ask.section import Keys, Refused, read_keys, unknown_key
+from asperity.ask.section import Keys, SectionError, read_keys, unknown_key
 from asperity.base.checks import choice, shown
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
@@ -22,24 +22,24 @@ def keys_of_leg(kind: str) -> Keys:
 
 
 def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
-    """Legs of a list of tables; `Refused` with every mistake, and its place in the list."""
+    """Legs of a list of tables; `SectionError` with every mistake, and its place in the list."""
     if isinstance(tables, tuple) and all(isinstance(leg, Leg) for leg in tables):
         return tables
     if not isinstance(tables, list | tuple):
         advice = '[[protocol]] with kind = "hold" and duration = 10.0'
-        raise Refused([InputError("protocol", said="expected a list of legs", advice=advice, path=path)])
+        raise SectionError([InputError("protocol", said="expected a list of legs", advice=advice, path=path)])
     legs: list[Leg] = []
     mistakes = [one for number, leg in enumerate(tables) for one in _read(leg, (*path, number), legs)]
     if mistakes:
-        raise Refused(mistakes)
+        raise SectionError(mistakes)
     return tuple(legs)
 
 
 def _read(table: Any, path: Place, legs: list[Leg]) -> Iterator[InputError]:
     """Append a leg, or yield its mistakes."""
-    kind = table.get("kind") if isinstance(table, dict) else table
     try:
-        keys = keys_of_leg(choice("kind", kind, tuple(KINDS)))
+        kind = choice("kind", table.get("kind") if isinstance(table, dict) else table, tuple(KINDS))
+        keys = keys_of_leg(kind)
         values = {key: value for key, value in table.items() if key != "kind"}
         if _LEGS in keys:
             if not values.get(_LEGS):
@@ -47,7 +47,7 @@ def _read(table: Any, path: Place, legs: list[Leg]) -> Iterator[InputError]:
             values[_LEGS] = list(read_legs(values[_LEGS], (*path, _LEGS)))
         read = read_keys(keys, values, path, unknown=lambda key: unknown_key(key, keys, (*path, key)))
         legs.append(KINDS[kind](**{key: read[key] for key in values}))
-    except Refused as error:
+    except SectionError as error:
         yield from error.mistakes
     except InputError as error:
         named = [error.name] * (error.name != "kind" and error.name.isidentifier())

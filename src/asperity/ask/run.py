@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Ge, Gt, Le, Len
 
 from asperity.ask import section
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.section import Refused, Section, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.section import Keys, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
@@ -95,9 +95,7 @@ class Aging(Section):
     ] = None
     hold: Annotated[
         Literal["load", "separation"] | None,
-        Quantity(
-            "Quantity that stays constant while the contact ages. By default the one that pressed it"
-        ),
+        Quantity("Quantity that stays constant while the contact ages. By default the one that pressed it"),
     ] = None
     rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("Relative tolerance of the time steps")] = 2e-3
 
@@ -117,7 +115,7 @@ class Friction(Section):
     """The shear strength that gives friction from the contact area; none by default."""
 
     section = "friction"
-    keys = {name: one.optional for name, one in keys_of_maker(ShearStrength).items()}
+    keys: ClassVar[Keys] = {name: one.optional for name, one in keys_of_maker(ShearStrength).items()}
 
     @property
     def strength(self) -> ShearStrength | None:
@@ -142,16 +140,12 @@ class Carried(Section):
 
     stiffness: Annotated[
         bool,
-        Quantity(
-            "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"
-        ),
+        Quantity("Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"),
     ] = False
     resistivity: Annotated[
         float | Sequence[float] | None,
         *(Gt(0), Len(1, 2)),
-        Quantity(
-            "Electrical resistivity, one value or one for each body: record the resistance", "ohm m"
-        ),
+        Quantity("Electrical resistivity, one value or one for each body: record the resistance", "ohm m"),
     ] = None
     conductivity: Annotated[
         float | Sequence[float] | None,
@@ -235,9 +229,8 @@ SECTIONS: Mapping[str, type[Section]] = {
 }
 """Sections of one kind."""
 
-section.KINDS.update(
-    {"surface": dict(SURFACES), "solid": dict(SOLIDS)} | {name: {"": one} for name, one in SECTIONS.items()}
-)
+section.KINDS["surface"], section.KINDS["solid"] = {**SURFACES}, {**SOLIDS}
+section.KINDS.update({name: {"": one} for name, one in SECTIONS.items()})
 ORDER = list(section.KINDS)
 """All sections, in the order in which they are written and shown."""
 
@@ -246,29 +239,29 @@ ORDER = list(section.KINDS)
 class RunConfig:
     """What can be asked of `asperity run`: sections, and the legs of a history."""
 
-    surface: SurfaceSection = SURFACES["gaussian"]()
-    solid: SolidSection = SOLIDS["spring_lattice"]()
-    contact: Contact = Contact()
-    aging: Aging = Aging()
+    surface: SurfaceSection = field(default_factory=SURFACES["gaussian"])
+    solid: SolidSection = field(default_factory=SOLIDS["spring_lattice"])
+    contact: Contact = field(default_factory=Contact)
+    aging: Aging = field(default_factory=Aging)
     protocol: tuple[Leg, ...] = ()
-    friction: Friction = Friction()
-    carried: Carried = Carried()
-    output: Output = Output()
+    friction: Friction = field(default_factory=Friction)
+    carried: Carried = field(default_factory=Carried)
+    output: Output = field(default_factory=Output)
 
     @classmethod
     def read(cls, tables: Mapping[str, Any]) -> RunConfig:
-        """Make one of tables by section; `Refused` with all mistakes."""
+        """Make one of tables by section; `SectionError` with all mistakes."""
         mistakes: list[InputError] = []
         parts: dict[str, Any] = {}
         for name in sorted(tables, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER)):
             try:
                 parts[name] = _part(name, tables[name], advised=len(mistakes) < SHOWN_PROBLEMS)
-            except Refused as error:
+            except SectionError as error:
                 mistakes += error.mistakes
             except InputError as error:
                 mistakes.append(error)
         if mistakes:
-            raise Refused(mistakes)
+            raise SectionError(mistakes)
         config = cls(**parts)
         config.check()
         return config
@@ -290,16 +283,21 @@ class RunConfig:
             self._check_protocol()
         elif self.aging.times is None and not self.span[0] < self.span[1]:
             first, last = self.span
-            raise Refused([self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")])
+            raise SectionError(
+                [self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")]
+            )
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
-            expected, advice = "a protocol that begins with a ramp beside 0", "a first leg such as 'ramp 1 load=...'"
-            raise Refused([self.contact.wrong("load", expected=expected, got="none", advice=advice)])
+            expected, advice = (
+                "a protocol that begins with a ramp beside 0",
+                "a first leg such as 'ramp 1 load=...'",
+            )
+            raise SectionError([self.contact.wrong("load", expected=expected, got="none", advice=advice)])
         self._check_known()
-        for section, key in ((self.aging, "times"), (self.output, "maps_at")):
-            late = max(getattr(section, key) or [], default=-math.inf)
+        for home, key in ((self.aging, "times"), (self.output, "maps_at")):
+            late = max(getattr(home, key) or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):
                 expected = f"times up to the last, {self.end:g}"
-                raise Refused([section.wrong(key, expected=expected, got=f"{late:g}")])
+                raise SectionError([home.wrong(key, expected=expected, got=f"{late:g}")])
         self._check_loads()
 
     def _check_protocol(self) -> None:
@@ -309,7 +307,7 @@ class RunConfig:
         ):
             value = getattr(self.aging, key)
             if key in self.aging.stated and value is not None:
-                raise Refused([self.aging.wrong(key, expected=expected, got=shown(value))])
+                raise SectionError([self.aging.wrong(key, expected=expected, got=shown(value))])
 
     def _check_known(self) -> None:
         """Refuse times beyond the data of the solid."""
@@ -319,18 +317,21 @@ class RunConfig:
         early, late = first < known[0] * (1 - 1e-9), self.end > known[1] * (1 + 1e-9)
         if early or late:
             of_data = getattr(self.solid, "data_last", None) is not None
-            key, origin, word = ("data_last", "data", "model") if of_data else ("relaxation", "a table", "plateau")
+            key, origin, word = (
+                ("data_last", "data", "model") if of_data else ("relaxation", "a table", "plateau")
+            )
             expected = f"{origin} of the times to record, {first:g} to {self.end:g} s"
             cure = {"extrapolate": word} if of_data or not early else {}
             advice = "branches" if cure and not of_data else ""
             got = "{:g} to {:g} s".format(*known)
-            raise Refused([self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)])
+            raise SectionError([self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)])
 
     def _check_loads(self) -> None:
         """Refuse loads that pull at a solid without adhesion."""
         if "adhesion" in self.solid.laws:
             return
-        pressing = [(("contact", key), getattr(self.contact, key)) for key in ("load", "pressure")]
+        pressing: list[tuple[tuple[str | int, ...], Any]] = []
+        pressing += [(("contact", key), getattr(self.contact, key)) for key in ("load", "pressure")]
         pressing += [
             (("protocol", number, leg.target), leg.value(leg.duration, 0.0))
             for number, repeated in enumerate(self.protocol)
@@ -339,9 +340,9 @@ class RunConfig:
         ]
         for path, load in pressing:
             if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
-                cure, advice = {"adhesion": "dugdale"}, "a load above 0"
-                facts = {"expected": "more than 0", "got": f"{load:g}", "cure": cure, "advice": advice}
-                raise Refused([InputError(str(path[-1]), **facts, path=path)])
+                facts: dict[str, Any] = {"cure": {"adhesion": "dugdale"}, "advice": "a load above 0"}
+                name, got = str(path[-1]), f"{load:g}"
+                raise SectionError([InputError(name, expected="more than 0", got=got, path=path, **facts)])
 
     @property
     def written_out(self) -> list[Leg]:

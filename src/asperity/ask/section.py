@@ -18,7 +18,7 @@ from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
 Keys = dict[str, Parameter]
 
 
-class Refused(InputError):
+class SectionError(InputError):
     """A section is wrong: all its mistakes, each with its path."""
 
     def __init__(self, mistakes: Iterable[InputError]) -> None:
@@ -87,8 +87,8 @@ class Section:
         owners = [kind for kind, other in KINDS[cls.section].items() if key in other.keys]
         meant = MEANT.get(key)
         if not owners or meant in cls.keys:
-            known = any(meant in other.keys for other in KINDS[cls.section].values())
-            return unknown_key(key, [*cls.keys, *[meant] * known], (cls.section, key))
+            elsewhere = [meant for other in KINDS[cls.section].values() if meant and meant in other.keys]
+            return unknown_key(key, [*cls.keys, *elsewhere], (cls.section, key))
         kinds = " and ".join(map(repr, owners))
         said = f"not a key of a {cls.section} of kind {cls.kind!r}, but of {kinds}"
         return InputError(key, said=said, cure={"kind": owners[0]}, path=(cls.section, key))
@@ -135,7 +135,7 @@ def read_keys(
     *,
     unknown: Callable[[str], InputError],
 ) -> dict[str, Any]:
-    """Values of all keys from a table; `Refused` with every mistake."""
+    """Values of all keys from a table; `SectionError` with every mistake."""
     foreign = [key for key in table if key not in keys]
     mistakes = [unknown(key) for key in foreign[:SHOWN_PROBLEMS]]  # advice for each takes milliseconds
     mistakes += [unknown_key(key, (), (*path, key)) for key in foreign[SHOWN_PROBLEMS:]]
@@ -151,7 +151,7 @@ def read_keys(
         except InputError as error:
             mistakes.append(error.about(key, *path, key))
     if mistakes:
-        raise Refused(mistakes)
+        raise SectionError(mistakes)
     return values
 
 
@@ -171,7 +171,7 @@ def mistakes_of(make: Callable[[], Any]) -> Iterator[InputError]:
     """Mistakes of a section that is made."""
     try:
         make()
-    except Refused as error:
+    except SectionError as error:
         yield from error.mistakes
 
 
@@ -196,8 +196,8 @@ def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
 __all__ = [
     "KINDS",
     "Keys",
-    "Refused",
     "Section",
+    "SectionError",
     "arguments_of",
     "keys_of_maker",
     "mistakes_of",

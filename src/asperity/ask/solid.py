@@ -48,11 +48,7 @@ OF_DATA: Keys = {
     **keys_of_maker(material),
     "table_modulus": Parameter(
         TableModulus | None,
-        (
-            Quantity(
-                "Modulus in the table. By default the one that its header names, else Young's modulus"
-            ),
-        ),
+        (Quantity("Modulus in the table. By default the one that its header names, else Young's modulus"),),
         None,
     ),
     **{
@@ -137,7 +133,9 @@ class SolidSection(Section):
             raise self.wrong(kind, expected=expected, got="none", advice=advice)
         if law is not None and given not in ways:
             options = [part for way in ways for part in (" or ", *named(way))][1:]
-            raise self.wrong(kind, expected=(*options, f" beside {law}"), got=", ".join(sorted(given)) or "none")
+            raise self.wrong(
+                kind, expected=(*options, f" beside {law}"), got=", ".join(sorted(given)) or "none"
+            )
 
     @property
     def span(self) -> tuple[float, float]:

@@ -43,7 +43,9 @@ class ShearStrength(Checked):
     rate_coefficient: Annotated[
         float,
         *(Ge(0), Le(1)),
-        Quantity("relative growth of the shear strength with ln(velocity)", usual=None, more=". By default 0."),
+        Quantity(
+            "relative growth of the shear strength with ln(velocity)", usual=None, more=". By default 0."
+        ),
     ] = 0.0
     reference_velocity: Annotated[
         float | None, Ge(1 / LARGEST), Quantity("sliding velocity that belongs to the shear strength", "m/s")

@@ -125,7 +125,9 @@ class Parameter:
         """Both entries, of a pair; else empty."""
         pairs = (kind for kind in self.kinds if get_origin(kind) is tuple and ... not in get_args(kind))
         entries = () if Path in self.kinds else get_args(next(pairs, None))
-        return tuple(Parameter(hint, tuple(facts), dataclasses.MISSING) for hint, *facts in map(_apart, entries))
+        return tuple(
+            Parameter(hint, tuple(facts), dataclasses.MISSING) for hint, *facts in map(_apart, entries)
+        )
 
     @property
     def unit(self) -> str:
@@ -176,7 +178,10 @@ class Parameter:
             return checks.switch(name, value)
         if int in self.kinds and not (str in self.kinds and isinstance(value, str)):
             bounds = self.bounds
-            least, most = bounds.get("least", bounds.get("above", -1) + 1), bounds.get("most", bounds.get("below", 2**63) - 1)
+            least, most = (
+                bounds.get("least", bounds.get("above", -1) + 1),
+                bounds.get("most", bounds.get("below", 2**63) - 1),
+            )
             return checks.integer(name, value, least=least, most=most)
         return checks.text(name, value)
 
@@ -199,9 +204,13 @@ class Parameter:
         return units.number(name, value, self.unit, **self.bounds)
 
 
-@functools.cache
 def parameters_of(kind: Callable[..., Any]) -> dict[str, Parameter]:
     """Parameters by name: fields of a class, or arguments of a function, annotated with a `Quantity`."""
+    return _read(kind)
+
+
+@functools.cache
+def _read(kind: Any) -> dict[str, Parameter]:
     hints = get_type_hints(kind, include_extras=True)
     if isinstance(kind, type):
         usual = {name: getattr(kind, name, dataclasses.MISSING) for name in hints}
@@ -247,7 +256,13 @@ class Checked:
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
             value = parameter.read(name, getattr(self, name))
-            object.__setattr__(self, name, tuple(value) if any(get_origin(kind) is tuple for kind in parameter.kinds) and isinstance(value, list) else value)
+            object.__setattr__(
+                self,
+                name,
+                tuple(value)
+                if any(get_origin(kind) is tuple for kind in parameter.kinds) and isinstance(value, list)
+                else value,
+            )
 
 
 class Law(Checked):

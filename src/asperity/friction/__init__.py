@@ -1,5 +1,6 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
+from asperity.ask.strength import ShearStrength
 from asperity.base.calls import answered as _answered
 from asperity.friction.comparing import StateLaws, compare_state_laws
 from asperity.friction.events import Event, HoldPeaks, events_of, hold_peaks
@@ -11,7 +12,7 @@ from asperity.friction.laws import RateAndState
 from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.reading import read_record
 from asperity.friction.records import Record
-from asperity.friction.tabor import ShearStrength, add_friction
+from asperity.friction.tabor import add_friction
 
 __all__ = [
     "Event",

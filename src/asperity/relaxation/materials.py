@@ -141,9 +141,7 @@ _Reference = Annotated[
 _ActivationEnergy = Annotated[
     float | str | None,
     Gt(0),
-    Quantity(
-        "activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."
-    ),
+    Quantity("activation energy of the relaxation times (Arrhenius)", "J/mol", more=", such as 100kJ/mol."),
 ]
 _Wlf = Annotated[
     Sequence[float] | None,
@@ -287,7 +285,7 @@ def _shift(
     if wlf is not None:
         if len(wlf) != 2:
             raise InputError("wlf", expected="two constants, C1 and C2", got=checks.shown(wlf))
-        return by_wlf(*wlf, *kelvin)
+        return by_wlf(wlf[0], wlf[1], *kelvin)
     return arrhenius(si.quantity(activation_energy, "J/mol", "activation_energy"), *kelvin)
 
 

@@ -81,7 +81,7 @@ def _told_of_flags() -> Iterator[None]:
         yield
     except InputError as error:
         flags = {"problem": "--problem", "scan": "--scan", "directory": "folder"}
-        advice = error.advice.replace("overwrite=True", "--overwrite")
+        advice = str(error.advice).replace("overwrite=True", "--overwrite")
         if error.name == "problem" and advice:
             advice = f"--problem {advice}"
         name = flags.get(error.name, error.name)

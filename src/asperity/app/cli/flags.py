@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -146,16 +147,17 @@ def flag(name: str) -> str:
 def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
     """Replace names of arguments by their flags in errors and their advice."""
 
-    def named(match: re.Match[str]) -> str:
-        return f"{flags[match[1]]} " if match[1] else match[0]
+    def spell(name: str) -> str:
+        return flags.get(name, name)
+
+    def assign(name: str, value: str | float) -> str:
+        written = value if isinstance(value, float | int) else shlex.quote(value)
+        return f"{flags[name]} {written}" if name in flags else f"{name}={value!r}"
 
     try:
         yield
     except InputError as error:
-        # What stands in parentheses is Python.
-        advice = re.sub(rf"\(.*\)|\b({'|'.join(map(re.escape, flags))})=(?=\S)", named, error.advice)
-        name = flags.get(error.name, error.name)
-        raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
+        raise error.spoken(spell, assign) from error
 
 
 def check_unit(flag: str, written: str | list[str], unit: str, *, help_text: str = "") -> None:
@@ -237,31 +239,16 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
     """Keys of a prediction: of a scan, a half-space, and what else there is."""
-    from asperity.ask.laws import FORMULAS, OF_LAWS
     from asperity.app.config.keys import keys_of
-    from asperity.app.config.mistakes import flag_of
+    from asperity.ask.laws import OF_LAWS
     from asperity.ask.run import Aging, Carried, Contact, Friction, Output
     from asperity.ask.solid import OF_TABLES, HalfSpace
     from asperity.ask.surface import MeasuredSurface
-    from asperity.solids.arguments import POISSON
 
-    words = {
-        "--young": "Unrelaxed Young's modulus, such as 3GPa, in place of a table; two for two bodies.",
-        "--poisson": "Poisson's ratio, which does not relax; without a table, two numbers for two bodies. "
-        f"[default: {POISSON}]",
-        "--creep": f"Local law of creep: {FORMULAS['creep']}; s is the pressure.",
-        "--hardness": "Pressure under which the rough surface yields, such as 0.5GPa.",
-        "--pressure": "Load over nominal area, such as 1MPa.",
-        "--load": "Normal load, such as 10N, in place of the pressure.",
-        "--shear-strength": "Shear strength of the contacts, such as 50MPa: gives friction.",
-        "--pixel": "Pixel of an instrument through which the contact is seen, such as 0.2um.",
-        "--blur": "Full width at half maximum of its point spread function, such as 0.3um.",
-        "--threshold": "Fraction of contact above which such a pixel counts as contact. [default: 0.5]",
-    }
-    of_solid = {*OF_LAWS["creep"], *OF_TABLES.values()}
+    of_solid = {*OF_LAWS["creep"], *OF_TABLES.values(), "table_modulus"}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
     for section, model, names in (
-        ("surface", MeasuredSurface, set(MeasuredSurface.keys) - {"path", "unit"}),
+        ("surface", MeasuredSurface, MeasuredSurface.keys.keys() - {"path", "unit"}),
         ("solid", HalfSpace, of_solid),
         ("contact", Contact, {"load", "pressure"}),
         ("aging", Aging, {"first", "last", "per_decade"}),
@@ -272,8 +259,7 @@ def _of_a_prediction() -> Iterator[tuple[str, Key]]:
         for name, key in keys_of(model).items():
             if name in names:
                 named = "modulus" if name == "table_modulus" else name  # no number of a modulus is asked for
-                help_text = words.get(flag_of(section, name), key.description)
-                yield section, dataclasses.replace(key, name=named, description=help_text)
+                yield section, dataclasses.replace(key, name=named)
 
 
 def _annotation(section: str, key: Key, quantity: str) -> object:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -75,23 +74,18 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
     are too long for a flag or a field of a form.
     """
-    kinds = {
-        name: {kind: keys_of(one) for kind, one in kinds.items()} for name, kinds in KINDS.items()
-    }
+    kinds = {name: {kind: keys_of(one) for kind, one in kinds.items()} for name, kinds in KINDS.items()}
     kinds["protocol"] = {kind: _keys(keys_of_leg(kind)) for kind in LEGS}
     order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
     return {
         section: {
-            kind: {
-                name: key for name, key in keys.items() if not (short and key.what == "lists of pairs")
-            }
+            kind: {name: key for name, key in keys.items() if not (short and key.what == "lists of pairs")}
             for kind, keys in kinds[section].items()
         }
         for section in order
     }
 
 
-@functools.cache
 def keys_of(section: type[Section]) -> Keys:
     """Keys of one section."""
     return _keys(section.keys)
@@ -103,7 +97,9 @@ def _keys(parameters: Parameters) -> Keys:
 
 def _key(name: str, parameter: Parameter) -> Key:
     quantity, default, item = parameter.quantity, parameter.default, parameter.item
-    text = f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
+    text = (
+        f"Its {quantity.meaning} {quantity.symbol}." if quantity.symbol else quantity.meaning + quantity.more
+    )
     one = parameter if parameter.words or item is None else item
     sort = _sort(name, one)
     if item is not None and not parameter.words:
@@ -115,7 +111,11 @@ def _key(name: str, parameter: Parameter) -> Key:
         unit=one.unit if sort.startswith("number") else "",
         units=tuple(part.unit for part in one.pair) if one.pair else (),
         choices=one.words,
-        default=None if default is dataclasses.MISSING else list(default) if isinstance(default, tuple) else default,
+        default=None
+        if default is dataclasses.MISSING
+        else list(default)
+        if isinstance(default, tuple)
+        else default,
         required=default is dataclasses.MISSING,
         least=bounds.get("above", bounds.get("least")),
         most=bounds.get("below", bounds.get("most")),

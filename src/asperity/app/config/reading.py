@@ -11,7 +11,7 @@ from typing import Any
 from asperity.app.config.mistakes import Door, Sections
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.run import FILES, RunConfig
-from asperity.ask.section import KINDS, Refused, Section
+from asperity.ask.section import KINDS, Section, SectionError
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.files import content_of, expanded
 from asperity.base.words import number, tables_to_toml
@@ -53,7 +53,7 @@ def config_from(
         mistakes.append(InputError("sweep", said=said, advice=advice, path=("sweep",)))
     try:
         config = RunConfig.read(merged)
-    except Refused as error:
+    except SectionError as error:
         mistakes += error.mistakes
     if mistakes:
         raise Door(flags, path, names).refused(mistakes)
@@ -64,7 +64,7 @@ def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
     """Check the preparation of a surface file; `ConfigError` with one line for each mistake."""
     try:
         return MeasuredSurface(path=str(path), **flags)
-    except Refused as error:
+    except SectionError as error:
         raise Door({"surface": flags}).refused(error.mistakes) from None
 
 

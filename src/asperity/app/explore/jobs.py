@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from asperity.app.config import RunConfig, to_tables
-from asperity.ask.run import FILES
 from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
+from asperity.ask.run import FILES
 
 _UNWATCHED = 10.0
 """Seconds until an unwatched run is stopped: a page that is loaded again finds it before."""

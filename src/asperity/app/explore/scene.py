@@ -249,7 +249,9 @@ def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     contact, rtol = frame.contact, config.aging.rtol
     row = row_of(frame, slides=any(leg.speed for leg in config.written_out))
     switches = Schedule.of(config.written_out, np.empty(0)).switches
-    return dataset_of(contact, contact.control, config.protocol or None, switches, False, [row], [], rtol=rtol)
+    return dataset_of(
+        contact, contact.control, config.protocol or None, switches, False, [row], [], rtol=rtol
+    )
 
 
 def of_frame(frame: Frame) -> tuple[Row, Map]:

@@ -31,12 +31,12 @@ from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
-from asperity.ask.run import FILES
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, inside, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
+from asperity.ask.run import FILES
 from asperity.errors import ConfigError, InputError, brief
 
 HOST = "127.0.0.1"

@@ -15,9 +15,9 @@ from asperity.analysis.predicting import (
 )
 from asperity.analysis.prediction import Prediction
 from asperity.app.config import RunConfig
+from asperity.app.runs.pipeline import check_units, completed, recorded_times, unused
 from asperity.ask.run import Contact as ContactSection
 from asperity.ask.solid import HalfSpace
-from asperity.app.runs.pipeline import check_units, completed, recorded_times, unused
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress

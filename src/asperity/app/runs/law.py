@@ -6,8 +6,8 @@ from typing import Any
 
 from asperity.analysis import law
 from asperity.app.config import RunConfig
-from asperity.ask.run import Aging, Contact, Friction, Output
 from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
+from asperity.ask.run import Aging, Contact, Friction, Output
 from asperity.errors import InputError
 from asperity.progress import Progress
 

@@ -135,8 +135,9 @@ def _require_memory(shape: Sequence[int], solid: Solid, config: RunConfig) -> No
 
 def height_law(surface: SurfaceSection) -> HeightLaw | None:
     """The law of the heights, if the sites are independent."""
-    laws: dict[str, type[HeightLaw]] = {"gaussian": GaussianHeights, "exponential": ExponentialHeights}
-    return laws[surface.kind](surface.rms) if surface.kind in laws else None
+    if surface.kind == "gaussian":
+        return GaussianHeights(surface.rms)
+    return ExponentialHeights(surface.rms) if surface.kind == "exponential" else None
 
 
 def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:

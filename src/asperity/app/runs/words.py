@@ -9,8 +9,8 @@ import xarray as xr
 from asperity.analysis.rows import Row, history_rows
 from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
-from asperity.ask.surface import SurfaceSection
 from asperity.app.runs.pipeline import Outcome
+from asperity.ask.surface import SurfaceSection
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
 
@@ -49,7 +49,9 @@ def _surface(outcome: Outcome) -> str:
 def described(surface: SurfaceSection) -> str:
     """The parameters of a surface, in a line."""
     facts, apart = surface.table, ("places", "radii", "heights")
-    words = (f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items() if k != "kind")
+    words = (
+        f"{k} = {_word(value, ' ' if k in apart else ' x ')}" for k, value in facts.items() if k != "kind"
+    )
     return f"{surface.kind}: {', '.join(words)}"
 
 

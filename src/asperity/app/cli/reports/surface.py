@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
-from asperity.ask.surface import MeasuredSurface, SurfaceSection
 from asperity.app.runs.words import described
+from asperity.ask.surface import MeasuredSurface, SurfaceSection
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
