@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
+from annotated_types import Gt, Len
+
+from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 
 Each = float | str | Sequence[float | str]
@@ -37,12 +41,34 @@ class Carried:
         Only one of shear and friction is given.
     """
 
-    resistivity: Each | None = None
-    conductivity: Each | None = None
+    resistivity: Annotated[
+        Each | None,
+        *(Gt(0), Len(1, 2)),
+        Quantity(
+            "electrical resistivity", "ohm m", more=", one value or one for each body: record the resistance."
+        ),
+    ] = None
+    conductivity: Annotated[
+        Each | None,
+        *(Gt(0), Len(1, 2)),
+        Quantity("thermal conductivity", "W/m/K", more=", likewise: record the thermal resistance."),
+    ] = None
     poisson: float | None = None
-    shear: float | str | None = None
-    friction: float | None = None
-    work_of_adhesion: float | str | None = None
+    shear: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity("shear force", "N", more=": record the fraction of the contact that sticks."),
+    ] = None
+    friction: Annotated[
+        float | None,
+        Gt(0),
+        Quantity("local coefficient of friction under the shear force", key="friction_coefficient"),
+    ] = None
+    work_of_adhesion: Annotated[
+        float | str | None,
+        Gt(0),
+        Quantity("work of adhesion", "J/m^2", more=": record the pull-off force, without further creep."),
+    ] = None
 
     def __post_init__(self) -> None:
         if (self.shear is None) != (self.friction is None):

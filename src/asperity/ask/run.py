@@ -23,7 +23,7 @@ from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
 from asperity.base.files import Format
-from asperity.base.parameters import Quantity
+from asperity.base.parameters import Parameter, Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name
 from asperity.protocols import Leg, described
 
@@ -137,32 +137,18 @@ class Carried(Section):
     """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
     section = "carried"
-
-    stiffness: Annotated[
-        bool,
-        Quantity("Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"),
-    ] = False
-    resistivity: Annotated[
-        float | Sequence[float] | None,
-        *(Gt(0), Len(1, 2)),
-        Quantity("Electrical resistivity, one value or one for each body: record the resistance", "ohm m"),
-    ] = None
-    conductivity: Annotated[
-        float | Sequence[float] | None,
-        *(Gt(0), Len(1, 2)),
-        Quantity("Thermal conductivity, likewise: record the thermal resistance", "W/m/K"),
-    ] = None
-    shear: Annotated[
-        float | None, Gt(0), Quantity("Shear force: record the fraction of the contact that sticks", "N")
-    ] = None
-    friction_coefficient: Annotated[
-        float | None, Gt(0), Quantity("Local coefficient of friction under the shear force")
-    ] = None
-    work_of_adhesion: Annotated[
-        float | None,
-        Gt(0),
-        Quantity("Work of adhesion: record the pull-off force, without further creep", "J/m^2"),
-    ] = None
+    keys: ClassVar[Keys] = {
+        "stiffness": Parameter(
+            bool,
+            (
+                Quantity(
+                    "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"
+                ),
+            ),
+            False,
+        ),
+        **keys_of_maker(CarriedQuantities),
+    }
 
     def check(self) -> None:
         """Refuse a shear force without a coefficient, and the other way round."""
@@ -358,18 +344,12 @@ class RunConfig:
     @property
     def carries(self) -> CarriedQuantities | None:
         """What to record besides load and area, if anything."""
-        facts = {name: one for name, one in self.carried.table.items() if one is not False}
-        if not facts:
-            return None
-        for name in {"resistivity", "conductivity"} & facts.keys():
-            facts[name] = tuple(facts[name]) if len(facts[name]) > 1 else facts[name][0]
-        if "friction_coefficient" in facts:
-            facts["friction"] = facts.pop("friction_coefficient")
+        facts = arguments_of(CarriedQuantities, self.carried)
         poisson = getattr(self.solid, "poisson", None)
         ratios = {*poisson} if isinstance(poisson, list) else {poisson} - {None}
-        if facts.pop("stiffness", False) and len(ratios) == 1:
+        if self.carried.stiffness and len(ratios) == 1:
             facts["poisson"] = ratios.pop()
-        return CarriedQuantities(**facts)
+        return CarriedQuantities(**facts) if facts or self.carried.stiffness else None
 
     @property
     def end(self) -> float:

@@ -41,7 +41,7 @@ _EXAMPLES = {
     "1/Pa": ("a compliance", "0.5 1/GPa"),
     "N": ("a force", "10 N"),
     "m": ("a length", "2 um"),
-    "s": ("a time", "3 h"),
+    "s": ("a time", "10 s"),
     "m/s": ("a velocity", "1 um/s"),
     "Hz": ("a frequency", "10 Hz"),
     "rad/s": ("an angular frequency", "60 rad/s"),
@@ -131,6 +131,11 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     if converted is None:
         raise wrong
     return checks.number(name, converted, expected=f"{kind}, such as {example}")
+
+
+def usual_unit(unit: str) -> str:
+    """A unit that people write for quantities of this one: MPa for Pa."""
+    return _EXAMPLES.get(unit, ("", f"1 {unit}"))[1].partition(" ")[2]
 
 
 def is_usual(text: str) -> bool:

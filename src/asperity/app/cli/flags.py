@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from cyclopts import Group, Parameter, Token
 
-from asperity.base.words import has_decimal_comma, has_unit, number, numbers
+from asperity.base.words import number, numbers
 from asperity.errors import InputError
 
 if TYPE_CHECKING:
@@ -94,12 +94,10 @@ def given(
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
-            flag = flag_of(section, key.name)
-            if units and key.unit:
-                check_unit(flag, written, key.unit, help_text=key.description)
-            for pair in written if units and any(key.units) else ():
-                _check_pair(flag, pair, key)
-            sections.setdefault(section, {})[key.name] = _read(written, key.what)
+            value = _read(written, key.what)
+            if units:
+                check_unit(flag_of(section, key.name), value, *(key.units or (key.unit,)))
+            sections.setdefault(section, {})[key.name] = value
     kind = str(sections.get("surface", {}).get("kind", ""))
     if surface is None and Path(kind).suffix:  # --surface scan.opd, as of commands that take files only
         sections["surface"]["kind"], surface = "file", Path(kind)
@@ -122,8 +120,7 @@ def _check_leg(leg: Mapping[str, Any]) -> None:
         _check_leg(inner)
     parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
     for name in filter(parameters.__contains__, leg):
-        if unit := parameters[name].quantity.unit:
-            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit)
+        check_unit(f"--leg {leg['kind']}: {name}", leg[name], parameters[name].unit)
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -160,26 +157,16 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         raise error.spoken(spell, assign) from error
 
 
-def check_unit(flag: str, written: str | list[str], unit: str, *, help_text: str = "") -> None:
-    """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one."""
-    usual = re.search(r"such as \W?[\d.]+ *([a-zA-Z][\w^/ ]*)", help_text)
-    words = [written] if isinstance(written, str) else []
-    for word in written if isinstance(written, list) else []:
-        words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
-    for one in words:
-        if isinstance(number(one), float | int):
-            advice = f'{flag} "{one} {usual[1] if usual else unit}"'
-            raise InputError(flag, expected="a number with its unit", got=one, advice=advice)
+def check_unit(flag: str, value: object, *units: str) -> None:
+    """Refuse a number alone, or in a list, or in a pair in a list, that has a unit and came without."""
+    from asperity.base.units import usual_unit
 
-
-def _check_pair(flag: str, pair: str, key: Key) -> None:
-    words = re.split(r"[\s,]+", pair.strip())
-    if all(isinstance(number(word), float | int) for word in words):
-        names = _METAVARS.get(key.name, _METAVARS["pair"]).lower().split()
-        expected = " and ".join(f"a {name}" for name in names)
-        examples = [*words, *("0.3", "10")[len(words) :]]
-        advice = " ".join(f"{word}{unit}" for word, unit in zip(examples, key.units, strict=False))
-        raise InputError(flag, expected=f"{expected} with its unit", got=pair, advice=f'{flag} "{advice}"')
+    for one in value if isinstance(value, list) else [value]:
+        parts = list(zip(one if isinstance(one, list) else [one], units, strict=False))
+        if any(unit and isinstance(part, float | int) for part, unit in parts):
+            words = (f"{part} {usual_unit(unit) if unit else ''}".strip() for part, unit in parts)
+            advice, got = f'{flag} "{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
+            raise InputError(flag, expected="a number with its unit", got=got, advice=advice)
 
 
 def _read(written: bool | str | list[str], sort: What) -> object:

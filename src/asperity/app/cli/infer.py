@@ -14,6 +14,7 @@ from asperity.app.cli.command import command
 from asperity.app.cli.flags import OF_TABLES, Folder, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
+from asperity.base.words import number
 from asperity.errors import InputError
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
@@ -92,7 +93,7 @@ def infer(
             file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
         )
     if ramp is not None:
-        check_unit("--ramp", ramp, "s")
+        check_unit("--ramp", number(ramp), "s")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import inference_report, write_inference

@@ -23,6 +23,7 @@ from asperity.app.cli.flags import (
 )
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
+from asperity.base.words import numbers
 from asperity.errors import InputError
 
 __all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
@@ -79,7 +80,8 @@ def law(
     """
     flags = given(keys, surface=surface, units=True)
     for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s"), ("age", age, "s")):
-        check_unit(f"--{name}", quantities or [], unit)
+        written = [quantities] if isinstance(quantities, str) else quantities or []
+        check_unit(f"--{name}", numbers(written, whole=False), unit)
     if pressures is None:
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)

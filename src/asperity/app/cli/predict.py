@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import re
 import shlex
 import sys
 from pathlib import Path
@@ -25,7 +24,8 @@ from asperity.app.cli.flags import (
 )
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
-from asperity.errors import ConfigError, InputError
+from asperity.base.words import number
+from asperity.errors import InputError
 
 if TYPE_CHECKING:
     from asperity.app.config import RunConfig
@@ -81,7 +81,7 @@ def predict(
     """
     flags = given(keys, surface=surface, leg=leg, units=True)
     if ramp is not None:
-        check_unit("--ramp", ramp, "s")
+        check_unit("--ramp", number(ramp), "s")
     replaceable = check_free(out, overwrite=results.overwrite)
     settings = _settings(material, flags)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
@@ -121,9 +121,5 @@ def _settings(material: Path | None, flags: dict[str, dict[str, object]]) -> Run
         if material is None and "young" not in flags.get("solid", {}):
             expected = "a relaxation table, a TOML file, or --young"
             raise InputError("material", expected=expected, got="none", advice="asperity predict --help")
-    try:
-        return read_config(file_of_run(material, flags), flags)
-    except ConfigError as error:  # the table is no flag here
-        foreign = re.compile("^--relaxation: (?!expected)|; try adhesion.*")
-        lines = (foreign.sub("", line).replace("--relaxation", "material") for line in error.problems)
-        raise ConfigError(list(lines)) from None
+    file = file_of_run(material, flags)
+    return read_config(file, flags, names={("solid", "relaxation"): "material"}, lacks={"adhesion"})

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from asperity.ask.section import KINDS
 from asperity.errors import ConfigError, InputError
 
 Sections = dict[str, dict[str, object]]
+Names = Mapping[tuple[str, str], str]
 
 _FLAGS = {
     ("surface", "kind"): "surface",
@@ -44,11 +45,14 @@ class Door:
         The file of the other keys; None without one.
     names
         Other names of keys, by section and key.
+    lacks
+        Keys that cannot be given here, and are no cure.
     """
 
     flags: Mapping[str, Mapping[str, object]]
     file: Path | None = None
-    names: Mapping[tuple[str, str], str] | None = None
+    names: Names = field(default_factory=dict)
+    lacks: Collection[str] = ()
 
     def refused(self, mistakes: Iterable[InputError]) -> ConfigError:
         """The error of these mistakes, unknown names first."""
@@ -57,10 +61,13 @@ class Door:
 
     def line(self, mistake: InputError) -> str:
         """A mistake in one line."""
+        if mistake.cure.keys() & {*self.lacks}:
+            mistake = mistake.about(mistake.name)
+            mistake.cure = {key: one for key, one in mistake.cure.items() if key not in self.lacks}
         home, *rest = mistake.path or ("",)
         section = str(home)
         given = self.flags.get(section, {})
-        typed = bool(self.flags and self.file is None) or any(part in given for part in rest)
+        typed = (section != "protocol" and bool(self.flags and self.file is None)) or any(part in given for part in rest)
 
         def spell(key: str) -> str:
             return _flag(section, key) if typed or key in given else key
@@ -84,9 +91,11 @@ class Door:
         if not rest:
             return self._in_file(f"[{section}]" if section else "")
         key = str(rest[0])
+        if (section, key) in self.names:
+            return self._in_file(self.names[section, key])
         if key in self.flags.get(section, {}) or (key == "kind" and self.flags.get(section)):
             return flag_of(section, key)
-        return self._in_file((self.names or {}).get((section, key), f"[{section}] {key}"))
+        return self._in_file(f"[{section}] {key}")
 
     def _in_file(self, place: str) -> str:
         return place if self.file is None else f"{self.file}: {place}"

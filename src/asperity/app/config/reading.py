@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from asperity.app.config.mistakes import Door, Sections
+from asperity.app.config.mistakes import Door, Names, Sections
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.run import FILES, RunConfig
 from asperity.ask.section import KINDS, Section, SectionError
@@ -28,22 +28,26 @@ _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
 """Alternative keys of a section: a flag of one replaces the others."""
 
 
-def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
+def read_config(
+    path: str | Path | None, flags: Sections, *, names: Names | None = None, lacks: Collection[str] = ()
+) -> RunConfig:
     """Read a configuration or the defaults, override it by flags, and check the whole.
 
-    A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
+    A relative path in the file is relative to it. `ConfigError` with one line for each mistake: see
+    `asperity.app.config.mistakes.Door` for other names, and keys that it lacks.
     """
     path = None if path is None else Path(path)
-    return config_from({} if path is None else read_tables(path), flags, path)
+    return config_from({} if path is None else read_tables(path), flags, path, names, lacks)
 
 
 def config_from(
     tables: dict[str, Any],
     flags: Sections,
     path: Path | None,
-    names: Mapping[tuple[str, str], str] | None = None,
+    names: Names | None = None,
+    lacks: Collection[str] = (),
 ) -> RunConfig:
-    """Check the tables of a file, overridden by flags; ``path`` and ``names`` are for mistakes.
+    """Check the tables of a file, overridden by flags; what follows these is for mistakes.
 
     `ConfigError` with one line for each mistake.
     """
@@ -56,7 +60,7 @@ def config_from(
     except SectionError as error:
         mistakes += error.mistakes
     if mistakes:
-        raise Door(flags, path, names).refused(mistakes)
+        raise Door(flags, path, names or {}, lacks).refused(mistakes)
     return config
 
 
