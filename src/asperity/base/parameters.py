@@ -255,7 +255,7 @@ class Checked:
 
     def __post_init__(self) -> None:
         for name, parameter in parameters_of(type(self)).items():
-            value = parameter.read(name, getattr(self, name))
+            value = parameter.read(parameter.quantity.key or name, getattr(self, name))
             object.__setattr__(
                 self,
                 name,

@@ -67,7 +67,8 @@ class Door:
         home, *rest = mistake.path or ("",)
         section = str(home)
         given = self.flags.get(section, {})
-        typed = (section != "protocol" and bool(self.flags and self.file is None)) or any(part in given for part in rest)
+        alone = section != "protocol" and bool(self.flags) and self.file is None
+        typed = alone or any(part in given for part in rest)
 
         def spell(key: str) -> str:
             return _flag(section, key) if typed or key in given else key
