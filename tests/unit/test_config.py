@@ -94,7 +94,7 @@ def test_every_mistake_has_its_line(tmp_path: Path) -> None:
         "[surface] hurst: not a key of a surface of kind 'gaussian', but of 'self_affine' and 'spectral'; "
         'try kind = "self_affine"',
         "[solid] K1: no such key; try k1",
-        "[contcat] no such section; try contact",
+        "[contcat]: no such section; try contact",
         "[surface] rms: expected a finite number > 0, got -1",
         "[surface] seed: expected a whole number from 0 to 9223372036854775807, got 1.5",
         "[solid] k0: expected a finite number >= 0 and <= 1e+30, got 'one'",
@@ -139,20 +139,20 @@ BALL = "[surface]\nkind = 'sphere'\nradius = 9.0\npixel_size = 1.0\n"
 UNKNOWN = {
     "k0 = 3": "k0: stands outside any section; it belongs below [solid]",
     "nonsense = 3": "nonsense: stands outside any section",
-    "[sweep]\nload = [1.0]": "[sweep] makes this the file of a campaign, not of a run; try",
+    "[sweep]\nload = [1.0]": "[sweep]: makes this the file of a campaign, not of a run; try",
     "[surface]\nfile = 'a.npy'": "[surface] file: no such key; try path",
     "[solid]\nE = 1.0": "[solid] E: no such key; try young",
     f"{BALL}spacing = 1.0": "[surface] spacing: no such key; try pixel_size",
     "[solid]\nmodulus = 1.0": "[solid] modulus: not a key of a solid of kind 'spring_lattice', but",
-    HALF: "[solid] expected modulus, young and poisson, or relaxation and poisson, got none",
-    f"{STIFF}young = 1.0": "[solid] modulus and young: expected exactly one of them, got",
+    HALF: "[solid]: expected modulus, young and poisson, or relaxation and poisson, got none",
+    f"{STIFF}young = 1.0": "[solid]: modulus and young: expected exactly one of them, got",
     f"{STIFF}poisson = 0.3": "[solid] poisson: expected none: the contact modulus contains it",
     f"{STIFF}branches = [[0.5, 1.0]]\nflow = [1.0, 2.0]": "[solid] flow: expected no branches beside it, got",
-    "[contact]\nload = 1\nseparation = 1": "[contact] expected load or separation, got both",
-    "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0": "[contact] expected load, pressure or",
+    "[contact]\nload = 1\nseparation = 1": "[contact]: expected load or separation, got both",
+    "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0": "[contact]: expected load, pressure or",
     "[aging]\nfirst = 10.0\nlast = 1.0": "[aging] last: expected more than first, 10, got 1",
-    "[aging]\ntimes = [1.0, 2.0]\nlast = 3.0": "[aging] expected times or last, got both",
-    "[[protocol]]\nkind = 'hold'\nduration = 1.0\nmobilty = 2.0": "protocol[0] mobilty: no such key; did you",
+    "[aging]\ntimes = [1.0, 2.0]\nlast = 3.0": "[aging]: expected times or last, got both",
+    "[[protocol]]\nkind = 'hold'\nduration = 1.0\nmobilty = 2.0": "protocol[0] mobilty: no such key; try mobility",
 }
 
 

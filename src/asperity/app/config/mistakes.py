@@ -81,9 +81,7 @@ class Door:
         place = self._place(section, rest)
         named = mistake.name in (section, *rest[-1:]) or (rest and mistake.name == "kind")
         about = "" if named else f"{mistake.name}: "
-        if len(mistake.path) == 1 and named:
-            return f"{place} {mistake.told('', spell, assign)}"
-        return f"{place}{': ' if rest else ' ' * bool(section)}{about}{mistake.told('', spell, assign)}"
+        return f"{place}{': ' * bool(section)}{about}{mistake.told('', spell, assign)}"
 
     def _place(self, section: str, rest: list[Any]) -> str:
         if section == "protocol":
