@@ -171,16 +171,15 @@ def pressed(
 
 def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
     """Load or separation in the units of the bodies."""
-    lattice = bodies.lattice
-    force = "N/m" if lattice.dimension == 1 else "N"
+    force = "N/m" if bodies.lattice.dimension == 1 else "N"
     unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
     number: Any = units.converted(name, value, unit, si=bodies.si)
     if name == "separation":
         return Separation(number)
     if name == "pressure":
-        nominal = lattice.sites * lattice.cell
         least = -math.inf if bodies.solid.adhesion is not None else 0.0
-        number = checks.number("pressure", number, above=least, advice="pressure=1e6") * nominal
+        number = checks.number("pressure", number, above=least, advice="pressure=1e6")
+        number *= bodies.nominal_area
     return Load(number)
 
 

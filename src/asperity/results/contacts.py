@@ -115,6 +115,7 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
     # u loses digits beside a large datum, which the gap keeps; a load moves anchors into place.
     surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
+    np.copyto(surface, data["u"].values - system.datum, where=np.isinf(heights))
     whole = lattice.embedding
     if whole.body:  # fields beyond free edges follow from those within
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.lattice import Field
-from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.heights import check_heights, checked_spacing, of_body
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
     InputError
         `check_heights` refuses the heights, or the pixel size is not one positive number for each axis.
     """
-    xi = check_heights(heights)
+    xi = of_body(check_heights(heights))
     sizes = checked_spacing("pixel_size", 1.0 if pixel_size is None else pixel_size, xi.ndim)
     steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
     seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]
@@ -118,7 +118,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
 
 def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
     inside = tuple(slice(1, -1) for _ in xi.shape)
-    total = np.zeros(xi[inside].shape)
+    total = xi[inside] * 0.0
     if total.size:
         for axis, size in enumerate(sizes):
             others = tuple(slice(None) if a == axis else slice(1, -1) for a in range(xi.ndim))
