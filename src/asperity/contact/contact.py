@@ -20,7 +20,7 @@ from asperity.contact.rim import RIM, rim_sides
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
-from asperity.surfaces.heights import of_body
+from asperity.surfaces.prepare import of_body
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -200,7 +200,8 @@ class Contact(Bodies, views.InNotebooks):
         """
         if self.lattice.dimension == 1:
             return self.contact_area
-        return (self.area - RIM * rim_sides(self.in_contact, self.lattice)) * self.lattice.cell
+        sides = rim_sides(self.in_contact, self.lattice, np.isfinite(self.heights))
+        return (self.area - RIM * sides) * self.lattice.cell
 
     @cached_property
     def gap(self) -> Field:

@@ -13,7 +13,7 @@ from asperity.contact.problem import Solution, mean_by_rounding
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
-from asperity.surfaces.heights import of_body
+from asperity.surfaces.prepare import of_body
 
 ACCEPTED_RESIDUAL = 1e-8
 """No fields are kept whose residual, evaluated on these very fields, is larger."""

@@ -170,7 +170,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     handles = [style.swatch(COLORS[state], word) for state, word in list(words.items())[: 2 + lost]]
     figure.table = {
         "time [s]": _ends(prediction, "field_time"),
-        "contact [%]": 100 * touching.mean(axis=(1, 2)),
+        "contact [%]": 100 * touching.sum(axis=(1, 2)) / prediction.dataset.attrs["sites"],
         "largest pressure [Pa]": pressure.max(axis=(1, 2)),
     }
     figure.elsewhere = "in_contact, pressure and heights in history.zarr"

@@ -36,11 +36,6 @@ def check_heights(heights: ArrayLike) -> Field:
     return checks.heights("heights", heights, holes=True)
 
 
-def of_body(heights: Field) -> Field:
-    """Heights that are masked where there is no body, so that means and pictures leave these sites out."""
-    return heights if np.isfinite(heights).all() else np.ma.masked_invalid(heights)
-
-
 def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:
     """Distance between sites along each axis, from one positive number or one for each axis."""
     spacings = checks.positive(name, value)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.lattice import Field
-from asperity.surfaces.heights import check_heights, checked_spacing, of_body
+from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.prepare import of_body
 
 
 @dataclass(frozen=True)
@@ -128,4 +129,5 @@ def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
 
 def _rms(values: Field) -> float:
     """Root mean square about zero; 0 without values, as for neighbors along an axis of one site."""
-    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
+    squares = np.ma.compressed(np.square(values))
+    return float(np.sqrt(squares.mean())) if squares.size else 0.0
