@@ -37,6 +37,7 @@ from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot
 from asperity.results.history import History
 from asperity.results.pulling import Pull
 from asperity.solids import Solid
+from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 
 Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
@@ -139,7 +140,9 @@ def press(
                 )
             return pressed_anew(heights, control, solver)
         contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
-        for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
+        for doubt in load_on_filled(
+            heights.filled if isinstance(heights, Surface) else None, contact.pressure
+        ):
             remark(doubt)
         modulus = contact.solid.modulus
         if contact.si and modulus is not None and contact.load > modulus * contact.contact_area:

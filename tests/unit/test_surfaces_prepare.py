@@ -333,7 +333,9 @@ def test_a_void_value_is_doubted(void):
     assert as_read(np.round(rough(9), 1)).remarks == ()
     # What was told to be undefined is no doubt.
     heights[70:, 70:] = np.nan
-    assert as_read(heights).remarks == ()
+    (filled,) = as_read(heights).remarks
+    assert f"{100 * np.isnan(heights).mean():.3g} % of the pixels are undefined and were filled" in filled
+    assert as_read(heights, undefined="no-body").remarks == ()
 
 
 @pytest.mark.parametrize(

@@ -253,9 +253,9 @@ def _held(
 def _row(contact: Contact, rough: Field, filled: Mask | None, carried: Carried | None) -> Row:
     """The numbers of one contact, and sums over its tiles for the bands."""
     of_body, of_mean, force = unit_response(contact)
-    gap, area = contact.gap, contact.nominal_area
+    gap, area, body = contact.gap, contact.nominal_area, np.isfinite(rough)
     row: Row = {
-        "approach": float((rough.max() - contact.heights - gap)[np.isfinite(gap)].mean()),
+        "approach": float((rough.max() - contact.heights[body] - gap[body]).mean()),
         "stiffness": 1 / (of_mean * area),
         "on_filled": load_on_filled(filled, contact.pressure),
     }
@@ -269,7 +269,7 @@ def _row(contact: Contact, rough: Field, filled: Mask | None, carried: Carried |
                 row[_CONDUCTANCES[name]] = per_area / value
     row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
     maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force}
-    maps["gap"] = np.where(np.isfinite(gap), gap, 0.0)
+    maps["gap"] = np.where(body, gap, 0.0)
     sums = in_tiles(np.stack([*maps.values()])).tolist()
     return row | _hydraulic(gap) | {"tiles": dict(zip(maps, sums, strict=True))}
 

@@ -40,7 +40,8 @@ def contact_from(
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
     if system.yields:
         heights = _lowered(system, surface, heights)
-        indentation = indentation + (bodies.heights - heights)
+        lowered, body = np.zeros(heights.shape), np.isfinite(heights)
+        indentation = indentation + np.subtract(bodies.heights, heights, out=lowered, where=body)
         lower = system.above(heights)
         shift, system = lower.datum - system.datum, lower
         if shift:  # the highest point has yielded
