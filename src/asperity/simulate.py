@@ -140,10 +140,9 @@ def press(
                 )
             return pressed_anew(heights, control, solver)
         contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
-        for doubt in load_on_filled(
-            heights.filled if isinstance(heights, Surface) else None, contact.pressure
-        ):
-            remark(doubt)
+        if isinstance(heights, Surface):
+            for doubt in load_on_filled(heights.filled, contact.pressure):
+                remark(doubt)
         modulus = contact.solid.modulus
         if contact.si and modulus is not None and contact.load > modulus * contact.contact_area:
             pressure = f"{contact.load / contact.contact_area:.3g} Pa"

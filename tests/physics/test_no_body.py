@@ -1,12 +1,13 @@
 """Bodies that do not cover their lattice: heights of -inf, as if the surroundings were infinitely deep."""
 
-import json
 import math
 
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.analysis.field_values import distributions
+from asperity.app.explore.scene import _scene
 from asperity.errors import InputError
 from asperity.protocols import Hold, Ramp, Slide, Step
 from asperity.solids import Dugdale, Eyring, half_space, layer, spring_lattice
@@ -81,6 +82,24 @@ def test_histories_leave_the_surroundings_out(name, tmp_path):
     assert not moved.in_contact[~np.roll(CORE, (3, -2), axis=(0, 1))].any()
     with pytest.raises(InputError, match="whole sites"):
         asp.slide(no_body, (0.5, 0))
+
+
+@pytest.mark.parametrize("name", ["half-space", "springs by Eyring"])
+def test_a_run_resumes_where_the_body_ends(name, tmp_path):
+    contact, file = asp.press(core(-np.inf), SOLIDS[name], load=20.0), tmp_path / "place"
+    whole = asp.age(contact, [0.1, 1.0, 10.0]).final
+
+    def stop(frame):
+        if frame.time >= 1.0:
+            raise KeyboardInterrupt
+
+    keep = asp.results.Checkpoint(file, every=0.0)
+    with pytest.raises(KeyboardInterrupt):
+        asp.age(contact, [0.1, 1.0, 10.0], checkpoint=keep, progress=stop)
+    assert file.exists()
+    resumed = asp.age(contact, [0.1, 1.0, 10.0], checkpoint=keep).final
+    assert np.array_equal(resumed.force, whole.force)
+    assert resumed.nominal_area == CORE.sum()
 
 
 def test_limits_of_bodies_that_end():
@@ -226,6 +245,10 @@ def test_pictures_leave_out_what_is_no_body(tmp_path):
         shown._repr_html_()
     percent = asp.figures.contact_figure(asp.analysis.contact_maps(history.dataset)).table["contact [%]"]
     assert percent == pytest.approx(100 * history.dataset["contact_fraction"].values[[0, -1]])
-    first = asp.analysis.distributions(history.dataset)[0] if hasattr(asp.analysis, "distributions") else None
-    assert first is None or first.sites == BODY.size
-    assert json.loads(history.dataset.attrs["spacing"]) == [1e-6, 1e-6]
+    assert {moment.sites for moment in distributions(history.dataset)} == {BODY.size}
+    scene, steps = _scene(history.dataset, None, "")
+    low, high = scene["height_range"]
+    assert scene["ends"]
+    assert np.array_equal(steps > 0, np.isfinite(PADDED))
+    drawn = low + (high - low) * steps[5:25, 4:21] / 65535
+    assert drawn == pytest.approx(BODY, abs=(high - low) / 65535)
