@@ -107,11 +107,6 @@ class Lattice:
         )
         return Lattice(tuple(lengths), self.spacing, body=self.shape)
 
-    @property
-    def body_sites(self) -> int:
-        """Number of sites of the body."""
-        return math.prod(self.body or self.shape)
-
     def cut(self, field: Any) -> Any:
         """The part of one or several fields on the body."""
         return field[(..., *map(slice, self.body))] if self.body else field
@@ -257,6 +252,9 @@ class Lattice:
         rest = [float(sites - n) for sites, n in zip(shift, whole, strict=True)]
         if not any(rest):
             return moved
+        if np.isinf(field).any():
+            expected = "whole sites, for a body that does not cover its lattice"
+            raise InputError("shift", expected=expected, got=f"{rest} of a site beside them")
         modes = self.forward(moved)
         for angle, part in zip(self.angles, rest, strict=True):
             phase = angle * part

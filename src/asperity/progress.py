@@ -179,4 +179,4 @@ def _notebook() -> ModuleType | None:
 
 def _area(frame: Frame) -> str:
     contact = frame.contact
-    return f"area {contact.area} sites ({100 * contact.area / contact.heights.size:.3g} %)"
+    return f"area {contact.area} sites ({100 * contact.contact_fraction:.3g} %)"

@@ -38,6 +38,7 @@ from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot
 from asperity.results.history import History
 from asperity.results.pulling import Pull
 from asperity.solids import Solid
+from asperity.surfaces import Surface
 from asperity.surfaces.doubts import load_on_filled
 
 Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
@@ -140,8 +141,9 @@ def press(
                 )
             return pressed_anew(heights, control, solver)
         contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
-        for doubt in load_on_filled(getattr(heights, "filled", None), contact.pressure):
-            remark(doubt)
+        if isinstance(heights, Surface):
+            for doubt in load_on_filled(heights.filled, contact.pressure):
+                remark(doubt)
         modulus = contact.solid.modulus
         if contact.si and modulus is not None and contact.load > modulus * contact.contact_area:
             pressure = f"{contact.load / contact.contact_area:.3g} Pa"
@@ -172,16 +174,15 @@ def pressed(
 
 def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
     """Load or separation in the units of the bodies."""
-    lattice = bodies.lattice
-    force = "N/m" if lattice.dimension == 1 else "N"
+    force = "N/m" if bodies.lattice.dimension == 1 else "N"
     unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
     number: Any = units.converted(name, value, unit, si=bodies.si)
     if name == "separation":
         return Separation(number)
     if name == "pressure":
-        nominal = lattice.sites * lattice.cell
         least = -math.inf if bodies.solid.adhesion is not None else 0.0
-        number = checks.number("pressure", number, above=least, advice="pressure=1e6") * nominal
+        number = checks.number("pressure", number, above=least, advice="pressure=1e6")
+        number *= bodies.nominal_area
     return Load(number)
 
 

@@ -333,7 +333,9 @@ def test_a_void_value_is_doubted(void):
     assert as_read(np.round(rough(9), 1)).remarks == ()
     # What was told to be undefined is no doubt.
     heights[70:, 70:] = np.nan
-    assert as_read(heights).remarks == ()
+    (filled,) = as_read(heights).remarks
+    assert f"{100 * np.isnan(heights).mean():.3g} % of the pixels are undefined and were filled" in filled
+    assert as_read(heights, undefined="no-body").remarks == ()
 
 
 @pytest.mark.parametrize(
@@ -366,10 +368,10 @@ def test_lines_are_levelled_by_their_medians():
     lined = heights + offsets + 5 * V
     lined[50:53, 10:30] = np.nan
     lined[60] = np.nan
-    (remark,) = as_read(lined, max_undefined=0.2).remarks
+    filled, remark = as_read(lined, max_undefined=0.2).remarks
     assert "--lines median" in remark
     found = as_read(lined, lines="median", max_undefined=0.2)
-    assert found.remarks == ()
+    assert found.remarks == (filled,)
     known = ~np.isnan(lined)
     # The least-squares plane, then the median of each row, then the plane again, by other means.
     grid = np.stack([np.ones(lined.shape), U, V], axis=-1)

@@ -111,7 +111,7 @@ class OfScan:
         """Compare the maps of a history that began with this contact."""
         touching, rows = np.asarray(dataset["in_contact"]), rows_of_maps(dataset)
         area, load = in_tiles(touching), in_tiles(np.asarray(dataset["pressure"]))
-        sites = in_tiles(np.ones_like(touching))
+        sites = in_tiles(np.isfinite(contact.heights)[np.newaxis])
         parts = {"in_contact": (area, load)}
         if set(banded(dataset)) - set(_BY_AREA):
             parts["punch"] = in_tiles(np.array([punch(contact, mask) for mask in touching])), load
@@ -122,7 +122,7 @@ class OfScan:
             ratios = {name: np.log(without_each(a) / without_each(b)) for name, (a, b) in parts.items()}
             ratios["load"] = np.log(without_each(load) / without_each(sites))
             # Near full contact the area grows less than the load.
-            ratios["in_contact"] += (1 - _slope(touching.mean(axis=(1, 2))))[:, None] * ratios["load"]
+            ratios["in_contact"] += (1 - _slope(area.sum(axis=1) / contact.sites))[:, None] * ratios["load"]
             borne = bearing(load)
         without = {
             name: np.array(

@@ -8,7 +8,8 @@ With the heights h before anything yielded, and the surface u of the solid,
 
 where c is how far a unit of load lowers <u> instantly, with unchanged contacts. On a half-space without free
 edges <u> is its position. The position of a layer is <u> less its even compression p / K(0), for wave vector
-0. With free edges, <u> leaves out the displacement of the body far away. Where
+0. With free edges, <u> leaves out the displacement of the body far away. All
+means are over the sites of the body. Where
 nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
 
 The gap g bounds the flow between the surfaces (cubic law). The lower bound closes the channels against each
@@ -48,6 +49,7 @@ from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.scan import written
 from asperity.base import checks, units
+from asperity.base.calls import remark
 from asperity.base.version import __version__
 from asperity.carried import Carried
 from asperity.carried.record import quantities
@@ -55,7 +57,7 @@ from asperity.carried.response import unit_response
 from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
 from asperity.errors import CheckpointError, InputError
-from asperity.lattice import Field
+from asperity.lattice import Field, Mask
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
 from asperity.results.dataset import attributes_of_solid
@@ -63,6 +65,7 @@ from asperity.results.store import whole_file
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
+from asperity.surfaces.doubts import load_on_filled
 
 TITLE = "Law of a rough contact"
 
@@ -182,10 +185,13 @@ def law(
             memory = lower_steps == steps.size - 1 and (body.branches or body.yields)
             lower = steps[-2::-1].tolist() if memory else []
             contact = pressed(scan, body, pressure=step)
-            rows += _held(contact, step, ages, lower, rtol, partial(_row, rough=heights, carried=carried))
+            row_of = partial(_row, rough=heights, filled=scan.filled, carried=carried)
+            rows += _held(contact, step, ages, lower, rtol, row_of)
             if path is not None:
                 with whole_file(path) as part:
                     part.write_text(json.dumps({mark: rows}), encoding="utf-8")
+    for doubt in rows[0]["on_filled"]:
+        remark(doubt)
     return _dataset(rows, heights).assign_attrs(
         title=TITLE,
         asperity_version=__version__,
@@ -245,13 +251,14 @@ def _held(
     return rows
 
 
-def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
+def _row(contact: Contact, rough: Field, filled: Mask | None, carried: Carried | None) -> Row:
     """The numbers of one contact, and sums over its tiles for the bands."""
     of_body, of_mean, force = unit_response(contact)
-    gap, area = contact.gap, contact.nominal_area
+    gap, area, body = contact.gap, contact.nominal_area, np.isfinite(rough)
     row: Row = {
-        "approach": float((rough.max() - contact.heights - gap).mean()),
+        "approach": float((rough.max() - contact.heights[body] - gap[body]).mean()),
         "stiffness": 1 / (of_mean * area),
+        "on_filled": load_on_filled(filled, contact.pressure),
     }
     if carried is not None:
         # The law has the stiffness of the mean of the surface, `carried` that of the body.
@@ -262,7 +269,8 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
             elif name in _CONDUCTANCES:
                 row[_CONDUCTANCES[name]] = per_area / value
     row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
-    maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force, "gap": gap}
+    maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force}
+    maps["gap"] = np.where(body, gap, 0.0)
     sums = in_tiles(np.stack([*maps.values()])).tolist()
     return row | _hydraulic(gap) | {"tiles": dict(zip(maps, sums, strict=True))}
 
@@ -272,7 +280,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
     sums = {name: np.array([tiles[name] for tiles in rows["tiles"]]) for name in rows["tiles"].iloc[0]}
     others = {name: without_each(tiles) for name, tiles in sums.items()}
     logs = {name: np.log(np.where(part > 0, part, math.nan)) for name, part in others.items()}
-    per_load = logs["load"] - np.log(without_each(in_tiles(np.ones((1, *rough.shape)))))
+    per_load = logs["load"] - np.log(without_each(in_tiles(np.isfinite(rough)[np.newaxis])))
     pressure, ends = np.log(rows.index.get_level_values("pressure")), {}
     order: Any = min(2, len(rows) - 1)
     for name in [name for name in _BY_TILE if name in rows]:
@@ -281,7 +289,8 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
         ends[name] = rows[name].to_numpy() * interval(np.exp(student(without.T, bearing(sums["load"]))))
         if _BY_TILE[name] == "punch":
             ends[name][:, rows["contact_fraction"] > CLOSED] = math.nan
-    scale = in_tiles(rough[np.newaxis], np.maximum).std(ddof=1) * math.sqrt(6) / math.pi
+    tops = in_tiles(rough[np.newaxis], np.maximum)
+    scale = tops[np.isfinite(tops)].std(ddof=1) * math.sqrt(6) / math.pi
     higher = scale * (gumbel_r.ppf([[0.025], [0.975]]) - gumbel_r.median())
     ends["approach"] = rows["approach"].to_numpy() + higher
     names = {
@@ -292,11 +301,14 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
 
 def _hydraulic(gap: Field) -> Row:
     """Gaps of smooth plates with the same flow: of an effective medium, and its bounds."""
-    widest = float(gap.max())
-    cubes = (np.maximum(gap, 0.0) / widest) ** 3
+    on_body = gap[np.isfinite(gap)]
+    widest, least, most = float(on_body.max()), math.nan, math.nan
+    cubes = (np.maximum(on_body, 0.0) / widest) ** 3
     with np.errstate(divide="ignore"):
-        least = min(float((1 / (1 / cubes).mean(axis=along)).mean()) for along in (0, 1))
-        most = max(float(1 / (1 / cubes.mean(axis=across)).mean()) for across in (0, 1))
+        if on_body.size == gap.size:  # else no channel runs across the scan
+            plane = cubes.reshape(gap.shape)
+            least = min(float((1 / (1 / plane).mean(axis=along)).mean()) for along in (0, 1))
+            most = max(float(1 / (1 / plane.mean(axis=across)).mean()) for across in (0, 1))
         logarithms = np.log(cubes)
     mean = 0.0
     if np.count_nonzero(cubes) > cubes.size / 2:  # (g^3 - b^3) / (g^3 + b^3) = tanh(ln(g^3 / b^3) / 2)

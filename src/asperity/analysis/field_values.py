@@ -31,7 +31,7 @@ class Distribution:
     patch
         Sites of each patch of contact.
     sites
-        Sites of the lattice.
+        Sites of the rough body.
     """
 
     time: float
@@ -64,9 +64,11 @@ def distributions(dataset: xr.Dataset) -> list[Distribution]:
         fields = dataset.isel(field_time=number)
         touching = np.asarray(fields["in_contact"], dtype=bool)
         gap = np.sort(np.asarray(fields["u"] - _rough(fields))[~touching])
+        gap = gap[np.isfinite(gap)]
         pressure = np.sort(np.asarray(fields["pressure"])[touching]) if "pressure" in fields else None
         sizes = patches(touching, edges=dataset.attrs.get("edges", "periodic")).sizes[::-1]
-        at_times.append(Distribution(time, gap, pressure, sizes.astype(np.float64), touching.size))
+        patch, sites = sizes.astype(np.float64), int(touching.sum()) + gap.size
+        at_times.append(Distribution(time, gap, pressure, patch, sites))
     return at_times
 
 

@@ -19,6 +19,7 @@ from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.results.history import check_fields
+from asperity.surfaces.prepare import of_body
 from asperity.surfaces.surface import measured_part
 
 Number = TypeVar("Number", np.int8, np.float64)
@@ -95,6 +96,11 @@ class ContactMaps(views.Brief):
     length_unit: str = ""
     aspect: float = 1.0
     time_unit: str = ""
+
+    @property
+    def sites(self) -> int:
+        """Sites of the rough body."""
+        return int(np.isfinite(self.heights).sum())
 
     def area(self, number: int) -> int:
         """Sites in contact in one map."""
@@ -243,7 +249,7 @@ def maps_between(contact: Contact, since: Contact | None = None) -> ContactMaps:
     """
     both = (contact if since is None else since, contact)
     earlier, heights = (state.heights + state.permanent_indentation for state in both)
-    if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(heights))):
+    if not np.allclose(earlier, heights, rtol=1e-12, atol=1e-12 * float(np.ptp(of_body(heights)))):
         raise InputError("since", expected="a contact of the same surface", got="one of other heights")
     return _maps_of(
         heights,
@@ -303,7 +309,7 @@ def _maps_of(
 
 def color_range(heights: Field) -> tuple[float, float]:
     """Range of heights without the lowest and highest 0.3 %, so that spikes do not wash out a map."""
-    low, high = np.percentile(heights, (0.3, 99.7))
+    low, high = np.percentile(heights[np.isfinite(heights)], (0.3, 99.7))
     return float(low), float(high)
 
 

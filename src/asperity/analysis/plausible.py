@@ -49,8 +49,8 @@ def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterato
     measured = "kind" not in rough.provenance and rough.heights.ndim == 2 and dataset.attrs.get("si")
     if not (elastic and measured and load[at] > 0 and (slope := rough.describe().rms_slope) > 0):
         return
-    heights, spacing = rough.in_meters()
-    nominal, series = heights.size * math.prod(spacing), relaxing_of(solid)
+    _, spacing = rough.in_meters()
+    nominal, series = dataset.attrs["sites"] * math.prod(spacing), relaxing_of(solid)
     effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
     expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
     fraction = float(dataset["contact_area_corrected"][at]) / nominal

@@ -194,7 +194,7 @@ class Prediction(views.InNotebooks, views.Pictured):
     @property
     def nominal_area(self) -> float:
         """Area of the scan, m^2."""
-        return float(self.dataset["heights"].size * math.prod(self.spacing))
+        return float(self.dataset.attrs["sites"] * math.prod(self.spacing))
 
     @property
     def origin(self) -> dict[str, object]:

@@ -56,7 +56,7 @@ def contact_rows(contact: Contact) -> list[Row]:
     """Rows of one contact."""
     units = units_of(contact) if contact.si else {}
     rows = [
-        _extent("contact", contact.area, contact.heights.size),
+        _extent("contact", contact.area, contact.sites),
         _of("load", contact.load, units.get("force")),
         _of("separation", contact.separation, units.get("length")),
     ]

@@ -25,7 +25,10 @@ from asperity.errors import LARGEST, InputError, MissingExtraError
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
-_FILLING = "filling them: asperity.surfaces.read(path, undefined='fill') does for files"
+_FILLING = (
+    "-inf where there is no body, such as np.ma.filled(heights, -np.inf), or filling them: "
+    "asperity.surfaces.read(path) does for files"
+)
 
 
 def number(
@@ -221,8 +224,12 @@ def times(name: str, value: object, *, at_least: int = 1) -> Floats:
     return array
 
 
-def heights(name: str, value: object) -> Floats:
-    """Heights over the sites of a lattice, shape (n,) or (n, m), finite: a copy in C order."""
+def heights(name: str, value: object, *, holes: bool = False) -> Floats:
+    """Heights over the sites of a lattice, shape (n,) or (n, m), finite: a copy in C order.
+
+    With ``holes`` they may be -inf, where there is no body, but not everywhere.
+    """
+    advice = _FILLING if holes else "filling them"
     if np.ma.isMaskedArray(value):
         masked = np.argwhere(np.ma.getmaskarray(value))
         if len(masked):
@@ -230,7 +237,7 @@ def heights(name: str, value: object) -> Floats:
                 name,
                 expected="an array without masked entries",
                 got=f"{len(masked)} masked of {np.size(value)}, the first at {masked[0].tolist()}",
-                advice=_FILLING,
+                advice=advice,
             )
     array = _as_floats(name, value, "an array of real numbers", copied=True)
     if array.ndim not in (1, 2):
@@ -242,7 +249,9 @@ def heights(name: str, value: object) -> Floats:
         )
     if array.size == 0:
         raise InputError(name, expected="at least one height", got=f"an empty array, shape {array.shape}")
-    wrong = ~np.isfinite(array)
+    wrong = ~(finite := np.isfinite(array))
+    if holes and finite.any():
+        wrong &= array != -math.inf
     if wrong.any():
         nans = int(np.isnan(array).sum())
         raise InputError(
@@ -250,9 +259,9 @@ def heights(name: str, value: object) -> Floats:
             expected="finite numbers",
             got=f"{nans} NaN and {int(wrong.sum()) - nans} infinite of {array.size}, "
             f"the first at {np.argwhere(wrong)[0].tolist()}",
-            advice=_FILLING,
+            advice=advice,
         )
-    if max(float(array.max()), -float(array.min())) > LARGEST:
+    if max(float(array.max()), -float(array.min(where=finite, initial=0.0))) > LARGEST:
         raise InputError(name, expected=f"heights up to {LARGEST:g}", got="larger ones")
     return array
 

@@ -40,7 +40,7 @@ def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field
     u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
     _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
     force = np.where(in_contact, problem.force(u), 0.0)
-    return -position, -float(lattice.cut(u).mean()), lattice.cut(force)
+    return -position, -float(u[np.isfinite(contact.system().heights)].mean()), lattice.cut(force)
 
 
 @views.maker
@@ -52,7 +52,9 @@ def normal_stiffness(contact: Contact) -> float:
 
 def punch(contact: Contact, in_contact: Mask) -> Field:
     """Share of each site in the load of a rigid punch on these sites, on the solid of a contact."""
-    return _flat_punch(contact, in_contact)[2] if in_contact.any() else np.zeros(in_contact.shape)
+    if not in_contact.any():
+        return np.zeros(in_contact.shape)
+    return _flat_punch(contact, contact.lattice.embedding.extended(in_contact, beyond=False))[2]
 
 
 @views.maker

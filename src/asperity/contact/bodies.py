@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.errors import InputError
@@ -24,6 +26,16 @@ class Bodies:
     surface: Mapping[str, object]
     si: bool
     permanent_indentation: Field | float = 0.0
+
+    @cached_property
+    def sites(self) -> int:
+        """Number of sites of the rough body: those whose height is not -inf."""
+        return int(np.count_nonzero(np.isfinite(self.heights)))
+
+    @property
+    def nominal_area(self) -> float:
+        """Area of the rough body, length^2; of a line, its length, as of all areas below."""
+        return self.sites * self.lattice.cell
 
 
 def bodies_of(heights: ArrayLike, solid: Solid) -> Bodies:

@@ -20,6 +20,7 @@ from asperity.contact.rim import RIM, rim_sides
 from asperity.contact.system import System
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
+from asperity.surfaces.prepare import of_body
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -46,7 +47,7 @@ class Contact(Bodies, views.InNotebooks):
     ----------
     heights
         The rigid rough surface, length; an array over the sites, like all fields below. It is lower where it
-        has yielded.
+        has yielded, and -inf where there is no body.
     lattice
         The sites: shape, spacing, edges.
     solid
@@ -183,12 +184,7 @@ class Contact(Bodies, views.InNotebooks):
     @property
     def contact_fraction(self) -> float:
         """Real over nominal contact area."""
-        return self.area / self.heights.size
-
-    @property
-    def nominal_area(self) -> float:
-        """Area of the whole surface, length^2; of a line, its length, as of all areas below."""
-        return self.lattice.sites * self.lattice.cell
+        return self.area / self.sites
 
     @property
     def contact_area(self) -> float:
@@ -204,23 +200,24 @@ class Contact(Bodies, views.InNotebooks):
         """
         if self.lattice.dimension == 1:
             return self.contact_area
-        return (self.area - RIM * rim_sides(self.in_contact, self.lattice)) * self.lattice.cell
+        sides = rim_sides(self.in_contact, self.lattice, np.isfinite(self.heights))
+        return (self.area - RIM * sides) * self.lattice.cell
 
     @cached_property
     def gap(self) -> Field:
-        """Gap u - heights >= 0, length."""
+        """Gap u - heights >= 0, length; infinite where there is no body."""
         gap: Field = self.lattice.embedding.cut(self._surface) - (self.heights - self.datum)
         return gap
 
     @property
     def mean_gap(self) -> float:
-        """Mean of the gap over all sites, length."""
-        return float(self.gap.mean())
+        """Mean of the gap over the sites of the body, length."""
+        return float(of_body(self.gap).mean())
 
     @property
     def rms_gap(self) -> float:
-        """Root mean square of the gap over all sites, length."""
-        return math.sqrt(float(np.mean(self.gap**2)))
+        """Root mean square of the gap over the sites of the body, length."""
+        return math.sqrt(float(np.mean(of_body(self.gap) ** 2)))
 
     @property
     def pressure(self) -> Field:

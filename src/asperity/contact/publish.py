@@ -13,6 +13,7 @@ from asperity.contact.problem import Solution, mean_by_rounding
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError
 from asperity.lattice import Field, Mask
+from asperity.surfaces.prepare import of_body
 
 ACCEPTED_RESIDUAL = 1e-8
 """No fields are kept whose residual, evaluated on these very fields, is larger."""
@@ -39,7 +40,8 @@ def contact_from(
     surface, heights, indentation = solution.u, bodies.heights, bodies.permanent_indentation
     if system.yields:
         heights = _lowered(system, surface, heights)
-        indentation = indentation + (bodies.heights - heights)
+        lowered, body = np.zeros(heights.shape), np.isfinite(heights)
+        indentation = indentation + np.subtract(bodies.heights, heights, out=lowered, where=body)
         lower = system.above(heights)
         shift, system = lower.datum - system.datum, lower
         if shift:  # the highest point has yielded
@@ -115,5 +117,5 @@ def _lowered(system: System, u: Field, heights: Field) -> Field:
 def _smallest_force(system: System, u: Field) -> float:
     """Smallest force that double precision resolves: the scale of residuals without a load."""
     heights = system.mechanics.lattice.cut(system.heights)
-    largest = max(float(np.abs(field).max()) for field in (u, heights))
+    largest = max(float(np.abs(field).max()) for field in (u, of_body(heights)))
     return 4 * float(np.spacing(largest)) * system.mechanics.greatest_stiffness / ACCEPTED_RESIDUAL

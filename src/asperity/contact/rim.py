@@ -15,11 +15,16 @@ V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. 114, 161 (2017), DOI 1
 """
 
 
-def rim_sides(in_contact: Mask, lattice: Lattice) -> int:
-    """Number of pairs of neighbors of which one is in contact, over periodic edges too."""
+def rim_sides(in_contact: Mask, lattice: Lattice, body: Mask | None = None) -> int:
+    """Number of pairs of neighbors of the body of which one is in contact, over periodic edges too.
+
+    A contact that ends where the body does is counted exactly.
+    """
     sides = 0
     for axis in range(lattice.dimension):
         differ = in_contact != np.roll(in_contact, 1, axis)
+        if body is not None:
+            differ &= body & np.roll(body, 1, axis)
         if lattice.edges != "periodic":
             differ = differ[(slice(None),) * axis + (slice(1, None),)]
         sides += int(np.count_nonzero(differ))

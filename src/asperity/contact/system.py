@@ -33,7 +33,7 @@ class System:
     """A solid, a rough surface and what is prescribed.
 
     Heights, u, u_b and the position of the rigid body are measured from `datum`, the highest point of the
-    rough surface. Fields are over the lattice of the mechanics: beyond free edges heights are -inf. A
+    rough surface. Fields are over the lattice of the mechanics: where there is no body heights are -inf. A
     ``external`` force of each site acts beside that of contact; the load is the sum of both.
     """
 
@@ -116,7 +116,8 @@ class System:
         if self.load < 0 and not self.sticks:
             advice = "adhesion=asperity.solids.Dugdale(...), for a load that pulls"
             raise InputError("load", expected=EXPECTED, got=f"{self.load:g}", advice=advice)
-        most = TUNING.most_of_all * self.mechanics.interface.high * self.mechanics.lattice.body_sites
+        sites = np.count_nonzero(np.isfinite(self.heights)) if self.yields else 1
+        most = TUNING.most_of_all * self.mechanics.interface.high * sites
         if self.load > most:
             hardness = f"the hardness {self.mechanics.solid.hardness:g} times the nominal area"
             expected = f"at most {most:.8g}, {TUNING.most_of_all:g} of {hardness}"

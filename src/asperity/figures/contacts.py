@@ -21,6 +21,7 @@ from asperity.base import checks
 from asperity.base.words import counted, power, thousands
 from asperity.figures import style
 from asperity.lattice import Field
+from asperity.surfaces.prepare import of_body
 
 _COLUMNS = 4
 _PANEL, _BAR = 2.45, 0.8
@@ -201,7 +202,7 @@ def _draw_cells(
 def caption(maps: ContactMaps, number: int) -> str:
     """Time, contact fraction, and sites won and lost."""
     new, lost = (maps.count(number, state) for state in (SiteState.NEW, SiteState.LOST))
-    percent = 100.0 * maps.area(number) / maps.heights.size
+    percent = 100.0 * maps.area(number) / maps.sites
     changes = f", +{thousands(new)}" if number > maps.reference else ""
     changes += f" −{thousands(lost)}" if lost else ""
     # Both sides of a jump may have been kept.
@@ -255,7 +256,7 @@ def _tabulate(figure: style.Drawing, maps: ContactMaps) -> None:
     counts = {state: [maps.count(n, state) for n in range(len(maps.times))] for state in SiteState}
     touching = np.add(counts[SiteState.KEPT], counts[SiteState.NEW])
     time = style.with_unit("time", maps.time_unit or "1")
-    figure.table = {time: maps.times, "contact [%]": 100 * touching / maps.heights.size}
+    figure.table = {time: maps.times, "contact [%]": 100 * touching / maps.sites}
     figure.table |= {"sites": touching, "new": counts[SiteState.NEW], "lost": counts[SiteState.LOST]}
     figure.elsewhere = "in_contact, u and heights in history.zarr"
 
@@ -265,7 +266,7 @@ def draw_profile(axes: Axes, maps: ContactMaps, labels: Mapping[int, str]) -> No
     first, last = maps.window
     step, _ = positions(maps)
     place = step * np.arange(first, last)
-    heights, surfaces = maps.heights[first:last], maps.surfaces[list(labels), first:last]
+    heights, surfaces = of_body(maps.heights[first:last]), maps.surfaces[list(labels), first:last]
     floor = float(heights.min()) - 0.08 * float(np.ptp(surfaces) + np.ptp(heights) or 1.0)
     now = heights - maps.indentation[first:last]
     axes.fill_between(place, now, floor, step="mid", color="0.8", linewidth=0, label="rough solid")
@@ -312,7 +313,7 @@ def _draw_strips(axes: Axes, maps: ContactMaps, step: float) -> None:
             (at,) = np.nonzero(maps.states[number] == state)
             look: dict[str, Any] = {"color": COLORS[state], "linewidth": tick, "rasterized": True}
             axes.vlines(step * at, number - 0.38, number + 0.38, **look)
-        percent = 100.0 * maps.area(number) / maps.heights.size
+        percent = 100.0 * maps.area(number) / maps.sites
         labels.append(f"{_moment(maps, float(time))}:  {percent:.3g} %")
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.5, -0.5)

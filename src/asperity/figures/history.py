@@ -78,7 +78,7 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         times = dataset["time"].values
         drawn = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
         figure.table |= drawn
-    style.count_nominal_area(grid[last], 100.0 / (dataset["heights"].size * per_site))
+    style.count_nominal_area(grid[last], 100.0 / (dataset.attrs["sites"] * per_site))
     for axes in grid:
         style.finish(axes, legend=axes is grid[last], lines_along="y")
     title = ["Contact area in a history of " + (" and ".join(names[-2::-1]))]

@@ -142,7 +142,7 @@ def plot_history(
     draw_series(axes, dataset, quantity, relaxed, label, color or (style.BLUE if ax is None else _next(axes)))
     if ax is None and quantity == "area":
         _, _, factor = shown_series(dataset, quantity)
-        style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * factor))
+        style.count_nominal_area(axes, 100.0 / (dataset.attrs["sites"] * factor))
     return axes
 
 

@@ -170,7 +170,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     handles = [style.swatch(COLORS[state], word) for state, word in list(words.items())[: 2 + lost]]
     figure.table = {
         "time [s]": _ends(prediction, "field_time"),
-        "contact [%]": 100 * touching.mean(axis=(1, 2)),
+        "contact [%]": 100 * touching.sum(axis=(1, 2)) / prediction.dataset.attrs["sites"],
         "largest pressure [Pa]": pressure.max(axis=(1, 2)),
     }
     figure.elsewhere = "in_contact, pressure and heights in history.zarr"
@@ -187,7 +187,8 @@ def _draw_touching(axes: Axes, prediction: Prediction, number: int = -1) -> None
     colors[touching[1]] = to_rgba(COLORS[SiteState.NEW])
     colors[touching[0] & touching[1]] = to_rgba(COLORS[SiteState.KEPT])
     style.show_map(axes, colors, *_pixel(prediction, prediction.spacing), **_MIXED)
-    axes.set_title(f"$t$ = ${power(time)}$ s: {100 * touching[1].mean():.3g} % of the pixels touch")
+    percent = 100 * touching[1].sum() / prediction.dataset.attrs["sites"]
+    axes.set_title(f"$t$ = ${power(time)}$ s: {percent:.3g} % of the pixels touch")
 
 
 def _draw_pressures(axes: Axes, prediction: Prediction) -> None:

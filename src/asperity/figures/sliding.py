@@ -70,7 +70,7 @@ def sliding_figure(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(label)
     axes.set_ylabel("friction coefficient" if name == "friction" else quantity)
     if name == "area":
-        style.count_nominal_area(axes, 100.0 / (dataset["heights"].size * per_site))
+        style.count_nominal_area(axes, 100.0 / (dataset.attrs["sites"] * per_site))
     style.finish(axes, legend=False)
     style.legend_below(figure, axes, 2)
     subject = "Friction" if name == "friction" else "Contact area"

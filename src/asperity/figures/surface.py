@@ -17,7 +17,7 @@ from asperity.base.words import uncertain
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity.surfaces import PowerSpectrum, Surface, power_spectrum
-from asperity.surfaces.prepare import is_length
+from asperity.surfaces.prepare import is_length, of_body
 
 _PAD = 0.15
 """Room around each panel, inches: tick labels reach beyond their axes."""
@@ -35,10 +35,10 @@ class SurfaceView:
     """
 
     def __init__(self, surface: Surface) -> None:
-        heights = surface.scan.heights
+        heights = of_body(surface.scan.heights)
         self.unit, self.factor = readable(surface.unit, float(np.ptp(heights)))
         self.heights = heights * self.factor
-        self.height_range = color_range(self.heights)
+        self.height_range = color_range(surface.scan.heights * self.factor)
         self.length_unit, self.across = "pixel", 1.0
         self.pixel_size = (1.0,) * heights.ndim
         if surface.pixel_size is not None:
@@ -61,7 +61,7 @@ class SurfaceView:
 
         At the middle of each the Gaussian of the same mean and rms too; NaN for a flat surface.
         """
-        heights = self.heights
+        heights = np.ma.compressed(self.heights)
         # At most 80 bins, and about 20 heights a bin for short profiles; one bin for a flat surface.
         bins = int(np.clip(heights.size // 20, 1, 80)) if heights.min() < heights.max() else 1
         density, edges = np.histogram(heights, bins=bins, density=True)
@@ -112,8 +112,10 @@ def surface_figure(
     panels["profile"].set_title("profile along the dashed line" if flat else "profile")
     draw_heights(panels["profile"], view)
     _draw_histogram(panels["heights"], view)
-    measured = power_spectrum(surface) if spectrum is None else spectrum
-    draw_spectrum(panels["waves"], measured, view)
+    if np.ma.is_masked(view.heights):
+        panels["waves"].set_axis_off()  # a body that ends has no spectrum
+    else:
+        draw_spectrum(panels["waves"], spectrum or power_spectrum(surface), view)
     figure.elsewhere = "the surface itself" * flat
     style.entitle(figure, style.lines([title], figure.room), note.split(", ") if note else [])
     return figure

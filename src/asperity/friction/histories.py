@@ -66,7 +66,7 @@ def record_of(
 def _nominal_area(dataset: xr.Dataset) -> float:
     """In m^2; of a run of a campaign, which keeps no heights, from the contact."""
     if "heights" in dataset:
-        return float(dataset["heights"].size * math.prod(json.loads(dataset.attrs["spacing"])))
+        return float(dataset.attrs["sites"] * math.prod(json.loads(dataset.attrs["spacing"])))
     return float((dataset["contact_area"] / dataset["contact_fraction"]).max())
 
 

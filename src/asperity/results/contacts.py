@@ -114,7 +114,9 @@ def load_contact(path: str | Path, solid: Solid) -> Contact:
     system = System.of(heights, lattice, solid, kind(facts[f"held_{kind.name}"]))
     position, touching = float(data["separation"]) - system.datum, data["in_contact"].values
     # u loses digits beside a large datum, which the gap keeps; a load moves anchors into place.
-    surface, anchors = heights - system.datum + data["gap"].values, data["anchors"].values - system.datum
+    surface, anchors = (data[name].values - system.datum for name in ("u", "anchors"))
+    body = np.isfinite(heights)
+    surface[body] = heights[body] - system.datum + data["gap"].values[body]
     whole = lattice.embedding
     if whole.body:  # fields beyond free edges follow from those within
         near = Guess(whole.extended(surface, position), whole.extended(touching, beyond=False))

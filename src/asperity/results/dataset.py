@@ -165,7 +165,7 @@ def attributes_of(contact: Contact, control: Control) -> dict[str, Plain]:
         "edges": contact.lattice.edges,
         "held": control.name,
         **items,
-        "sites": contact.heights.size,
+        "sites": contact.sites,
         "heights_sha256": hashlib.sha256(np.ascontiguousarray(contact.heights).tobytes()).hexdigest(),
         "surface": json.dumps(dict(contact.surface)),
         **plain("surface", contact.surface),

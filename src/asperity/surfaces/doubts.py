@@ -20,7 +20,7 @@ one of 300 square parts of self-affine surfaces without roll-off (H = 0.8), in n
 _BOW = 0.9  # share of the variance in a bow above which it alone is remarked: in none of these 600 parts
 _UNEVEN = 1.5  # ratio of steps across rows to steps along them, above which it is remarked
 _REPEATED = 10  # a height that is so many times as frequent as any other may mark undefined pixels
-_BORNE = 0.01  # share of the load on filled pixels above which it is remarked
+_BORNE = 0.01  # share of filled pixels, or of the load on them, above which it is remarked
 
 
 def repeated(heights: Field) -> dict[str, float]:
@@ -47,6 +47,12 @@ def remarks(
         yield (
             f"{count} pixels have the height {void}, which is far from all others or too frequent: "
             f"if it marks undefined pixels, try undefined_value = {void} (--undefined-value {void})"
+        )
+    share = facts.get("undefined_fraction", 0.0)
+    if share > _BORNE and facts.get("undefined_rule") == "fill":
+        yield (
+            f"{100 * share:.3g} % of the pixels are undefined and were filled; "
+            "where there is no body, try undefined = 'no-body' (--undefined no-body)"
         )
     odd, slope = [], measures.rms_slope
     side = max((n * pixel for n, pixel in zip(measures.shape, size or (), strict=False)), default=0.0)
@@ -98,5 +104,6 @@ def load_on_filled(filled: Mask | None, forces: Field) -> tuple[str, ...]:
         return ()
     return (
         f"{100 * share:.3g} % of the load is on filled pixels, whose heights were not measured: "
-        "crop the scan to its measured part (--crop), or measure another place",
+        "where there is no body, set undefined = 'no-body' (--undefined no-body); else crop the scan to its "
+        "measured part (--crop), or measure another place",
     )

@@ -20,7 +20,7 @@ def check_heights(heights: ArrayLike) -> Field:
     heights
         Heights of a profile, shape ``(n,)``, or of a surface, shape ``(n, m)``: an array of integers
         or floats, nested lists of them, or an object with ``__array__``: a `Surface`, a masked array
-        without masked entries, an xarray DataArray.
+        without masked entries, an xarray DataArray. They are -inf where there is no body.
 
     Returns
     -------
@@ -30,10 +30,10 @@ def check_heights(heights: ArrayLike) -> Field:
     Raises
     ------
     InputError
-        The heights are not real numbers in one or two dimensions, are empty, or hold NaN, infinite or
-        masked entries; the message counts these and names the first.
+        The heights are not real numbers in one or two dimensions, are empty, have no body at all, or hold
+        NaN, +inf or masked entries; the message counts these and names the first.
     """
-    return checks.heights("heights", heights)
+    return checks.heights("heights", heights, holes=True)
 
 
 def checked_spacing(name: str, value: object, axes: int) -> tuple[float, ...]:

@@ -106,9 +106,11 @@ def spikes(heights: Field, defined: Mask) -> tuple[Mask, float]:
 def bow(heights: Field) -> dict[str, float]:
     """Share of the variance in a polynomial of second order; share of the highest 1 % in the outer tenth."""
     part = heights[tuple(slice(None, None, -(-n // _LOOKED_AT)) for n in heights.shape)]
-    chosen = ~spikes(part, np.ones(part.shape, dtype=bool))[0]
-    variance = float(part[chosen].var())
-    if part.size < _FEW or variance == 0:
+    chosen = np.isfinite(part)
+    if chosen.any():
+        chosen &= ~spikes(part, chosen)[0]
+    variance = float(part[chosen].var()) if chosen.sum() >= _FEW else 0.0
+    if variance == 0:
         return {"bow_variance": 0.0, "highest_at_edges": 0.0}
     flat, _ = remove_tilt(part, chosen, "quadratic")
     highest = np.nonzero(chosen & (part >= np.quantile(part[chosen], 0.99)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
@@ -29,8 +30,11 @@ _Path = Annotated[
     Quantity("surface file", more="; the other settings of this group prepare it. For spectrum its table."),
 ]
 _Undefined = Annotated[
-    Literal["fill", "refuse"],
-    Quantity("treatment of undefined pixels", more=": fill (from their neighbors) or refuse."),
+    Literal["fill", "no-body", "refuse"],
+    Quantity(
+        "treatment of undefined pixels",
+        more=": fill (from their neighbors), no-body (nothing touches there) or refuse.",
+    ),
 ]
 _MaxUndefined = Annotated[float, Ge(0), Lt(1), Quantity("largest fraction of undefined pixels to fill")]
 _UndefinedValue = Annotated[
@@ -146,7 +150,9 @@ def read(
     undefined
         "fill" gives each undefined pixel (NaN or masked) the mean of its neighbors on the pixel grid, once
         the tilt is removed: the discrete harmonic function. No filled pixel is above the border of its hole,
-        so filling creates no summit. `Surface.filled` marks them. "refuse" raises if any pixel is undefined.
+        so filling creates no summit. `Surface.filled` marks them. "no-body": there is a hole, or the body
+        ends. Heights are -inf, these pixels never touch, and areas and statistics leave them out.
+        "refuse" raises if any pixel is undefined.
     max_undefined
         Largest fraction of undefined pixels that is filled, from 0 to below 1.
     undefined_value
@@ -218,12 +224,15 @@ def read(
     if crop is not None:
         part = prepare.part_of(heights.shape, crop, crop_unit or "pixel", size, raw.length_unit)
         heights, cut["crop"] = heights[part], [edge for axis in part for edge in (axis.start, axis.stop)]
-    missing = _checked_missing(file, heights, 0.0 if undefined == "refuse" else limit, cut.get("crop", []))
+    most = {"refuse": 0.0, "no-body": math.nextafter(1, 0)}.get(undefined, limit)
+    missing = _checked_missing(file, heights, most, cut.get("crop", []))
 
     level, filled, facts = levelling.levelled(heights, missing, tilt, limit if despike else None, lines)
+    nothing = missing & (undefined == "no-body")
     if resample:
-        filled = prepare.square(filled.astype(float), size)[0] > 0
+        nothing, filled = (prepare.square(mask.astype(float), size)[0] > 0 for mask in (nothing, filled))
         level, size = prepare.square(level, size)
+    level, filled = np.where(nothing, -np.inf, level), filled & ~nothing
     level = prepare.band(level, size, limits, reflecting=periodic != "wrap")
     largest = float(np.nanmax(np.abs(heights)))
     factor, final_unit = prepare.scale_factor(level, raw.unit, unit, largest=largest)
@@ -245,7 +254,7 @@ def read(
         "periodic_rule": periodic,
         "final_shape": list(final.shape),
         "rms_before": float(heights[~missing].std()),
-        "rms_after": float(final.std()),
+        "rms_after": float(prepare.of_body(final).std()),
     }
     provenance |= cut | limits
     beyond: dict[Periodic, Edges] = {"reflect": "reflecting", "free": "free"}

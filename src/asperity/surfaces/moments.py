@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from asperity.lattice import Field
 from asperity.surfaces.heights import check_heights, checked_spacing
+from asperity.surfaces.prepare import of_body
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
     InputError
         `check_heights` refuses the heights, or the pixel size is not one positive number for each axis.
     """
-    xi = check_heights(heights)
+    xi = of_body(check_heights(heights))
     sizes = checked_spacing("pixel_size", 1.0 if pixel_size is None else pixel_size, xi.ndim)
     steps = [np.diff(xi, axis=axis) for axis in range(xi.ndim)]
     seams = [np.take(xi, 0, axis=axis) - np.take(xi, -1, axis=axis) for axis in range(xi.ndim)]
@@ -118,7 +119,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
 
 def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
     inside = tuple(slice(1, -1) for _ in xi.shape)
-    total = np.zeros(xi[inside].shape)
+    total = xi[inside] * 0.0
     if total.size:
         for axis, size in enumerate(sizes):
             others = tuple(slice(None) if a == axis else slice(1, -1) for a in range(xi.ndim))
@@ -128,4 +129,5 @@ def _mean_curvature(xi: Field, sizes: tuple[float, ...]) -> Field:
 
 def _rms(values: Field) -> float:
     """Root mean square about zero; 0 without values, as for neighbors along an axis of one site."""
-    return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
+    squares = np.ma.compressed(np.square(values))
+    return float(np.sqrt(squares.mean())) if squares.size else 0.0

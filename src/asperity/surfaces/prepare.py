@@ -104,7 +104,8 @@ def band(
 ) -> Field:
     """Remove the waves beyond the limits of `checked_band`, in the unit of the pixel size or in pixels.
 
-    Waves of reflecting edges are cosines, those of a scan with its mirror images.
+    Waves of reflecting edges are cosines, those of a scan with its mirror images. Where there is no body,
+    heights count as if it were filled.
     """
     if not limits:
         return heights
@@ -112,7 +113,15 @@ def band(
     count = lattice.wave_number / (2 * np.pi)  # waves in a unit of length
     kept = count <= (1 + _ROUNDING) / limits.get("shortest", 1e-300)
     kept &= (count == 0) | (count >= (1 - _ROUNDING) / limits.get("longest", np.inf))
-    return lattice.apply(kept.astype(np.float64), heights)
+    body = np.isfinite(heights)
+    waves = lattice.apply(kept.astype(np.float64), fill(np.where(body, heights, np.nan)))
+    return np.where(body, waves, heights)
+
+
+def of_body(heights: Field) -> Field:
+    """Heights that are masked where there is no body, so that means and pictures leave these sites out."""
+    body = np.isfinite(heights)
+    return heights if body.all() else np.ma.array(np.where(body, heights, 0.0), mask=~body)
 
 
 def fill(heights: Field) -> Field:
@@ -190,7 +199,7 @@ def scale_factor(heights: Field, unit: str, target: str | None, *, largest: floa
     if target is None or target == unit:
         return 1.0, unit
     if target == "rms":
-        rms = float(heights.std())
+        rms = float(of_body(heights).std())
         if rms <= _ROUNDING * largest:
             expected = "a rough surface, to divide by its rms height"
             raise InputError("unit", expected=expected, got="a flat one")
@@ -210,7 +219,7 @@ def make_periodic(heights: Field, rule: str) -> Field:
         return heights
     from scipy.signal.windows import tukey  # scipy.signal is slow to import
 
-    mean = heights.mean()
+    mean = of_body(heights).mean()
     weight = np.ones(heights.shape)
     for axis, n in enumerate(heights.shape):
         # The weight is 0 at the seam, half a pixel outside: take the inner points of a wider window.

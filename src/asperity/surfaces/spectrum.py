@@ -187,6 +187,9 @@ def power_spectrum(
         heights = check_heights(surface)
         sizes = None if pixel_size is None else checked_spacing("pixel_size", pixel_size, heights.ndim)
         length_unit = "pixel" if sizes is None else "unit of length"
+    if not np.isfinite(heights).all():
+        expected, advice = "a body that covers its lattice, for a spectrum", "a part of it: Surface.crop"
+        raise InputError("surface", expected=expected, got="sites without body", advice=advice)
     sizes = sizes or (1.0,) * heights.ndim
     limits = checked_band(longest, shortest)
     measured = statistics(heights)

@@ -35,7 +35,8 @@ class Surface(views.InNotebooks):
     Parameters
     ----------
     heights
-        Shape ``(n,)`` or ``(n, m)``, float64, finite; kept as a read-only copy.
+        Shape ``(n,)`` or ``(n, m)``, float64; finite, or -inf where there is no body: such sites never touch,
+        and areas and statistics leave them out. Kept as a read-only copy.
     unit
         Unit of the heights: "nm", ..., "rms" (of its own rms height), or "1" if none is known.
     pixel_size
@@ -79,7 +80,7 @@ class Surface(views.InNotebooks):
             object.__setattr__(self, "filled", filled if filled.any() else None)
 
     def __repr__(self) -> str:
-        sites, rms = " x ".join(map(str, self.shape)), float(self.heights.std())
+        sites, rms = " x ".join(map(str, self.shape)), float(prepare.of_body(self.heights).std())
         unit, factor = prepare.display_unit(self.unit, rms) or (self.unit, 1.0)
         height, size = f"rms height {rms * factor:.4g} {'' if unit == '1' else unit}".rstrip(), ""
         if self.pixel_size is not None:
@@ -230,8 +231,10 @@ class Surface(views.InNotebooks):
         checks.choice("tilt", tilt, get_args(levelling.Tilt))
         checks.choice("lines", lines, get_args(levelling.Lines))
         scan, most = self.scan, _SPIKY if despike else None
-        missing = np.zeros(scan.shape, dtype=bool) if scan.filled is None else scan.filled
+        body = np.isfinite(scan.heights)
+        missing = ~body if scan.filled is None else scan.filled | ~body
         level, filled, facts = levelling.levelled(scan.heights, missing, tilt, most, lines)
+        level, filled = np.where(body, level, -np.inf), filled & body
         provenance = {**scan.provenance, **facts, **levelling.bow(level)}
         return dataclasses.replace(scan, heights=level, provenance=provenance, filled=filled)
 

@@ -2,7 +2,8 @@
 
 A message is the length of its header (uint32, little endian), the header (JSON, UTF-8), zeros up to a
 multiple of 8, and the arrays that the header lists under ``arrays``, each with zeros up to a multiple of 8.
-Heights and pressures are whole numbers from 0 to 65535 over a range that the header gives. A run that is
+Heights and pressures are whole numbers from 0 to 65535 over a range that the header gives. Where a body
+`ends`, 0 is no body. A run that is
 computed, a run in a folder and an exported page give the same messages.
 """
 
@@ -325,8 +326,10 @@ def _ends(dataset: xr.Dataset) -> list[str]:
 
 def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[Header, NDArray[np.uint16]]:
     heights = np.atleast_2d(np.asarray(dataset["heights"], dtype=np.float64))
-    low, high = float(heights.min()), float(heights.max())
-    steps = np.rint((heights - low) * (_STEPS / (high - low) if high > low else 0.0)).astype(np.uint16)
+    ends = not (body := np.isfinite(heights)).all()
+    low, high = float(heights[body].min()), float(heights.max())
+    low -= ends * ((high - low) / (_STEPS - 1) or 1.0)  # 0 is no body
+    steps = np.where(body, heights - low, 0.0) * (_STEPS / (high - low) if high > low else 0.0)
     lengths = "contact_area" in dataset
     series = [name for name in (*_SERIES, *_ends(dataset)) if name in dataset]
     columns = ["time", "leg", *series, *_MADE]
@@ -364,9 +367,10 @@ def _scene(dataset: xr.Dataset, config: RunConfig | None, title: str) -> tuple[H
         "switches": sorted(set(switches)),
         "last_time": float(dataset["time"][-1]),
         "height_range": [low, high],
+        "ends": ends,
         "shear_strength": None if config is None else config.friction.shear_strength,
     }
-    return header, steps
+    return header, np.rint(steps).astype(np.uint16)
 
 
 def _numbers(

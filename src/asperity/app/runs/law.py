@@ -8,6 +8,7 @@ from asperity.analysis import law
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
 from asperity.ask.run import Aging, Contact, Friction, Output
+from asperity.base.calls import remarks_made
 from asperity.errors import InputError
 from asperity.progress import Progress
 
@@ -40,7 +41,8 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
     carried = config.carried.but(**{"stiffness": True} if solid.half_space else {})
     config = config.but(surface=surface, carried=carried)
     times, rtol = config.aging.times, config.aging.rtol
-    dataset = law(solid, scan, times=times, carried=config.carries, rtol=rtol, progress=progress, **asked)
+    with remarks_made() as made:
+        dataset = law(solid, scan, times=times, carried=config.carries, rtol=rtol, progress=progress, **asked)
     pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
     used, remarks = completed(config.but(contact=pressed), solid, scan)
     update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}
@@ -48,4 +50,5 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
         "output": Output(figures=config.output.figures),
         "aging": Aging(times=dataset["time"].values.tolist(), rtol=rtol),
     }
-    return Outcome(used.but(**update), dataset, None, remarks + unused(config, "a law", _UNUSED))
+    remarks = (*dict.fromkeys((*remarks, *made)), *unused(config, "a law", _UNUSED))
+    return Outcome(used.but(**update), dataset, None, remarks)

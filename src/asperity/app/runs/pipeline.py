@@ -263,7 +263,8 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
         raise InputError(
             "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
         )
-    load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=rough.heights.size)
+    sites = int(np.isfinite(rough.heights).sum())
+    load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=sites)
     remark = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"
     return ContactSection(load=load), remark
 

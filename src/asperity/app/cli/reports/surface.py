@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
@@ -33,7 +34,8 @@ def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
     # The border of a tapered scan was not measured.
     tapered = settings.rule == "taper"
     scan = settings.but(periodic="wrap").build() if tapered else prepared
-    spectrum, done = power_spectrum(scan), _preparation(prepared)
+    whole, done = np.isfinite(scan.heights).all(), _preparation(prepared)
+    spectrum = power_spectrum(scan) if whole else None
     shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))
     note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])
     figure = surface_figure(prepared, title=Path(settings.path).name, note=note, spectrum=spectrum)
@@ -82,7 +84,9 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
     return [("", *columns), *((name, *map(text, columns.values())) for name, text in entries)]
 
 
-def _spectrum(spectrum: PowerSpectrum) -> list[Row]:
+def _spectrum(spectrum: PowerSpectrum | None) -> list[Row]:
+    if spectrum is None:
+        return [("power spectrum", "none: the body does not cover its lattice; try --crop")]
     window, fit = spectrum.window, spectrum.fit
     how = "of the scan itself" + ("" if window == "none" else f", with a {window} window")
     hurst = (
@@ -115,7 +119,8 @@ def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:
     if facts["lines_rule"] != "none":
         rows.append(("lines", f"{facts['lines_rule']} of each row removed", "lines levelled"))
     undefined = facts["undefined_pixels"]
-    short = f"{undefined} undefined pixels filled" if undefined else ""
+    treated = "without body" if facts["undefined_rule"] == "no-body" else "filled"
+    short = f"{undefined} undefined pixels {treated}" if undefined else ""
     rows.append(("undefined pixels", f"{facts['undefined_rule']} ({undefined})", short))
     if facts["resampled"]:
         averaged = f"averaged to {_sides(prepared)}"

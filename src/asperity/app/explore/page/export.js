@@ -21,7 +21,7 @@ function picture(app, map, scale = 2) {
   context.textBaseline = "alphabetic";
   context.fillStyle = colors.of("ink");
   context.fillText(`t = ${quantity(scene.maps[map].time, scene.units.time)}: ${scene.extent(scene.maps[map].area)} in contact, `
-    + `${percent(scene.maps[map].area / scene.sites)}; load ${quantity(scene.value(scene.rowOf(map), "load"), scene.units.load)}`, 16, 542);
+    + `${percent(scene.maps[map].area / scene.nominal)}; load ${quantity(scene.value(scene.rowOf(map), "load"), scene.units.load)}`, 16, 542);
   let left = 16;
   if (app.mapView.colored === "state") {
     for (const state of [KEPT, NEW, LOST]) {

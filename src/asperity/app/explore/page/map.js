@@ -44,7 +44,7 @@ function cellsOf(scene, map, wanted, side, colors) {
     pixels[4 * cell] = red; pixels[4 * cell + 1] = green; pixels[4 * cell + 2] = blue; pixels[4 * cell + 3] = 255;
   };
   const shade = (part) => cividis(colors.dark ? 0.25 + 0.75 * part : 0.8 * (1 - part));
-  const sums = new Float64Array(3 * wide * high), counts = new Float64Array(wide * high);
+  const solid = new Uint8Array(wide * high), sums = new Float64Array(3 * wide * high), counts = new Float64Array(wide * high);
   let values, low, top; // of the map that is being gathered
   for (let row = 0; row < rows; row++) {
     const shown = scene.isLine ? row : map;
@@ -59,7 +59,9 @@ function cellsOf(scene, map, wanted, side, colors) {
     else values = scene.heights;
   }
   function gather(site, cell, shown) {
+    if (!scene.solid(scene.isLine ? site % scene.nx : site)) return;
     const value = values[site], at = 3 * cell;
+    solid[cell] = 1;
     if (colored !== "heights") counts[cell] += colored === "age" ? value >= 0 : value > 0;
     if (colored === "state") { if (value) sums[at + value - 1] += 1; }
     else if (colored === "pressure") sums[at] = Math.max(sums[at], value > low ? Math.log(value / low) / Math.log(top / low) : 0);
@@ -69,6 +71,7 @@ function cellsOf(scene, map, wanted, side, colors) {
   const { marked, crowded } = markedCells(counts, wide, side * down);
   for (let cell = 0; cell < wide * high; cell++) {
     const [a, b, c] = [sums[3 * cell], sums[3 * cell + 1], sums[3 * cell + 2]];
+    if (!solid[cell]) continue;
     if (colored === "heights") paint(cell, c ? colors.yielded : cividis(a / b));
     else if (!marked[cell]) paint(cell, colors.states[FREE]);
     else if (colored === "state") paint(cell, colors.states[c && c >= b && c >= a ? LOST : b && b >= a ? NEW : KEPT]);
@@ -339,7 +342,7 @@ class MapView {
     if (this.scene.mapless) return "No maps of the contact were kept; the heights are shown.";
     const { counts } = this.scene.states(this.map), touching = counts[KEPT] + counts[NEW];
     const size = this.scene.isLine ? `a line of ${count(this.scene.nx)} sites` : `${this.scene.ny} × ${this.scene.nx} sites`;
-    return `Contact map: ${size}, ${this.scene.extent(touching)} in contact, ${percent(touching / this.scene.sites)}, at t = `
+    return `Contact map: ${size}, ${this.scene.extent(touching)} in contact, ${percent(touching / this.scene.nominal)}, at t = `
       + `${quantity(this.scene.maps[this.map].time, this.scene.units.time)}: ${this.scene.extent(counts[KEPT])} since ${this.scene.start}, `
       + `${this.scene.extent(counts[NEW])} new, ${this.scene.extent(counts[LOST])} lost`
       + `${this.scene.maps[this.map].yielded ? `; the rough surface has yielded at ${this.scene.extent(this.scene.countYielded(this.map))}` : ""}.`;

@@ -10,6 +10,7 @@ class Scene {
     this.heights = arrays.heights;
     [this.ny, this.nx] = header.shape;
     this.sites = this.ny * this.nx;
+    this.nominal = this.ends ? this.heights.filter(Boolean).length : this.sites; // sites of the rough body
     this.rows = []; // one array a row, in the order of `columns`
     this.maps = [];
     this.lastTime = null;
@@ -66,9 +67,12 @@ class Scene {
     return (ofLeg.length ? ofLeg : same).at(-1) ?? -1;
   }
 
+  /** Whether the rough body is there. */
+  solid(site) { return !this.ends || this.heights[site] > 0; }
+
   height(site) {
     const [low, high] = this.height_range;
-    return low + (high - low) * this.heights[site] / 65535;
+    return !this.solid(site) ? NaN : low + (high - low) * this.heights[site] / 65535;
   }
 
   /** Which sites touch in a map: one byte a site. The last few are kept. */
