@@ -37,6 +37,8 @@ __dir__ = __all__.copy  # dir() lists the public names alone
 
 def printable(text: str) -> str:
     """Write what a terminal would obey, or not show, as escapes; lines, tabs and thin spaces stay."""
+    if text.isprintable():
+        return text
     return "".join(c if c.isprintable() or c in "\n\t\u202f" else ascii(c)[1:-1] for c in text)
 
 

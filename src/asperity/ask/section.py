@@ -162,7 +162,7 @@ def unknown_key(
     names = list(keys)
     meant = MEANT.get(key)
     if meant not in names:
-        meant = closest(key, names)
+        meant = closest(key, names) if names else None
     advice: Words = (Name(meant),) if meant else ", ".join(names)
     return InputError(key, said=said, advice=advice, path=path)
 
