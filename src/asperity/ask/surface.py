@@ -10,13 +10,14 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from asperity.ask.section import Section, arguments_of, keys_of_maker
+from asperity.ask.section import Section, SectionError, arguments_of, keys_of_maker
 from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.surfaces import KINDS, Surface
 from asperity.surfaces.heights import sides_of_pixels
+from asperity.surfaces.making import in_numbers
 
 
 class SurfaceSection(Section):
@@ -31,6 +32,18 @@ class SurfaceSection(Section):
             "they depend on the kind of surface, and on how a scan is made periodic"
         ),
     ] = None
+
+    def __init__(self, **table: Any) -> None:
+        try:
+            table = self._in_numbers(table)
+        except InputError as error:
+            raise SectionError([error.about(error.name, "surface", error.name)]) from None
+        super().__init__(**table)
+
+    @classmethod
+    def _in_numbers(cls, table: dict[str, Any]) -> dict[str, Any]:
+        """Lengths with a unit, as numbers in the unit of the surface."""
+        return in_numbers(KINDS[cls.kind], table)
 
     @property
     def make(self) -> Callable[..., Any]:
@@ -107,8 +120,15 @@ class SurfaceSection(Section):
 class MeasuredSurface(SurfaceSection.of_kind("file", keys_of_maker(KINDS["file"]))):  # type: ignore[misc]
     """Heights from a file; see `asperity.surfaces.read`."""
 
-    def __init__(self, **table: Any) -> None:
-        super().__init__(**_with_length_unit(table))
+    @classmethod
+    def _in_numbers(cls, table: dict[str, Any]) -> dict[str, Any]:
+        """Pixel sizes with a unit are in that unit, or in the one that is given."""
+        size = table.get("pixel_size")
+        sizes = [size] if isinstance(size, str) else size
+        if isinstance(sizes, list | tuple) and any(map(has_unit, sizes)):
+            numbers, unit = sides_of_pixels(sizes, len(sizes), table.get("length_unit"))
+            return table | {"pixel_size": list(numbers), "length_unit": unit}
+        return table
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:
@@ -132,19 +152,6 @@ class MeasuredSurface(SurfaceSection.of_kind("file", keys_of_maker(KINDS["file"]
     def around(self) -> dict[str, Any]:
         """See `SurfaceSection`: `rule` includes the edges."""
         return {}
-
-
-def _with_length_unit(table: dict[str, Any]) -> dict[str, Any]:
-    """Pixel sizes with a unit, as numbers in the unit of length that they name or that is given."""
-    size = table.get("pixel_size")
-    sizes = [size] if isinstance(size, str) else size
-    if not isinstance(sizes, list | tuple) or not any(map(has_unit, sizes)):
-        return table
-    try:
-        numbers, unit = sides_of_pixels(sizes, len(sizes), table.get("length_unit"))
-    except InputError:  # the key itself is refused
-        return table
-    return table | {"pixel_size": list(numbers), "length_unit": unit}
 
 
 SURFACES: dict[str, type[SurfaceSection]] = {

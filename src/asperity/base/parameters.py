@@ -54,6 +54,13 @@ class Also:
     check: Callable[[str, Any], Any]
 
 
+@dataclasses.dataclass(frozen=True)
+class Spelled:
+    """How other spellings of a word are read, such as the micro sign of a unit."""
+
+    read: Callable[[Any], Any]
+
+
 _DIMENSIONS = {
     **{"Pa": "pressure", "m": "length", "s": "time", "N": "force", "m/s": "velocity", "N/m": "stiffness"},
     "J/m^2": "energy / area",
@@ -164,7 +171,8 @@ class Parameter:
         if own and isinstance(value, own):
             return value
         if self.words and (self.item is None or isinstance(value, str)):
-            return checks.choice(name, "um" if value in ("\u00b5m", "\u03bcm") else value, self.words)
+            spelled = next((fact.read for fact in self.facts if isinstance(fact, Spelled)), None)
+            return checks.choice(name, spelled(value) if spelled else value, self.words)
         if (item := self.item) is not None:
             return self._list(name, value, item)
         if self.pair:

@@ -14,7 +14,7 @@ from annotated_types import Ge, Gt, Len, Lt
 from numpy.typing import NDArray
 
 from asperity.base import checks
-from asperity.base.parameters import Quantity, parameters_of
+from asperity.base.parameters import Quantity, Spelled, parameters_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
@@ -63,6 +63,7 @@ _Periodic = Annotated[
 ]
 _Unit = Annotated[
     Literal[Length, "rms"] | None,
+    Spelled(prepare.spelled),
     Quantity(
         "unit of the heights",
         more="; rms divides by the rms height. By default the file's. For spectral and spectrum the unit of "
@@ -85,6 +86,7 @@ _Crop = Annotated[
 ]
 _CropUnit = Annotated[
     Literal["pixel", Length] | None,
+    Spelled(prepare.spelled),
     Quantity("unit of that part", more=", in place of pixels."),
 ]
 _Longest = Annotated[
@@ -99,7 +101,11 @@ _Longest = Annotated[
 _Shortest = Annotated[
     float | None, Gt(0), Quantity("shortest wavelength kept", dimension="length unit", more=", likewise.")
 ]
-_FileUnit = Annotated[Length | None, Quantity("unit of the heights, for a file that does not state it")]
+_FileUnit = Annotated[
+    Length | None,
+    Spelled(prepare.spelled),
+    Quantity("unit of the heights, for a file that does not state it"),
+]
 _PixelSize = Annotated[
     float | str | Sequence[float | str] | None,
     *(Gt(0), Len(1, 2)),
@@ -110,7 +116,9 @@ _PixelSize = Annotated[
         "For a ball, a paraboloid, a punch or an array: between sites, in m.",
     ),
 ]
-_LengthUnit = Annotated[Length | None, Quantity("unit of that distance, if it is a plain number")]
+_LengthUnit = Annotated[
+    Length | None, Spelled(prepare.spelled), Quantity("unit of that distance, if it is a plain number")
+]
 
 
 def read(
@@ -210,6 +218,8 @@ def read(
         An option is out of range, the unit cannot be converted, `resample` would leave less than two pixels
         along an axis, or a larger fraction of the pixels than `max_undefined` are spikes.
     """
+    units = (unit, crop_unit, file_unit, length_unit)
+    unit, crop_unit, file_unit, length_unit = (one and prepare.spelled(one) for one in units)  # type: ignore[assignment]
     arguments = locals()
     for name in ("undefined", "tilt", "lines", "periodic", "unit", "crop_unit", "file_unit", "length_unit"):
         parameters_of(read)[name].read(name, arguments[name])
