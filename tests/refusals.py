@@ -32,7 +32,9 @@ def refusal(error: BaseException, own: Iterable[str] = ()) -> list[str]:
     `own`.
     """
     rows = [("", "")]
-    if isinstance(error, ConfigError):  # lines of "[FILE: ]PATH: expected ..., got VALUE[; try ...]"
+    if isinstance(error, ConfigError) and error.mistakes:
+        rows = [(".".join(map(str, one.path)) or one.name, one.got) for one in error.mistakes]
+    elif isinstance(error, ConfigError):  # lines of "[FILE: ]PATH: expected ..., got VALUE[; try ...]"
         rows = []
         for line in error.problems:
             place, _, rest = re.sub(r"^\S+\.toml: (?=.*: )", "", line).partition(": ")
