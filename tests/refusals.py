@@ -1,29 +1,81 @@
-"""Refusals: a test names the class, the argument and the value that the message shows.
+"""Refusals: a test names the class, the argument and the value that came; sentences may change.
 
-Sentences that users meet most (units, tables, scans, files of a run, convergence) stand in `messages.txt`,
-below the names of the tests that compare them; "..." stands for any words. To renew them, run
+Refusals that users meet most (units, tables, scans, files of a run) stand in `refused.txt`, below the names
+of the tests that compare them: class, path and value in JSON; "..." stands for any words. To renew them, run
 ``ASPERITY_MESSAGES=write pytest -n 0 FILES`` and read what changed.
 """
 
 import functools
+import json
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
+from cyclopts.exceptions import CycloptsError
 
-from asperity.errors import AsperityError, ConvergenceError, InputError
+from asperity.app.config.keys import sections
+from asperity.app.config.mistakes import flag_of
+from asperity.errors import AsperityError, ConfigError, InputError
 
-MESSAGES = Path(__file__).with_name("messages.txt")
+REFUSED = Path(__file__).with_name("refused.txt")
 _WRITES = os.environ.get("ASPERITY_MESSAGES") == "write"
-_NUMBER = re.compile(r"\d\S*\d|\d")
+
+
+def refusal(error: BaseException, own: Iterable[str] = ()) -> list[str]:
+    """An error as data: its class, and for each mistake the path of the thing and the value that came.
+
+    A path has section and key, whichever door they came through, but for the arguments that are a command's
+    `own`.
+    """
+    rows = [("", "")]
+    if isinstance(error, ConfigError):  # lines of "[FILE: ]PATH: expected ..., got VALUE[; try ...]"
+        rows = []
+        for line in error.problems:
+            place, _, rest = re.sub(r"^\S+\.toml: (?=.*: )", "", line).partition(": ")
+            got = re.split("; try |; did you mean ", rest.partition(", got ")[2])[0]
+            rows.append(
+                (place.split(" expected ")[0], re.sub(r"--\w[\w-]*", lambda key: _plain(key[0]), got))
+            )
+    elif isinstance(error, InputError):
+        rows = [(error.name, error.got)]
+    elif isinstance(error, CycloptsError):
+        token, argument = getattr(error, "token", None), getattr(error, "argument", None)
+        flag = argument.name if argument else token.keyword if token else ""
+        unused = getattr(error, "unused_tokens", None) or [] if not flag else []
+        rows = [(flag or "", token.value if token else " ".join(unused))]
+    found = [type(error).__name__]
+    for name, got in rows:
+        place = name if _plain(name) in own else _keys().get(name, name)
+        place = re.sub(r"^--leg\b:?", "protocol", place)
+        if re.match(r"\[\w+\]|protocol", place):
+            place = ".".join(re.findall(r"\w+", place))
+        found += [_plain(place), got.replace(str(Path.cwd()), "HERE")]
+    return found
+
+
+def _plain(name: str) -> str:
+    """A flag as the name of an argument; other names, with paths of files shortened, as they are."""
+    is_flag = name.startswith("--")
+    return name[2:].replace("-", "_") if is_flag else name.replace(str(Path.cwd()), "HERE")
+
+
+@functools.cache
+def _keys() -> dict[str, str]:
+    """Section and key by flag."""
+    return {
+        flag_of(section, key): f"{section}.{key}"
+        for section, kinds in reversed(sections().items())
+        for keys in kinds.values()
+        for key in (*keys, *(["kind"] if len(kinds) > 1 else []))
+    }
 
 
 class Sentences:
-    """The sentences that some tests compare, in a file: below the name of each test, one a line."""
+    """Lines that some tests compare, in a file: below the name of each test, one a line."""
 
     def __init__(self, path: Path) -> None:
         self.path, self.renewed = path, dict[str, list[str]]()
@@ -64,12 +116,7 @@ def matches(pattern: str, sentence: str) -> bool:
     return bool(re.fullmatch(".*".join(map(re.escape, pattern.split("..."))), sentence))
 
 
-_MESSAGES = Sentences(MESSAGES)
-
-
-def messages() -> dict[str, list[str]]:
-    """Lines of each test."""
-    return _MESSAGES.known
+KNOWN = Sentences(REFUSED)
 
 
 @contextmanager
@@ -85,9 +132,7 @@ def refuses(
     assert str(got) in getattr(error, "got", sentence)
     assert advice in getattr(error, "advice", sentence)
     assert "\n" not in sentence
-    if isinstance(error, ConvergenceError):  # its numbers are rounding errors
-        sentence = _NUMBER.sub("N", sentence)
-    _MESSAGES.check(sentence)
+    KNOWN.check(json.dumps(refusal(error), ensure_ascii=False))
 
 
 def each_refuses(*calls: tuple[Any, ...], got: str = "") -> None:

@@ -20,7 +20,7 @@ SMALL = ("--shape", "32x32", "--last", "10", "--per-decade", "2")
 """Flags of a run that takes less than a second."""
 
 told = Sentences(Path(__file__).with_name("said.txt")).check
-"""Expects what the command line said in the words of said.txt, which are written as those of messages.txt."""
+"""Expects what the command line said in the words of said.txt, which are written as those of refused.txt."""
 
 
 def remarks(text: str, name: str = "remark") -> int:

@@ -1,24 +1,29 @@
 """Mistakes: a line for each, beginning with the program's name; an exit status; never a traceback."""
 
 import itertools
+import json
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import asperity.app.cli.app as command_line
 from asperity import __version__, friction
+from asperity.app.cli.command import app
 from asperity.base.files import MARKER, kind_of, mark
 from asperity.surfaces import gaussian, spectral
-from tests.refusals import matches
+from tests.refusals import matches, refusal
 
 HOLD = ("[[protocol]]", 'kind = "hold"', "duration = 3.0")
-TABLE = Path(__file__).with_name("mistakes.txt")
+TABLE = Path(__file__).with_name("mistakes.json")
+MISTAKES = json.loads(TABLE.read_text("utf-8"))
 
 
 @pytest.fixture(scope="module")
@@ -91,28 +96,29 @@ def desk(tmp_path_factory, finished):
     return folder
 
 
-def mistakes():
-    """Below the beginning of a command in brackets: its mistaken endings, each with what is said of it."""
-    _, *parts = re.split(r"^\[asperity ?(.*)\]\n", TABLE.read_text("utf-8"), flags=re.MULTILINE)
-    pairs = zip(parts[::2], parts[1::2], strict=True)
-    return {command: lines.splitlines() for command, lines in pairs}
-
-
-@pytest.mark.parametrize("command", mistakes())
+@pytest.mark.parametrize("command", MISTAKES)
 def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
-    # "..." stands for any words. To add one, write "ending => "; ASPERITY_MESSAGES=write writes what is said.
+    # Exit code 2 and one line, which `mistaken` expects; class, path and value of each mistake, where "..."
+    # stands for any words. To add one, write "ending": []; ASPERITY_MESSAGES=write writes what is refused.
     monkeypatch.chdir(desk)
     for late in ("asperity.simulate.follow", "asperity.app.campaign.sweeping.compile_loops"):
         monkeypatch.setattr(late, lambda *_, **__: pytest.fail("told after something was computed"))
-    known = mistakes()[command]
-    endings = [line.split(" => ")[0] for line in known]
-    said = [f"{ending} => {mistaken(*shlex.split(f'{command} {ending}'))}" for ending in endings]
-    renewed = [old if matches(old, new) else new for old, new in zip(known, said, strict=True)]
+    errors = []
+    say = command_line.complain
+    monkeypatch.setattr(command_line, "complain", lambda *of: (errors.append(sys.exception()), say(*of))[1])
+    own = [*signature(app[command.split()[0]].default_command).parameters] if command else []
+    for ending in MISTAKES[command]:
+        mistaken(*shlex.split(f"{command} {ending}"))
+    known, found = [*MISTAKES[command].values()], [refusal(error, own) for error in errors]
+    alike = [
+        len(old) == len(new) and all(map(matches, old, new)) for old, new in zip(known, found, strict=True)
+    ]
     if os.environ.get("ASPERITY_MESSAGES") == "write":
-        old, new = ("\n".join([f"{command}]", *lines]) for lines in (known, renewed))
-        TABLE.write_text(TABLE.read_text("utf-8").replace(old, new), "utf-8")
+        renewed = (old if same else new for same, old, new in zip(alike, known, found, strict=True))
+        MISTAKES[command] = dict(zip(MISTAKES[command], renewed, strict=True))
+        TABLE.write_text(re.sub(r"\n   +|\n  (?=\])", " ", json.dumps(MISTAKES, indent=1)) + "\n", "utf-8")
     else:
-        assert renewed == known
+        assert all(alike), [pair for same, *pair in zip(alike, known, found, strict=True) if not same]
 
 
 def test_several_mistakes_have_a_line_each(asperity):

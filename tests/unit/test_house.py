@@ -3,7 +3,6 @@
 import ast
 import importlib
 import pkgutil
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ from types import ModuleType
 import pytest
 
 import asperity
-from tests.refusals import MESSAGES, messages
+from tests.refusals import KNOWN, REFUSED
 
 SOURCE = Path(asperity.__file__).parent
 RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
@@ -184,13 +183,8 @@ def test_other_names_do_not_exist():
             getattr(asperity, name)
 
 
-def test_each_sentence_belongs_to_a_test_and_says_what_was_expected_and_what_came():
-    for test, lines in messages().items():
+def test_each_known_refusal_belongs_to_a_test():
+    for test in KNOWN.known:
         file, name = test.split("::")
-        folder = MESSAGES.parents[1] if file.startswith("research/") else MESSAGES.parent
-        source = (folder / file).read_text(encoding="utf-8")
+        source = (REFUSED.parent / file).read_text(encoding="utf-8")
         assert "refuses(" in source.partition(f"def {name}(")[2].partition("\ndef ")[0], test
-        for sentence in lines:
-            assert len(sentence) < 300
-            if not re.search(r"steps shrank|residual|not settle|not finite|exists already|is kept", sentence):
-                assert re.search(r": expected .+, got .+", sentence), sentence
