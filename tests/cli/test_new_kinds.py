@@ -8,17 +8,21 @@ import pytest
 
 DEFINED = """
 import math
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from annotated_types import Ge, Gt
 
-from asperity import solids, surfaces
+from asperity import protocols, solids, surfaces
+from asperity.adhesion import Dugdale
 from asperity.base.parameters import Quantity
+from asperity.protocols import Leg
 from asperity.solids import CreepBranch, LaplacianSpectrum, Solid
-from asperity.surfaces.making import Shape
+from asperity.surfaces.making import Shape, Unit, in_unit
 
-Amplitude = Annotated[float, Gt(0), Quantity("amplitude of the stripes", dimension="height unit")]
+Amplitude = Annotated[float | str, Gt(0), Quantity("amplitude of the stripes", dimension="height unit")]
+Width = Annotated[float | str, Gt(0), Quantity("width of a tooth", dimension="length unit")]
 Period = Annotated[int, Ge(2), Quantity("sites of a period", dimension="sites", more=", 2 or more.")]
 Stiffness = Annotated[float, Gt(0), Quantity("stiffness of the bed", dimension="stiffness unit", usual=2.0)]
 Wait = Annotated[float | str, Gt(0), Quantity("time of the bed", "s")]
@@ -34,6 +38,25 @@ def stripes(shape: Shape, *, amplitude: Amplitude = 1.0, period: Period = 8, slo
     return heights + slope * np.arange(n)[:, np.newaxis] + along * np.arange(m)
 
 
+@in_unit
+def teeth(shape: Shape, *, width: Width = 2.0, amplitude: Amplitude = 1.0, unit: Unit = None):
+    across = np.arange(shape[1]) % (2 * width) < width
+    return np.tile(amplitude * across, (shape[0], 1))
+
+
+@dataclass(frozen=True)
+class Shove(Leg):
+    duration: Annotated[float, Gt(0), Quantity("how long it lasts", "s")]
+    far: Annotated[float, Gt(0), Quantity("how far it goes", "m")]
+
+
+@dataclass(frozen=True)
+class Wax(Dugdale):
+    work: Annotated[float, Gt(0), Quantity("work of adhesion", "J/m^2")]
+    range: Annotated[float, Gt(0), Quantity("range", "m")]
+    formula = "wax"
+
+
 def bed(*, modulus: Stiffness, wait: Wait = 10.0):
     law, mobility = (LaplacianSpectrum(uniform=value) for value in (modulus / 2, 2 / (modulus * wait)))
     told = {"modulus": modulus, "wait": wait}
@@ -42,6 +65,7 @@ def bed(*, modulus: Stiffness, wait: Wait = 10.0):
 
 surfaces.stripes, solids.bed = stripes, bed
 surfaces.KINDS["stripes"], solids.KINDS["bed"] = stripes, bed
+surfaces.KINDS["teeth"], protocols.KINDS["shove"], solids.LAWS["adhesion"]["wax"] = teeth, Shove, Wax
 """
 
 USED = '''
@@ -54,6 +78,7 @@ from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import config_from, read_config, to_toml
 from asperity.app.config.keys import sections
 from asperity.app.config.python import to_python
+from asperity.app.explore.server import Places, read_request
 from asperity.app.runs import Progress, execute, recorded_times
 from asperity.errors import ConfigError
 from asperity.results.parameters import PARAMETERS
@@ -95,6 +120,29 @@ for surface, solid in (({"amplitude": -1.0}, {}), ({"perod": 3}, {}), ({}, {"mod
         config_from({"surface": {"kind": "stripes", **surface}, "solid": {"kind": "bed", **solid}}, {}, None)
     except ConfigError as error:
         mistakes += error.problems
+lengths = {
+    "surface": {"kind": "teeth", "shape": [4, 8], "width": "2 um", "amplitude": "30 nm", "unit": "um"},
+    "solid": {"kind": "half_space", "modulus": 3e9, "adhesion": "wax", "adhesion_work": "5 mJ/m^2"}
+    | {"adhesion_range": "0.3 um"},
+    "protocol": [{"kind": "shove", "duration": "1 min", "far": "20 um"}],
+    "contact": {"load": "1 N"},
+}
+flags = flags_for("surface", "preparation", "solid", "contact")
+words = {f"{part}_{key}": str(one) for part in ("surface", "solid") for key, one in lengths[part].items()}
+words |= {"surface_shape": ["4 8"], "contact_load": "1 N"}
+doors = [
+    config_from(lengths, {}, None),
+    config_from({}, given(flags(**words), leg=["shove 1min far=20um"]), None),
+    read_request(json.loads(json.dumps(lengths)), Places(None, Path()))[0],
+]
+doors = [
+    [one.surface.width, one.surface.amplitude, *map(vars(one.solid.laws["adhesion"]).get, ("range", "work"))]
+    + [one.legs[0].duration, one.legs[0].far, one.surface.build().heights.max() * 1e-6]
+    for one in doors
+]
+wax, shove = own.Wax(work="5 mJ/m^2", range="0.3 um"), own.Shove("1 min", far="20 um")
+made = own.teeth((4, 8), width="2 um", amplitude="30 nm", unit="um")
+doors.append([2.0, 0.03, wax.range, wax.work, shove.duration, shove.far, made.heights.max() * 1e-6])
 home = {}
 exec(to_python(outcome.config, recorded_times(outcome.config).tolist()).replace("print(history)", ""), home)
 keys = sections(short=True)
@@ -107,6 +155,7 @@ print(json.dumps({
     "said": [keys["surface"]["stripes"]["period"].description, keys["solid"]["bed"]["wait"].unit],
     "recorded": [PARAMETERS["amplitude"], PARAMETERS["wait"]],
     "mistakes": mistakes,
+    "doors": doors,
 }))
 '''
 
@@ -129,6 +178,11 @@ def test_a_file_flags_and_python_say_the_same(found):
     # Half of each period is above the mean; of every 16 columns as many touch as the load bends.
     assert all(area % (16 * 2) == 0 or area % 16 == 0 for area in found["areas"][0])
     assert found["areas"][0][-1] > found["areas"][0][0]
+
+
+def test_lengths_of_a_surface_a_law_and_a_leg_are_the_same_through_all_doors(found):
+    for values in found["doors"]:
+        assert values == pytest.approx([2.0, 0.03, 3e-7, 0.005, 60.0, 2e-5, 3e-8], rel=1e-12)
 
 
 def test_keys_are_swept_recorded_and_explained(found):

@@ -25,8 +25,8 @@ QUESTIONS = tomllib.loads((HERE / "questions.toml").read_text("utf-8"))
 ANSWERS = HERE / "answers.json"
 VERBS = {"run": execute, "predict": predict_config, "law": law_of_config}
 ELSEWHERE = 1e-5
-"""Relative difference between processors: last bits pass through time steps and solvers of a tolerance. With the
-instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, and below 1e-6 but for one history."""
+"""Relative difference between processors: last bits pass through time steps and solvers of a tolerance.
+With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6."""
 
 
 def machine():

@@ -594,7 +594,8 @@ def accepts(model: Any, key: Key, value: object) -> bool:
     try:
         model.model_validate({key.name: value})
     except ValidationError as error:
-        return all(detail["loc"][:1] != (key.name,) for detail in error.errors())
+        of_key = f"Value error, {key.name}: expected a "
+        return all(one["loc"][:1] != (key.name,) and of_key not in one["msg"] for one in error.errors())
     return True
 
 

@@ -57,14 +57,17 @@ def number(name: str, value: object, unit: str, **bounds: Any) -> float:
 
     A text becomes `InUnits`; callers ask `check_units` whether anything else has units.
     """
-    if not (unit and has_unit(value)):
+    text = as_text(value)
+    if not (unit and isinstance(text, str)):
         return checks.number(name, value, **bounds)
-    return InUnits.of(checks.number(name, quantity(value, unit, name), **bounds), str(value), unit)
+    if not has_unit(text):
+        raise _no_quantity(name, text, unit)
+    return InUnits.of(checks.number(name, quantity(text, unit, name), **bounds), str(value), unit)
 
 
 def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> float | None:
     """Make a number of a text with a unit, and refuse it without `si`; leave anything else to its checks."""
-    if not has_unit(value):
+    if not isinstance(as_text(value), str):
         return value  # type: ignore[return-value]
     value_in_unit = number(name, value, unit)
     check_units(value_in_unit, si=si)
@@ -72,19 +75,19 @@ def converted(name: str, value: float | str | None, unit: str, *, si: bool) -> f
 
 
 def numbers(name: str, values: object, unit: str) -> object:
-    """Replace texts with a unit, one or several in a list, by numbers; leave anything else as it is."""
+    """Replace texts, one or several in a list, by numbers; leave anything else as it is."""
     if getattr(getattr(values, "magnitude", None), "ndim", 0) == 1:
         values = list(values)  # type: ignore[call-overload]
-    if has_unit(values):
+    if isinstance(as_text(values), str):
         return [number(name, values, unit)]
-    if isinstance(values, list | tuple) and any(map(has_unit, values)):
+    if isinstance(values, list | tuple) and any(isinstance(as_text(value), str) for value in values):
         return [number(name, value, unit) for value in values]
     return values
 
 
 def either(name: str, value: object, unit: str) -> Any:
     """As `numbers`, but one text becomes one number."""
-    return number(name, value, unit) if has_unit(value) else numbers(name, value, unit)
+    return number(name, value, unit) if isinstance(as_text(value), str) else numbers(name, value, unit)
 
 
 def check_units(*tables: object, si: bool, line: bool = False) -> None:
@@ -114,18 +117,21 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     value = as_text(value)
     if not isinstance(value, str):
         return checks.number(name, value)
-    kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
-    match = _NUMBER.fullmatch(value)
-    wrong = InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(value))
+    match, wrong = _NUMBER.fullmatch(value), _no_quantity(name, value, unit)
     if match is None:
         raise wrong
-    amount = checks.number(name, float(match[1]), expected=f"{kind}, such as {example}")
+    amount = checks.number(name, float(match[1]), expected=wrong.expected)
     if not match[2]:
         return amount
     converted = _converted(amount, match[2], unit)
     if converted is None:
         raise wrong
-    return checks.number(name, converted, expected=f"{kind}, such as {example}")
+    return checks.number(name, converted, expected=wrong.expected)
+
+
+def _no_quantity(name: str, text: str, unit: str) -> InputError:
+    kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
+    return InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(text))
 
 
 def is_usual(text: str) -> bool:

@@ -63,8 +63,8 @@ def with_lengths(
     if file_unit is not None:
         raw = dataclasses.replace(raw, unit=file_unit, unit_from="file_unit")
     if pixel_size is not None:
-        chosen = length_unit or raw.length_unit
-        sizes, unit = sides_of_pixels(pixel_size, raw.heights.ndim, chosen)
+        sizes, unit = sides_of_pixels(pixel_size, raw.heights.ndim, length_unit)
+        unit = unit or raw.length_unit
         raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=unit, size_from="pixel_size")
     elif length_unit is not None:
         if raw.pixel_size is None:

@@ -9,7 +9,7 @@ from asperity.base import checks, units
 from asperity.base.words import as_text, has_unit
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.prepare import is_length
+from asperity.surfaces.prepare import is_length, spelled
 
 
 def check_heights(heights: ArrayLike) -> Field:
@@ -52,13 +52,10 @@ def sides_of_pixels(
 
     By default the unit is that of the first text, or the meter if that is not a usual one.
     """
-    value = as_text(value)
-    written = [value] if isinstance(value, str) else value
-    texts = [as_text(side) for side in written if has_unit(side)] if isinstance(written, list | tuple) else []
-    if texts:
-        unit = texts[0].lstrip("+-.0123456789eE ").strip().replace("µ", "u").replace("μ", "u")
+    length_unit = length_unit and spelled(length_unit)
+    written = value if isinstance(value, list | tuple) else [value]
+    if texts := [text for text in map(as_text, written) if has_unit(text)]:
+        unit = spelled(texts[0].lstrip("+-.0123456789eE "))
         length_unit = length_unit or (unit if is_length(unit) else "m")
-        written = units.numbers("pixel_size", written, length_unit)
-    if isinstance(value, str) and isinstance(written, list):
-        (written,) = written
-    return checked_spacing("pixel_size", written, axes), length_unit
+    sides = units.either("pixel_size", value, length_unit or "m")
+    return checked_spacing("pixel_size", sides, axes), length_unit

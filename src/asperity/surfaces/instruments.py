@@ -24,7 +24,8 @@ import numpy as np
 from asperity.base import checks
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
-from asperity.surfaces.raw import PICTURE, RawSurface, spelled
+from asperity.surfaces.prepare import spelled
+from asperity.surfaces.raw import PICTURE, RawSurface
 
 _OURS = ("asc", "xyz", "npy", "npz", "mat", "h5")  # formats that are read without the library
 _UNSIGNED = ("nms", "hgt")  # formats without a signature: any file of a suitable size would pass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Literal, ParamSpec, Protocol, cast, overload
 
 import numpy as np
@@ -12,16 +12,18 @@ from annotated_types import Ge, Gt, Le, Len, Lt
 from numpy.typing import NDArray
 
 from asperity.base import checks, units
-from asperity.base.parameters import Quantity
+from asperity.base.parameters import Quantity, parameters_of
 from asperity.base.words import written_with_units
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.prepare import LENGTHS
+from asperity.surfaces.prepare import LENGTHS, spelled
 from asperity.surfaces.surface import Surface
 
 _P = ParamSpec("_P")
 
 Length = float | str
+_IN_UNIT = ("length unit", "height unit")
+"""Dimensions of arguments that are lengths in the unit of the surface."""
 Lengths = Length | Sequence[Length] | NDArray[np.float64]
 """One number, or several; each in m, or a text with a unit."""
 
@@ -68,42 +70,48 @@ class Maker(Protocol[_P]):
     def __call__(self, *args: _P.args, **more: _P.kwargs) -> Field: ...
 
 
-def in_unit(*lengths: str) -> Callable[[Callable[_P, Field]], Maker[_P]]:
-    """Let a maker of heights take a ``unit``, and with it texts such as ``"50 nm"`` for these lengths."""
+def in_numbers(make: Callable[..., Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of a maker of heights, or keys, with texts such as ``"50 nm"`` as numbers in its ``unit``.
 
-    def decorated(make: Callable[_P, Field]) -> Maker[_P]:
-        signature = inspect.signature(make)
-        added = {name: kind for name, kind in _ADDED.items() if name not in signature.parameters}
-        more = [
-            inspect.Parameter(name, _KEYWORD, default=None, annotation=kind) for name, kind in added.items()
-        ]
+    Raises
+    ------
+    InputError
+        A text is no length, or there is no unit that the numbers would be in.
+    """
+    unit, parameters, numbers = values.get("unit"), parameters_of(make), dict(values)
+    others = {name for name, one in parameters.items() if one.quantity.dimension not in _IN_UNIT}
+    for name in sorted({"pixel_size", "spacing", *parameters} & values.keys() - others):
+        value = units.either(name, values[name], unit if isinstance(unit, str) else "m")
+        written = any(written_with_units([value]))
+        if unit is None and (written or (name == "pixel_size" and name not in parameters)):
+            expected = f"the unit of all lengths beside {name}"
+            raise InputError("unit", expected=expected, got="none", advice="unit='um'")
+        numbers[name] = np.asarray(value, dtype=np.float64).tolist() if written else value
+    return numbers
 
-        @functools.wraps(make)
-        def call(*args: Any, unit: str | None = None, **options: Any) -> Any:
-            sizes = {
-                name: units.either(name, options[name], unit or "m")
-                for name in (*lengths, "spacing", "pixel_size")
-                if name in options
-            }
-            if unit is None:
-                written = (name for name, value in sizes.items() if any(written_with_units([value])))
-                if odd := next((name for name in (*added, *written) if name in options), None):
-                    expected = f"the unit of all lengths beside {odd}"
-                    raise InputError("unit", expected=expected, got="none", advice="unit='um'")
-                return make(*args, **options)
-            checks.choice("unit", unit, LENGTHS)
-            in_numbers = {"unit": unit, **options, **sizes}
-            heights = make(*args, **{name: x for name, x in in_numbers.items() if name not in added})
-            facts = {name: x for name, x in options.items() if isinstance(x, float | int | list | tuple)}
-            size = sizes.get("pixel_size", sizes.get("spacing", 1.0))
-            return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
 
-        parameters = [
-            argument.replace(annotation=_ADDED.get(argument.name, argument.annotation))
-            for argument in signature.parameters.values()
-        ]
-        whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
-        call.__signature__ = whole  # type: ignore[attr-defined]
-        return cast(Maker[_P], call)
+def in_unit(make: Callable[_P, Field]) -> Maker[_P]:
+    """Let a maker of heights take a ``unit``, and with it texts such as ``"50 nm"`` for lengths."""
+    signature = inspect.signature(make)
+    added = {name: kind for name, kind in _ADDED.items() if name not in signature.parameters}
+    more = [inspect.Parameter(name, _KEYWORD, default=None, annotation=kind) for name, kind in added.items()]
 
-    return decorated
+    @functools.wraps(make)
+    def call(*args: Any, unit: str | None = None, **options: Any) -> Any:
+        if unit is not None:
+            checks.choice("unit", unit := spelled(unit), LENGTHS)
+        numbers = in_numbers(make, {"unit": unit, **options})
+        heights = make(*args, **{name: x for name, x in numbers.items() if name not in added})
+        if unit is None:
+            return heights
+        facts = {name: x for name, x in numbers.items() if isinstance(x, float | int | list | tuple)}
+        size = numbers.get("pixel_size", numbers.get("spacing", 1.0))
+        return Surface(heights, unit, size, unit, {"kind": make.__name__, **facts, "unit": unit})
+
+    parameters = [
+        argument.replace(annotation=_ADDED.get(argument.name, argument.annotation))
+        for argument in signature.parameters.values()
+    ]
+    whole = signature.replace(parameters=[*parameters, *more], return_annotation="Field | Surface")
+    call.__signature__ = whole  # type: ignore[attr-defined]
+    return cast(Maker[_P], call)

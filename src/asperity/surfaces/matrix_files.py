@@ -22,8 +22,8 @@ from asperity.base import checks
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
-from asperity.surfaces.prepare import is_length
-from asperity.surfaces.raw import RawSurface, choose, spelled, without
+from asperity.surfaces.prepare import is_length, spelled
+from asperity.surfaces.raw import RawSurface, choose, without
 
 _EXPECTED = "real numbers in one or two dimensions"
 _NUMERIC = re.compile("double|single|u?int(8|16|32|64)")  # MATLAB's classes of numbers

@@ -210,6 +210,8 @@ def read(
         An option is out of range, the unit cannot be converted, `resample` would leave less than two pixels
         along an axis, or a larger fraction of the pixels than `max_undefined` are spikes.
     """
+    units = (unit, crop_unit, file_unit, length_unit)
+    unit, crop_unit, file_unit, length_unit = (one and prepare.spelled(one) for one in units)  # type: ignore[assignment]
     arguments = locals()
     for name in ("undefined", "tilt", "lines", "periodic", "unit", "crop_unit", "file_unit", "length_unit"):
         parameters_of(read)[name].checked(name, arguments[name])

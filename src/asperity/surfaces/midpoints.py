@@ -50,7 +50,7 @@ Hurst = Annotated[float, Gt(0), Le(1), Quantity("Hurst exponent")]
 Delta = Annotated[float, Gt(0), Quantity("roughness at the scale of the lattice", dimension="height unit")]
 
 
-@in_unit("delta")
+@in_unit
 def self_affine(
     size: Size, *, hurst: Hurst = 0.5, delta: Delta = 0.01, seed: Seed = 0, rng: Rng = None
 ) -> Field:

@@ -9,12 +9,18 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from asperity.base import checks
+from asperity.base import checks, units
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
 
 # Powers of ten of the length units.
 _EXPONENTS = {"km": 3, "m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
+# Other spellings of units; the third of um is UTF-8 read as Latin-1.
+_SPELLINGS = {
+    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
+    "angstrom": ("\u00c5", "\u212b", "A"),
+    "1": ("",),
+}
 _ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
@@ -22,6 +28,15 @@ _DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")  # of figures and texts, rising b
 
 LENGTHS = tuple(_EXPONENTS)
 """Units of length."""
+
+
+def spelled(unit: str | None) -> str:
+    """A unit in our spelling, such as um for µm and micron; "1" for none."""
+    if not isinstance(unit, str | None) or unit in _EXPONENTS:
+        return unit
+    unit = (unit or "").strip()
+    unit = units.spelled(unit) or unit.lower()  # nobody means megameters
+    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
 
 
 def is_length(unit: str | None) -> TypeGuard[str]:
@@ -61,8 +76,8 @@ def part_of(
     scale = [1.0] * len(shape)
     if unit != "pixel":
         if not is_length(unit):
-            units = ", ".join(map(repr, ("pixel", *_EXPONENTS)))
-            raise InputError("crop_unit", expected=f"one of {units}", got=repr(unit))
+            known = ", ".join(map(repr, ("pixel", *_EXPONENTS)))
+            raise InputError("crop_unit", expected=f"one of {known}", got=repr(unit))
         across = conversion(length_unit, unit)
         if pixel_size is None or across is None:
             got = "none" if pixel_size is None else f"pixels in {length_unit or 'no unit'}"

@@ -87,7 +87,7 @@ Table = Annotated[
 ]
 
 
-@in_unit("roll_off", "cutoff", "rms_height")
+@in_unit
 def spectral(
     shape: Shape,
     *,
@@ -170,7 +170,7 @@ def spectral(
     return np.asarray(scipy.fft.irfftn(modes, s=lengths))
 
 
-@in_unit()
+@in_unit
 def from_spectrum(
     shape: Shape,
     spectrum: Table,

@@ -7,17 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.base import units
 from asperity.base.version import __version__
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
-
-# Spellings of units in files; the third of um is UTF-8 read as Latin-1.
-_SPELLINGS = {
-    "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
-    "angstrom": ("\u00c5", "\u212b", "A"),
-    "1": ("",),
-}
 
 _SINGLE = 1e-5  # largest relative difference of a number from its six digits in a file
 PICTURE = "row 0 is the top line of the picture that the instrument's program shows"
@@ -52,13 +44,6 @@ class RawSurface:
     size_from: str = "the file"
     unit_from: str = "the file"
     remarks: tuple[str, ...] = ()
-
-
-def spelled(unit: str | None) -> str:
-    """A unit in our spelling; "1" for none."""
-    unit = (unit or "").strip()
-    unit = units.spelled(unit) or unit.lower()  # nobody means megameters
-    return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
 
 
 def without(heights: Field, value: float, name: str, where: str = "") -> tuple[Field, str]:

@@ -66,6 +66,7 @@ class Surface(views.InNotebooks):
         heights = check_heights(self.heights)
         heights.flags.writeable = False
         object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "unit", prepare.spelled(self.unit))
         if self.pixel_size is not None:
             size, unit = sides_of_pixels(self.pixel_size, heights.ndim, self.length_unit)
             object.__setattr__(self, "pixel_size", size)
@@ -201,7 +202,7 @@ class Surface(views.InNotebooks):
         InputError
             The bounds are not within the surface, or the pixels have no unit of length.
         """
-        part = prepare.part_of(self.shape, bounds, unit, self.pixel_size, self.length_unit)
+        part = prepare.part_of(self.shape, bounds, prepare.spelled(unit), self.pixel_size, self.length_unit)
         facts = {name: value for name, value in self.provenance.items() if name != "periodic_rule"}
         facts["crop"] = [edge for axis in part for edge in (axis.start, axis.stop)]
         cropped = self._part(part)

@@ -19,8 +19,8 @@ from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
 from asperity.surfaces import points
 from asperity.surfaces.instruments import read_instrument
-from asperity.surfaces.prepare import conversion, is_length
-from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, spelled, without
+from asperity.surfaces.prepare import conversion, is_length, spelled
+from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, without
 
 _WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)
 _NUMBER = r"([-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?|nan)"

@@ -13,7 +13,7 @@ from asperity.lattice import Field
 from asperity.surfaces.making import Rms, Rng, Seed, Shape, in_unit
 
 
-@in_unit("rms")
+@in_unit
 def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent Gaussian heights of mean 0.
 
@@ -45,7 +45,7 @@ def gaussian(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -
     return checks.generator(seed, rng).normal(scale=width, size=lengths)
 
 
-@in_unit("rms")
+@in_unit
 def exponential(shape: Shape, *, rms: Rms = 1.0, seed: Seed = 0, rng: Rng = None) -> Field:
     """Draw independent heights of the density ``P(xi) = exp(-xi / rms) / rms`` for ``xi >= 0``.
 

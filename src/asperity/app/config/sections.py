@@ -27,6 +27,7 @@ from asperity.base.parameters import Also, Parameter, Quantity, item_of, kinds_o
 from asperity.base.words import InUnits, has_unit
 from asperity.creep.eyring import joules
 from asperity.errors import LARGEST, InputError
+from asperity.surfaces.prepare import spelled
 
 _T = TypeVar("_T")
 _Section = TypeVar("_Section", bound="Section")
@@ -60,11 +61,10 @@ def union_of(models: Mapping[str, type[Section]]) -> Any:
 class InUnit:
     """Take a text with a unit for a number in SI; anything else is checked as it is.
 
-    An energy may be one for each mole. A bare number is in `unit`, or in one that another key states.
+    An energy may be one for each mole. A bare number is in `unit`.
     """
 
     unit: str
-    of_numbers: bool = True
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_wrap_validator_function(self, handler(source))
@@ -72,7 +72,7 @@ class InUnit:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return handler(schema) | ({"unit": self.unit} if self.of_numbers else {})
+        return handler(schema) | {"unit": self.unit}
 
     def __call__(self, value: object, check: Callable[[object], float]) -> float:
         """Read a number, which remembers how it was written."""
@@ -135,7 +135,7 @@ def key_of(hint: Any, *facts: Any) -> Any:
     item = next(filter(None, map(item_of, kinds)), None)
     key: Any
     if words and float not in kinds:
-        key = Annotated[Literal[words], BeforeValidator(_micro)]
+        key = Annotated[Literal[words], BeforeValidator(spelled)] if "um" in words else Literal[words]
     elif item is not None:
         key = list[key_of(item, *(fact for fact in facts if not isinstance(fact, Len | Also)))]  # type: ignore[misc]
         few = [BeforeValidator(listed)] if {float, int, str} & {*kinds} else []
@@ -163,8 +163,6 @@ def _with(key: Any, *facts: object) -> Any:
 def _number(kinds: list[Any], facts: tuple[Any, ...]) -> Any:
     quantity = next((fact for fact in facts if isinstance(fact, Quantity)), None)
     units = [InUnit(quantity.unit)] if quantity and quantity.unit else []
-    if quantity and quantity.dimension == "length unit" and str in kinds:
-        units = [InUnit("m", of_numbers=False)]
     alone = BeforeValidator(lambda one: one[0] if isinstance(one, list) and len(one) == 1 else one)
     if "inf" not in kinds:
         return Annotated[(_within(float, facts), *units, alone)]
@@ -195,11 +193,6 @@ def sentence(error: InputError) -> str:
     """Message of an error of the library, with its advice."""
     advice = f"; try {error.advice}" if error.advice else ""
     return f"{error.name}: expected {error.expected}, got {error.got}{advice}".removeprefix(": ")
-
-
-def _micro(value: object) -> object:
-    """Take the micro sign and the Greek letter for the u of um."""
-    return "um" if value in ("\u00b5m", "\u03bcm") else value
 
 
 def _name_or_number(value: object) -> object:

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal, Self, cast
 import numpy as np
 from pydantic import model_validator
 
-from asperity.app.config.sections import Section, arguments_of, keys_of_maker, listed, made, usual
+from asperity.app.config.sections import Section, arguments_of, keys_of_maker, listed, made, sentence, usual
 from asperity.base.files import content_of, expanded
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.surfaces import KINDS, Surface
 from asperity.surfaces.heights import sides_of_pixels
+from asperity.surfaces.making import in_numbers
 
 if TYPE_CHECKING:
     from asperity.theory.heights import HeightLaw
@@ -31,6 +32,19 @@ class SurfaceSection(Section):
         "Edges: periodic, reflecting (mirror image) or free (the body ends there). By default "
         "they depend on the kind of surface, and on how a scan is made periodic.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _lengths(cls, keys: Any) -> Any:
+        """Lengths with a unit, as numbers in the unit of the surface."""
+        try:
+            return cls._in_numbers(keys) if isinstance(keys, dict) else keys
+        except InputError as error:
+            raise ValueError(sentence(error)) from None
+
+    @classmethod
+    def _in_numbers(cls, keys: dict[str, Any]) -> dict[str, Any]:
+        return in_numbers(KINDS[cls.model_fields["kind"].default], keys)
 
     @property
     def make(self) -> Callable[..., Any]:
@@ -119,18 +133,14 @@ def _section_of(kind: str) -> type[SurfaceSection]:
 class MeasuredSurface(_section_of("file")):  # type: ignore[misc]
     """Heights from a file; see `asperity.surfaces.read`."""
 
-    @model_validator(mode="before")
     @classmethod
-    def _with_length_unit(cls, keys: Any) -> Any:
-        """Pixel sizes with a unit, as numbers in the unit of length that they name or that is given."""
-        sizes = listed(keys.get("pixel_size")) if isinstance(keys, dict) else None
-        if not isinstance(sizes, list | tuple) or not any(map(has_unit, sizes)):
-            return keys
-        try:
+    def _in_numbers(cls, keys: dict[str, Any]) -> dict[str, Any]:
+        """Pixel sizes with a unit are in that unit, or in the one that is given."""
+        sizes = listed(keys.get("pixel_size"))
+        if isinstance(sizes, list | tuple) and any(map(has_unit, sizes)):
             numbers, unit = sides_of_pixels(sizes, len(sizes), keys.get("length_unit"))
-        except InputError:  # the key itself is refused
-            return keys
-        return keys | {"pixel_size": list(numbers), "length_unit": unit}
+            keys = keys | {"pixel_size": list(numbers), "length_unit": unit}
+        return keys
 
     @property
     def rule(self) -> Literal["mirror", "reflect", "taper", "wrap", "free"]:

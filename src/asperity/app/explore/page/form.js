@@ -241,10 +241,10 @@ function valueOf(text, key) {
   if (key.what === "switch") return text;
   const written = text.trim();
   const one = (word) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(word) ? Number(word) : word);
-  const words = (line) => line.trim().split(/\s+/).map(one);
+  const words = (line) => withUnits(line.trim().split(/\s+/).map(one));
   if (written === "") return null;
   if (key.what === "pairs") return written.split(/[\n;]+/).filter((part) => part.trim()).map(words);
-  if (["numbers", "wholes", "pair"].includes(key.what)) return key.unit ? withUnits(words(written)) : words(written);
+  if (["numbers", "wholes", "pair"].includes(key.what)) return words(written);
   if (key.what === "number" || key.what === "whole") return one(written);
   return key.what === "text or whole" && /^\d+$/.test(written) ? Number(written) : written;
 }

@@ -1,0 +1,295 @@
+"""One value through every door: a call in Python, a TOML file, flags, and the form of the page.
+
+Each kind has all its parameters here: as numbers, and as texts with a unit where a number is a quantity.
+"""
+
+import dataclasses
+import json
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asperity import protocols, solids, surfaces
+from asperity.app.cli.flags import flags_for, given
+from asperity.app.config import RunConfig, config_from
+from asperity.app.config.keys import sections
+from asperity.app.config.solids import OfTable as SolidOfTable
+from asperity.app.explore.server import Places, read_request
+from asperity.base.parameters import parameters_of
+from asperity.base.words import tables_to_toml
+from asperity.errors import ConfigError, InputError
+from asperity.protocols import Leg
+from asperity.solids import Solid
+from asperity.surfaces import Surface, read
+from tests.refusals import refuses
+
+DATA = Path(__file__).parents[1] / "judges"
+METERS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "µm": 1e-6}
+BALL = {"shape": [8, 8], "pixel_size": [1e-5, 2e-5], "edges": "free"}
+ELASTIC = {"young": [3e9], "poisson": [0.3], "branches": [[0.25, 10.0], [0.5, 100.0]], "hardness": 1e8}
+LAYER = {**ELASTIC, "young": 3e9, "poisson": 0.3, "thickness": 1e-5}
+STICKY = {"adhesion": "dugdale", "adhesion_work": 0.05, "adhesion_range": 1e-6}
+RATE = {"creep_rate": 1e-9, "creep_stress": 1e7}
+ALL: dict[str, list[dict[str, Any]]] = {
+    "surface": [
+        {"kind": "gaussian", "shape": [4, 6], "rms": 0.5, "seed": 3, "edges": "periodic"},
+        {"kind": "exponential", "shape": [4, 6], "rms": 0.5, "seed": 3, "edges": "reflecting"},
+        {"kind": "self_affine", "size": 8, "hurst": 0.5, "delta": 0.1, "seed": 3, "edges": "periodic"},
+        *(
+            {"kind": "spectral", "shape": [16, 16], "hurst": 0.7, "roll_off": 8.0, "cutoff": 4.0, "seed": 3}
+            | {"spacing": [1.0, 0.5], "unit": "um", "edges": "reflecting", measure: 0.25}
+            for measure in ("rms_height", "rms_slope", "rms_curvature")
+        ),
+        {"kind": "spectrum", "shape": [16, 16], "path": str(DATA / "spectrum.csv"), "unit": "um", "seed": 3}
+        | {"spacing": [1.0], "edges": "periodic"},
+        {"kind": "sphere", "radius": 1e-3, **BALL},
+        {"kind": "paraboloid", "radius": [1e-3, 2e-3], **BALL},
+        {"kind": "punch", "radius": 2e-5, **BALL},
+        {"kind": "array", "places": [[2e-5, 4e-5], [4e-5, 8e-5]], "radii": [1e-3], "heights": [0.0, 1e-6]}
+        | BALL,
+    ],
+    "solid": [
+        {"kind": "spring_lattice", "k0": 2.0, "k1": 1.0, "R": 0.5, "R_viscous": 0.25, "hardness": 4.0},
+        {"kind": "spring_lattice", "k0": 2.0, "k1": 1.0, "R": 0.0, "creep": "norton", "creep_rate": 0.5}
+        | {"creep_stress": 2.0, "creep_exponent": 3.0},
+        {"kind": "half_space", **ELASTIC, "apparatus": 1e6},
+        {"kind": "half_space", **ELASTIC, **STICKY} | {"hardness": None},
+        {"kind": "half_space", "modulus": 3e9, "flow": [1e-12, -1.0]},
+        {"kind": "half_space", "modulus": 3e9, "creep": "eyring", **RATE, "permanent": 0.1},
+        *(
+            {"kind": "half_space", "modulus": 3e9, "creep": law, **RATE, "creep_exponent": 2.0}
+            for law in ("norton", "garofalo")
+        ),
+        {
+            "kind": "half_space",
+            "modulus": 3e9,
+            "creep": "eyring",
+            "creep_energy": 1.6e-19,
+            "temperature": 300.0,
+        }
+        | {"creep_volume": 1e-27, "creep_prefactor": 1.0},
+        {"kind": "layer", **LAYER, "frictionless": True},
+        {"kind": "layer", **LAYER, **STICKY, "hardness": None},
+        {"kind": "layer", "modulus": 3e9, "poisson": 0.3, "thickness": 1e-5},
+        {"kind": "coated_half_space", **LAYER, "base_modulus": 1e9, "base_poisson": 0.4, "apparatus": 1e6}
+        | {"base_branches": [[0.5, 10.0]]},
+        {"kind": "coated_half_space", "modulus": 3e9, "poisson": 0.3, "thickness": 1e-5, **STICKY}
+        | {"base_modulus": 1e9, "base_poisson": 0.4},
+    ],
+    "protocol": [
+        {"kind": "hold", "duration": 10.0, "hold": "load", "mobility": 2.0},
+        *({"kind": "ramp", "duration": 10.0, "mobility": 2.0, end: 0.5} for end in protocols._TARGETS),
+        *({"kind": "step", end: 0.5} for end in protocols._TARGETS),
+        {"kind": "slide", "distance": 1e-6, "velocity": 1e-6, "direction": "-y", "substeps": 2, "every": 3}
+        | {"mobility": 2.0},
+    ],
+    "contact": [{name: 0.5} for name in ("load", "pressure", "separation")],
+    "aging": [
+        {"first": 0.5, "last": 50.0, "per_decade": 3, "hold": "load", "rtol": 1e-3},
+        {"times": [0.0, 0.5, 50.0]},
+    ],
+    "friction": [{"shear_strength": 1e7, "rate_coefficient": 0.01, "reference_velocity": 1e-6}],
+    "carried": [
+        {"stiffness": True, "resistivity": [1e-8, 2e-8], "conductivity": [0.5], "work_of_adhesion": 0.05}
+        | {"shear": 0.5, "friction_coefficient": 0.25}
+    ],
+    "output": [{"maps_at": [0.0, 0.5], "figures": ["pdf"], "pixel": 1e-6, "blur": 2e-6, "threshold": 0.5}],
+}
+OF_TABLES = {*SolidOfTable.model_fields, "measured"}
+"""Keys about files, which other tests have."""
+
+
+def in_text(value: Any, unit: str) -> Any:
+    """A number as a text in a thousandth of its unit, such as "500.0 mN"."""
+    if isinstance(value, list):
+        return [in_text(one, unit) for one in value]
+    return f"{value!r} {unit}" if unit[:1] in "JKoW" or "^3" in unit else f"{value * 1000!r} m{unit}"
+
+
+def with_units(section: str, keys: dict[str, Any]) -> dict[str, Any]:
+    known, texts = sections()[section][keys.get("kind", "")], dict(keys)
+    for name in keys.keys() & known.keys():
+        units, value = known[name].units, keys[name]
+        if known[name].unit and value is not None:
+            texts[name] = in_text(value, known[name].unit)
+        elif any(units) and all(units):
+            texts[name] = [[in_text(*one) for one in zip(pair, units, strict=True)] for pair in value]
+        elif any(units):
+            texts[name] = [[pair[0], in_text(pair[1], units[1])] for pair in value]
+        elif name in ("spacing", "roll_off", "cutoff", "rms_height"):
+            several = [f"{one * 1000!r} nm" for one in np.atleast_1d(value).tolist()]
+            texts[name] = several if isinstance(value, list) else several[0]
+    return texts
+
+
+def through_doors(section: str, keys: dict[str, Any], folder: Path) -> list[RunConfig]:
+    """The configuration from a file, from flags and from the form."""
+    tables = {section: [keys] if section == "protocol" else keys}
+    if section == "protocol":
+        legs = " ".join(
+            f"{name}={str(value).replace(' ', '')}" for name, value in keys.items() if name != "kind"
+        )
+        laid = given(None, leg=[f"{keys['kind']} {legs}"])
+    else:
+        kind = flags_for(section, *(["preparation"] if section == "surface" else []))
+        words = {}
+        for name, (_, key) in kind.keys.items():
+            if (value := keys.get(key.name)) is None:
+                continue
+            if key.what in ("pair", "pairs"):
+                pairs = value if key.what == "pairs" else [value]
+                words[name] = [" ".join(str(one).replace(" ", "") for one in pair) for pair in pairs]
+            elif isinstance(value, bool):
+                words[name] = value
+            else:
+                several = [str(one) for one in (value if isinstance(value, list) else [value])]
+                words[name] = several if key.several else several[0]
+        laid = given(kind(**words))
+    form, _ = read_request(json.loads(json.dumps(tables)), Places(DATA, folder))
+    return [config_from(tomllib.loads(tables_to_toml(tables)), {}, None), config_from({}, laid, None), form]
+
+
+def in_python(section: str, keys: dict[str, Any]) -> Any:
+    """What the function or the class of the library makes of the same arguments."""
+    kind = keys["kind"]
+    if section == "protocol":
+        return protocols.KINDS[kind](**{name: one for name, one in keys.items() if name != "kind"})
+    make = (surfaces.KINDS if section == "surface" else solids.KINDS)[kind]
+    arguments: dict[str, Any] = {}
+    for name, parameter in parameters_of(make).items():
+        value = keys.get(parameter.quantity.key or name)
+        if value is not None:
+            value = value[0] if isinstance(value, list) and len(value) == 1 and name not in _LISTS else value
+            several = isinstance(value, list) and name not in _LISTS
+            arguments[name] = not value if value is True else tuple(value) if several else value
+    for law in ("creep", "adhesion"):
+        if law in keys:
+            of = solids.LAWS[law][keys[law]]
+            facts = {name: keys[f"{law}_{name}"] for name in parameters_of(of) if f"{law}_{name}" in keys}
+            names = ("energy", "volume", "prefactor")
+            arguments[law] = (
+                of(**facts)
+                if facts
+                else solids.Eyring.activated(
+                    **{name: keys[f"creep_{name}"] for name in names}, temperature=keys["temperature"]
+                )
+            )
+    made = make(**arguments)
+    of_surface = isinstance(made, Surface) and "edges" in keys
+    return dataclasses.replace(made, edges=keys["edges"]) if of_surface else made
+
+
+_LISTS = ("branches", "base_branches", "places")
+
+
+def facts(thing: Any) -> list[Any]:
+    """Numbers and words of a section, a surface, a solid or a leg, in a list; heights come first."""
+    if isinstance(thing, Surface):
+        return [*facts(thing.heights), *facts(thing.pixel_size), thing.unit, thing.length_unit, thing.edges]
+    if isinstance(thing, np.ndarray):
+        return list(thing.ravel().tolist())
+    if isinstance(thing, list | tuple):
+        return [fact for one in thing for fact in facts(one)]
+    if isinstance(thing, Mapping):
+        return [fact for name in sorted(thing) for fact in (name, *facts(thing[name]))]
+    if isinstance(thing, Solid):
+        return facts(thing.parameters)
+    return facts(vars(thing)) if isinstance(thing, Leg) else [thing]
+
+
+def check_equal(one: list[Any], other: list[Any]) -> None:
+    for a, b in zip(one, other, strict=True):
+        # Texts are rounded once more; heights of 0 are sums of waves.
+        assert a == (pytest.approx(b, rel=1e-12, abs=1e-16) if isinstance(b, float) else b)
+
+
+@pytest.mark.parametrize(
+    ("section", "keys"), [(section, keys) for section, several in ALL.items() for keys in several]
+)
+def test_a_value_is_the_same_through_all_doors(section: str, keys: dict[str, Any], tmp_path: Path) -> None:
+    keys = {name: value for name, value in keys.items() if value is not None}
+    texts = with_units(section, keys)
+    assert (texts == keys) == (keys.get("kind") in ("gaussian", "exponential", "self_affine"))
+    opened = [one for asked in (keys, texts) for one in through_doors(section, asked, tmp_path)]
+    parts = [one.protocol[0].leg if one.protocol else getattr(one, section) for one in opened]
+    first, *others = [facts(one if section == "protocol" else one.model_dump()) for one in parts]
+    for one in others:
+        check_equal(one, first)
+    if section in ("surface", "solid", "protocol"):
+        made = facts(parts[0] if section == "protocol" else parts[0].build())
+        for asked in (keys, texts):
+            thing = in_python(section, asked)
+            check_equal(facts(thing), made[: thing.size] if isinstance(thing, np.ndarray) else made)
+
+
+def test_all_parameters_are_tried() -> None:
+    for section, kinds in sections(short=True).items():
+        for kind, known in kinds.items():
+            tried = {name for keys in ALL[section] if keys.get("kind", "") == kind for name in keys}
+            lacking = known.keys() - tried - OF_TABLES
+            assert not lacking or kind in ("file", "repeat"), (section, kind, lacking)
+
+
+@pytest.mark.parametrize("unit", [*METERS, "micron"])
+@pytest.mark.parametrize("text", ["0.25um", "0.25 um", "250 nm", "0.25 µm", 0.25])
+def test_lengths_of_made_surfaces_are_in_their_unit(unit: str, text: Any, tmp_path: Path) -> None:
+    # A text is a length whatever the unit, 0.25e-6 m over the meters of the unit; a number is in the unit.
+    right = text if isinstance(text, float) else 0.25e-6 / METERS.get(unit, 1e-6)
+    fine = {"spacing": right / 2, "cutoff": right, "roll_off": 4 * right, "rms_height": right}
+    for name in fine:
+        keys = {"kind": "spectral", "shape": [8, 8], "unit": unit, **fine}
+        keys |= {"cutoff": 4 * right, name: text} if name == "spacing" else {name: text}
+        keys |= {"cutoff": right} if name == "roll_off" else {}
+        for config in through_doors("surface", keys, tmp_path):
+            assert facts(getattr(config.surface, name)) == [pytest.approx(right, rel=1e-12)]
+            built = config.surface.build()
+            assert built.unit == built.length_unit == {"µm": "um", "micron": "um"}.get(unit, unit)
+            assert built.heights.std() == pytest.approx(right)
+            check_equal(facts(built), facts(in_python("surface", keys)))
+
+
+def test_units_have_one_spelling() -> None:
+    for spelling, unit in (
+        ("µm", "um"),
+        ("μm", "um"),
+        ("micron", "um"),
+        ("Å", "angstrom"),
+        ("nanometer", "nm"),
+        ("NM", "nm"),
+    ):
+        surface = Surface(np.eye(4), unit=spelling, pixel_size=2.0, length_unit=spelling)
+        across = {"um": 1e-6, "angstrom": 1e-10, "nm": 1e-9}[unit]
+        assert (surface.unit, surface.length_unit) == (unit, unit)
+        assert surface.in_meters()[1] == pytest.approx((2 * across, 2 * across))
+        assert surface.crop([0, 4, 0, 4], spelling).shape == (2, 2)
+        assert surfaces.gaussian((4, 4), unit=spelling).unit == unit
+        if unit != "angstrom":  # which no argument of a file may be
+            scan = read(DATA / "scan.txt", file_unit=spelling, pixel_size=1.0, length_unit=spelling)
+            assert (scan.unit, scan.length_unit) == (unit, unit)
+
+
+def test_what_is_no_length_is_refused_at_every_door_with_what_would_be_one(tmp_path: Path) -> None:
+    lengths: dict[str, Any] = {"kind": "spectral", "shape": [8, 8]}
+    for name, keys in {
+        "spacing": {"spacing": "0.2 s", "unit": "um"},
+        "rms_height": {"rms_height": "1 Pa", "unit": "nm"},
+        "unit": {"cutoff": "2 um"},
+    }.items():
+        with refuses(name.replace("spacing", "pixel_size")):
+            in_python("surface", lengths | keys)
+        with pytest.raises(ConfigError, match=rf"^\[surface\] {name}: expected"):
+            through_doors("surface", lengths | keys, tmp_path)
+    for call, said in (
+        (lambda: surfaces.spectral((8, 8), rms_height="0.2", unit="um"), "1 um"),
+        (lambda: surfaces.gaussian((8, 8), rms="0.2"), "2 um"),
+        (lambda: solids.Dugdale(work="20", range="1 nm"), "50 mJ/m^2"),
+        (lambda: protocols.Hold("20"), "3 h"),
+        (lambda: solids.half_space(young="3"), "1 MPa"),
+    ):
+        with pytest.raises(InputError) as refused:
+            call()
+        assert refused.value.expected.endswith(f"such as {said}")
