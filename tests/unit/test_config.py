@@ -152,7 +152,7 @@ UNKNOWN = {
     "[contact]\npressure = 1.0\nload = 1.0\nseparation = 1.0": "[contact]: expected load, pressure or",
     "[aging]\nfirst = 10.0\nlast = 1.0": "[aging] last: expected more than first, 10, got 1",
     "[aging]\ntimes = [1.0, 2.0]\nlast = 3.0": "[aging]: expected times or last, got both",
-    "[[protocol]]\nkind = 'hold'\nduration = 1.0\nmobilty = 2.0": "protocol[0] mobilty: no such key; try mobility",
+    "[[protocol]]\nkind = 'hold'\nduration = 1.0\nmobilty = 2.0": "protocol[0] mobilty: no such key; try",
 }
 
 

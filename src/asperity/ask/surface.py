@@ -45,19 +45,6 @@ class SurfaceSection(Section):
         """Lengths with a unit, as numbers in the unit of the surface."""
         return in_numbers(KINDS[cls.kind], table)
 
-    @model_validator(mode="before")
-    @classmethod
-    def _lengths(cls, keys: Any) -> Any:
-        """Lengths with a unit, as numbers in the unit of the surface."""
-        try:
-            return cls._in_numbers(keys) if isinstance(keys, dict) else keys
-        except InputError as error:
-            raise ValueError(sentence(error)) from None
-
-    @classmethod
-    def _in_numbers(cls, keys: dict[str, Any]) -> dict[str, Any]:
-        return in_numbers(KINDS[cls.model_fields["kind"].default], keys)
-
     @property
     def make(self) -> Callable[..., Any]:
         """The function of `asperity.surfaces` that makes it."""
