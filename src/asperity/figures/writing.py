@@ -70,8 +70,12 @@ def write_one(figure: Figure, file: Path) -> None:
     """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
     if file.suffix == ".csv":
         file.write_text(table_of(figure), encoding="utf-8")
-    else:
+        return
+    try:
         figure.savefig(file)
+    except BaseException:  # PDF and SVG are written while they are drawn
+        file.unlink(missing_ok=True)
+        raise
 
 
 def table_of(figure: Figure) -> str:

@@ -92,11 +92,12 @@ def fit(
         raise
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
-    figure = fit_figure(growth, quantity=label, unit_time=unit, window=window is not None)
-    written = write_figures(figure, figures)
+    written = []
     if json is not None:
         write_numbers(growth, json, numbers_before, file=str(file), quantity=named, unit_time=unit)
         written.append(f"numbers written: {json}")
+    look = {"quantity": label, "unit_time": unit, "window": window is not None}
+    written = write_figures(lambda: fit_figure(growth, **look), figures) + written
     blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
     sys.stdout.write(
         "\n\n".join([f"read {data.source}", *map(aligned, blocks), "\n".join(written)]).rstrip() + "\n"
