@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
 from asperity.errors import InputError
 from asperity.lattice import Mask
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -31,7 +38,7 @@ class Carried:
         shear / friction. See `Contact.partial_slip`.
     work_of_adhesion
         Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
-        0 without contact. See `Contact.pull_off`.
+        0 without contact, NaN in full contact. See `Contact.pull_off`.
 
     Raises
     ------
@@ -68,7 +75,7 @@ class Carried:
         if self.conductivity is not None:
             numbers["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.work_of_adhesion is not None:
-            numbers["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
+            numbers["pull_off"] = pull_off_force(contact, self.work_of_adhesion)
         for stick in self.maps(contact).values():
             numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
         return numbers
@@ -81,3 +88,15 @@ class Carried:
         slides = force >= mu * contact.load
         none = np.zeros(contact.heights.shape, dtype=bool)
         return {"stick": none if slides else contact.partial_slip(force, mu).stick}
+
+
+def remarks_on_carried(dataset: xr.Dataset) -> Iterator[str]:
+    """Say at how many of the recorded times nothing sticks, or no pull-off force exists, and why."""
+    why = {
+        "stick_fraction": (0.0, "the bodies slide", "friction times load is not above the shear force"),
+        "pull_off": (math.nan, "all sites touch", "full contact has no pull-off force"),
+    }
+    for name, (lacking, what, reason) in why.items():
+        values = dataset[name].values if name in dataset else np.empty(0)
+        if count := np.count_nonzero(np.isclose(values, lacking, rtol=0, atol=0, equal_nan=True)):
+            yield f"{what} at {count} of {values.size} recorded times: {reason}"
