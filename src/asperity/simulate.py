@@ -19,7 +19,6 @@ from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
 from asperity.carried import Carried
-from asperity.carried.record import remarks_on_carried
 from asperity.contact.adhesive import zone_remark
 from asperity.contact.bodies import Bodies, bodies_of
 from asperity.contact.choice import chosen_solver
@@ -313,8 +312,9 @@ def age(
         dataset.attrs["pulled_off"] = rows[-1]["time"]
         when = f"{rows[-1]['time']:g}{' s' * contact.si}"
         remark(f"the bodies were pulled off each other at time {when}, where the history ends")
-    for text in remarks_on_carried(dataset):
-        remark(text)
+    if "stick_fraction" in dataset and not (sticks := dataset["stick_fraction"].values > 0).all():
+        slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
+        remark(f"{slides}: friction times load is not above the shear force")
     return History(dataset, final)
 
 

@@ -140,11 +140,12 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
 
 
 def pull_off_force(contact: Contact, work: float | str) -> float:
-    """Pull-off force; 0 without contact, NaN in full contact, which has no rim at which it could open."""
+    """Pull-off force; 0 without contact; NaN, with a remark, in full contact, which has no rim to open."""
     w = _checked(contact, work)
-    if contact.area == 0:
-        return 0.0
-    return math.nan if _is_full(contact) else _pulled(contact, w).force
+    if _is_full(contact):
+        remark("full contact has no pull-off force: it is missing at such times")
+        return math.nan
+    return _pulled(contact, w).force if contact.area else 0.0
 
 
 def _is_full(contact: Contact) -> bool:

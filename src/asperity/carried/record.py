@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,9 +12,6 @@ from asperity.contact import Contact
 from asperity.contact.contact import Each
 from asperity.errors import InputError
 from asperity.lattice import Mask
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -88,15 +82,3 @@ class Carried:
         slides = force >= mu * contact.load
         none = np.zeros(contact.heights.shape, dtype=bool)
         return {"stick": none if slides else contact.partial_slip(force, mu).stick}
-
-
-def remarks_on_carried(dataset: xr.Dataset) -> Iterator[str]:
-    """Say at how many of the recorded times nothing sticks, or no pull-off force exists, and why."""
-    why = {
-        "stick_fraction": (0.0, "the bodies slide", "friction times load is not above the shear force"),
-        "pull_off": (math.nan, "all sites touch", "full contact has no pull-off force"),
-    }
-    for name, (lacking, what, reason) in why.items():
-        values = dataset[name].values if name in dataset else np.empty(0)
-        if count := np.count_nonzero(np.isclose(values, lacking, rtol=0, atol=0, equal_nan=True)):
-            yield f"{what} at {count} of {values.size} recorded times: {reason}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import datetime
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
@@ -20,7 +20,6 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.files import Format
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -28,7 +27,6 @@ from asperity.figures import style
 from asperity.figures.carried import carried_figure
 from asperity.figures.history import history_figure
 from asperity.figures.relaxation import relaxation_figure
-from asperity.figures.writing import write
 from asperity.fits import Measurements
 from asperity.surfaces import statistics
 
@@ -116,13 +114,6 @@ def pictures_of(draws: Mapping[str, tuple[str, Callable[[], Figure]]]) -> dict[s
         with showing(f"the figure {name!r}"):
             pictures[name] = Picture(caption, figure := draw(), pixels(figure))
     return pictures
-
-
-def write_pictures(pictures: Mapping[str, Picture], folder: Path, formats: Sequence[Format]) -> None:
-    """Write pictures under their names; one that fails is left out with a remark."""
-    for name, picture in pictures.items() if formats else ():
-        with showing(f"the figure {name!r}"):
-            write(picture.figure, folder / name, formats)
 
 
 def _of_growth(prediction: Prediction) -> str:

@@ -97,8 +97,8 @@ def friction(
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
     from asperity.app.cli.reports.friction import events_rows, events_table, friction_report
-    from asperity.base.calls import showing
-    from asperity.figures import rate_and_state_figure, write
+    from asperity.figures import rate_and_state_figure
+    from asperity.figures.writing import write_each
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
     with in_flags(_FLAGS):
@@ -113,8 +113,7 @@ def friction(
             save_parameters(comparison, folder / f"friction.{kind}", law=None if law == "best" else law)
         if fits is not None:
             events_table(fits, comparison.record).to_csv(folder / "events.csv", index=False)
-        with showing("the figure 'friction'"):
-            write(rate_and_state_figure(comparison), folder / "friction", drawn.formats())
+        write_each({"friction": lambda: rate_and_state_figure(comparison)}, folder, drawn.formats())
 
     def report() -> list[Row]:
         more = [] if fits is None else events_rows(fits, comparison.record)

@@ -21,9 +21,8 @@ from asperity.figures import (
     history_figure,
     patch_figure,
     sliding_figure,
-    write,
 )
-from asperity.figures.writing import write_one
+from asperity.figures.writing import write_each, write_one
 from asperity.results.quantities import RUN, select
 from asperity.results.store import whole_file
 
@@ -48,15 +47,15 @@ def write_run(outcome: Outcome, folder: Path) -> None:
 
 def write_figures(draw: Callable[[], Figure], files: Mapping[Path, Standing]) -> list[str]:
     """Write a figure under the names of `check_figures`; return a line that lists them, if any."""
-    if not files:
-        return []
-    *pictures, table = map(str, files)
-    with showing(f"the figure {pictures[0]}"):
-        figure = draw()
-        for path, before in files.items():
-            write_figure(figure, path, overwrite=before)
-        return [f"figure written: {', '.join(pictures)}; its data: {table}"]
-    return []
+    written = []
+    if files:
+        *pictures, table = map(str, files)
+        with showing(f"the figure {pictures[0]}"):
+            figure = draw()
+            for path, before in files.items():
+                write_figure(figure, path, overwrite=before)
+            written.append(f"figure written: {', '.join(pictures)}; its data: {table}")
+    return written
 
 
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
@@ -87,9 +86,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> None:
         drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
     if maps > 1:
         drawings["patches"] = lambda: patch_figure(outcome.dataset)
-    for name, draw in drawings.items():
-        with showing(f"the figure {name!r}"):
-            write(draw(), folder / name, outcome.config.output.figures)
+    write_each(drawings, folder, outcome.config.output.figures)
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:

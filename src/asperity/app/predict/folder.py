@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -12,7 +13,8 @@ from asperity.analysis.prediction import Prediction
 from asperity.app.config.models import Output
 from asperity.base.calls import remark, remarks_made, showing
 from asperity.base.words import tables_to_toml
-from asperity.figures.page import prediction_page, prediction_pictures, write_pictures
+from asperity.figures.page import prediction_page, prediction_pictures
+from asperity.figures.writing import write_each
 from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 
@@ -38,7 +40,8 @@ def write_files(prediction: Prediction, folder: Path, *, output: Output, command
         pictures = prediction_pictures(prediction, measured=output.measured)
     for text in remarks:  # they are for the summary, too
         remark(text)
-    write_pictures(pictures, folder, output.figures)
+    draws = {name: partial(getattr, one, "figure") for name, one in pictures.items()}
+    write_each(draws, folder, output.figures)
     with showing("the page"):
         prediction = replace(prediction, remarks=(*prediction.remarks, *remarks))
         page = prediction_page(prediction, pictures, command=command)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from asperity.app.cli.report import Row, table_row
@@ -10,7 +11,7 @@ from asperity.base.calls import showing
 from asperity.base.files import Format
 from asperity.base.words import counted, tables_to_toml, to_digits
 from asperity.figures import inference_page, inference_pictures
-from asperity.figures.page import write_pictures
+from asperity.figures.writing import write_each
 from asperity.inference import Inference
 
 
@@ -49,7 +50,7 @@ def write_inference(
         text = head + tables_to_toml({"solid": inference.solid()})
         (folder / "solid.toml").write_text(text, encoding="utf-8")
     pictures = inference_pictures(inference)
-    write_pictures(pictures, folder, formats)
+    write_each({name: partial(getattr, one, "figure") for name, one in pictures.items()}, folder, formats)
     with showing("the page"):
         page = inference_page(inference, pictures, source=source, command=command)
         (folder / "inference.html").write_text(page, encoding="utf-8")

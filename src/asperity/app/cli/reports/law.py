@@ -13,9 +13,9 @@ from asperity.analysis.scan import understood, written
 from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
-from asperity.base.calls import showing
 from asperity.base.tables import with_unit
-from asperity.figures import law_figure, write
+from asperity.figures import law_figure
+from asperity.figures.writing import write_each
 
 
 def law_report(outcome: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -68,5 +68,4 @@ def write_law(
             text = law_for(program, dataset, age=age, direction=direction, millimeters=millimeters)
             prefix = "" if direction == "loading" else f"{direction}_"
             (folder / f"{prefix}{FILES[program]}").write_text(text, encoding="utf-8")
-    with showing("the figure 'law'"):
-        write(law_figure(dataset), folder / "law", outcome.config.output.figures)
+    write_each({"law": lambda: law_figure(dataset)}, folder, outcome.config.output.figures)
