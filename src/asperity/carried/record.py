@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.contact.contact import Each
@@ -31,7 +32,7 @@ class Carried:
         shear / friction. See `Contact.partial_slip`.
     work_of_adhesion
         Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
-        0 without contact. See `Contact.pull_off`.
+        0 without contact, NaN in full contact. See `Contact.pull_off`.
 
     Raises
     ------
@@ -68,7 +69,7 @@ class Carried:
         if self.conductivity is not None:
             numbers["thermal_resistance"] = contact.thermal_resistance(self.conductivity)
         if self.work_of_adhesion is not None:
-            numbers["pull_off"] = contact.pull_off(self.work_of_adhesion).force if contact.area else 0.0
+            numbers["pull_off"] = pull_off_force(contact, self.work_of_adhesion)
         for stick in self.maps(contact).values():
             numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
         return numbers
