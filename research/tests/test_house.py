@@ -18,6 +18,7 @@ FOR_COMMANDS = {  # stated in asperity.app.cli.command
     "asperity.app.cli.output": {"write_figure"},
     "asperity.app.cli.report": {"aligned"},
     "asperity.app.config": {"RunConfig", "config_from"},
+    "asperity.base.calls": {"showing"},
     "asperity.base.checks": {"instance"},
     "asperity.base.words": {"counted", "data_size", "duration", "power", "thousands"},
 }

@@ -5,7 +5,6 @@ import re
 import shlex
 from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -126,16 +125,6 @@ def test_held_separation_and_chosen_maps_and_formats(tmp_path, says):
     assert dataset["field_time"].values.tolist() == [0.0, 0.5]
     assert dataset["time"].values.tolist() == [0.0, 0.1, 1.0]
     assert [path.name for path in out.glob("aging.*g")] == ["aging.svg"]
-
-
-def test_a_figure_that_cannot_be_drawn_is_a_remark_and_no_loss(tmp_path, says, monkeypatch):
-    wrong = Mock(side_effect=ValueError("no axis fits"))
-    monkeypatch.setattr("asperity.app.cli.output.aging_curve", wrong)
-    text = says("run", *SMALL, "--out", tmp_path / "out")
-    for said in (text, (tmp_path / "out" / "summary.txt").read_text()):
-        assert "the figure 'aging' could not be drawn: no axis fits" in said
-    assert results.load(tmp_path / "out" / "history.zarr").sizes["time"] > 1
-    assert not (tmp_path / "out" / "aging.png").exists()
 
 
 def test_an_instrument_looks_at_the_maps(finished, tmp_path, says):

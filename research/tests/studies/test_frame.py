@@ -1,8 +1,10 @@
 """The frame of studies: from campaign files to a report, resumed, and refused."""
 
 import dataclasses
+import shutil
 from functools import partial
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 from tests.refusals import refuses
@@ -46,6 +48,17 @@ def test_a_finished_study_is_reported_without_new_runs(done, study):
         outcome = studies.conclude(TINY, done, prepared, quick=True, command="", seed=7).outcome
     assert all(f"**{one.claim}** ({one.place}): {one.verdict.value}." in report for one in outcome.findings)
     assert all(one.plan.seeds == (7, 8) for one in prepared)
+
+
+def test_a_figure_that_fails_is_a_remark_and_no_loss(done, study, tmp_path, monkeypatch):
+    folder = tmp_path / "again"
+    shutil.copytree(done, folder)
+    (folder / "report.md").unlink()
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", Mock(side_effect=IndexError("no axis fits")))
+    status, _, err = study("unloading", "--out", folder, "--quick", "--seed", "7")
+    assert status == 0, err
+    assert "remark: the figure could not be drawn: no axis fits" in err
+    assert (folder / "report.md").exists()
 
 
 def test_the_list_and_what_a_study_takes(done, study):

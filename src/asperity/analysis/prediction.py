@@ -123,9 +123,10 @@ class Band:
     stiffness: float
 
     def change_to(self, coarser: Band) -> dict[str, float]:
-        """Relative changes of the numbers in a coarser band."""
+        """Relative changes in a coarser band of the numbers that both have."""
         names = ("area", "pressure", "growth", "stiffness")
-        return {name: getattr(coarser, name) / getattr(self, name) - 1 for name in names}
+        pairs = ((name, getattr(self, name), getattr(coarser, name)) for name in names)
+        return {name: there / here - 1 for name, here, there in pairs if math.isfinite(here + there)}
 
 
 @dataclass(frozen=True, eq=False)

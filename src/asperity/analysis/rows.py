@@ -13,7 +13,7 @@ import xarray as xr
 from asperity.analysis.aging import AgingSummary
 from asperity.analysis.legs import leg_table
 from asperity.analysis.scan import readable, written
-from asperity.base.words import counted, thousands
+from asperity.base.words import counted, thousands, to_digits
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
@@ -169,6 +169,7 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
 def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     """Load at the beginning; at a held separation also its change."""
     first, unit = summary.initial_load, dataset["load"].attrs["units"]
+    whole = first or math.nan  # solids that just touch bear nothing
     rows = [] if summary.load is None else [Row("load at t = 0", first, unit)]
     if "mean_contact_pressure" in dataset:
         area = float(dataset["contact_area"][0] / dataset["contact_fraction"][0])
@@ -181,13 +182,13 @@ def _loads(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
     if summary.time.size:
         loads = {f"load at t = {_time(dataset, summary.time[-1])}": float(summary.load[-1]), **loads}
     rows += [
-        Row(name, load, unit, note=f", load/load(0) = {load / first:.4g}", brief=True)
+        Row(name, load, unit, note=f", load/load(0) = {to_digits(load / whole, 4)}", brief=True)
         for name, load in loads.items()
         if load is not None
     ]
-    if abs(summary.load_per_decade) > 0:
+    if abs(summary.load_per_decade / whole) > 0:
         near = f"{float(f'{summary.load_time:.2g}'):g}"
-        slope = f"{summary.load_per_decade / first:+.3g} load(0) per decade of time, near t = {near}"
+        slope = f"{summary.load_per_decade / whole:+.3g} load(0) per decade of time, near t = {near}"
         rows.append(Row("steepest change of load", slope))
     return rows
 

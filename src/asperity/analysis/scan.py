@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from asperity.base.words import to_digits
 from asperity.surfaces.prepare import display_unit, is_length
 
 _PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
@@ -67,9 +68,9 @@ def lateral_unit(unit: str | None, origin: Mapping[str, object]) -> str:
 
 
 def written(value: float, unit: str, digits: int = 4) -> str:
-    """Write a quantity: in SI with a prefix, of a user's own units the number alone."""
+    """Write a quantity: in SI with a prefix, of a user's own units the number alone; see `to_digits`."""
     if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
-        return f"{value:.{digits}g}"
+        return to_digits(value, digits)
     name, factor = readable(unit, abs(value))
     if value and abs(value) * factor < _SMALLEST:
         name, factor = unit, 1.0

@@ -33,7 +33,7 @@ class Carried:
         shear / friction. See `Contact.partial_slip`.
     work_of_adhesion
         Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
-        0 without contact. See `Contact.pull_off`.
+        0 without contact, NaN in full contact. See `Contact.pull_off`.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import FrameType, FunctionType
 from typing import Any
 
-from asperity.base.words import MEANT, closest, shortened
+from asperity.base.words import MEANT, closest, reason_of, shortened
 from asperity.errors import CallError, InputError, Remark
 
 _OF_MATERIALS = (
@@ -60,6 +60,20 @@ def remark(text: str) -> None:
         outermost = level if str(frame.f_globals.get("__name__")).startswith("asperity.") else outermost
         frame, level = frame.f_back, level + 1
     warnings.warn(text, Remark, stacklevel=outermost + 1)
+
+
+@contextmanager
+def showing(what: str) -> Iterator[None]:
+    """Let a picture, page, card or summary that fails be a remark, for the results are worth keeping.
+
+    What the disk refuses is an error.
+    """
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:  # whatever it is, nothing that was computed is wrong
+        remark(f"{what} could not be drawn: {reason_of(error)}")
 
 
 @contextmanager

@@ -11,6 +11,8 @@ from collections.abc import Callable, Sized
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from asperity.base.calls import showing
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -67,6 +69,8 @@ class Pictured:
 class InNotebooks:
     """Base of results with a card in notebooks: picture, numbers with units, certificate."""
 
-    def _repr_html_(self) -> str:
-        html: str = made_by("html_of")(self)
+    def _repr_html_(self) -> str | None:
+        html: str | None = None  # a notebook shows the repr
+        with showing("the card"):
+            html = made_by("html_of")(self)
         return html

@@ -49,6 +49,24 @@ def band_ends(ends: Iterable[float], say: Callable[[float], str] = "{:.4g}".form
     return f"{say(low)} to {say(high)}"
 
 
+def to_digits(value: float, digits: int) -> str:
+    """Write a number to so many digits: "-" for NaN, which is a number that does not exist."""
+    if math.isfinite(value):
+        return f"{value:.{digits}g}"
+    return "-" if math.isnan(value) else "infinite" if value > 0 else "-infinite"
+
+
+def finite(value: Any) -> Any:
+    """Replace numbers that are not finite by null, for JSON."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    if hasattr(value, "item"):  # of NumPy
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def number(word: str) -> object:
     """Read a number; a word that is none stays as it is."""
     for kind in (int, float):
@@ -100,7 +118,7 @@ def has_decimal_comma(word: object) -> bool:
 def uncertain(value: float, error: float) -> str:
     """Write a number with its standard error, both to the decimals that the error's two digits have."""
     if not (math.isfinite(error) and error > 0):
-        return f"{value:.4g}" if error == 0 else f"{value:.3g} (undetermined)"
+        return to_digits(value, 4) if error == 0 else f"{to_digits(value, 3)} (undetermined)"
     if error > abs(value):
         return f"{value:.2g} ± {float(f'{error:.1g}'):g}"
     decimals = max(0, 1 - math.floor(math.log10(error)))

@@ -132,6 +132,29 @@ class PullOff(views.Brief):
 @views.maker
 def pull_off(contact: Contact, work: float | str) -> PullOff:
     """See `Contact.pull_off`."""
+    w = _checked(contact, work)
+    if contact.area == 0 or _is_full(contact):
+        got = "full contact" if contact.area else "no site in contact"
+        raise InputError("pull_off", expected="a partial contact", got=got, advice="another load")
+    return _pulled(contact, w)
+
+
+def pull_off_force(contact: Contact, work: float | str) -> float:
+    """Pull-off force; 0 without contact; NaN, with a remark, in full contact, which has no rim to open."""
+    w = _checked(contact, work)
+    if _is_full(contact):
+        remark("full contact has no pull-off force: it is missing at such times")
+        return math.nan
+    return _pulled(contact, w).force if contact.area else 0.0
+
+
+def _is_full(contact: Contact) -> bool:
+    """Whether all touches, and nothing ends at the edges."""
+    return contact.area == contact.heights.size and contact.lattice.edges != "free"
+
+
+def _checked(contact: Contact, work: float | str) -> float:
+    """Work of adhesion; `InputError` if it, or the solid, is none that can be pulled."""
     solid, lattice = contact.solid, contact.lattice
     if not solid.in_lengths or lattice.dimension == 1:
         raise InputError(
@@ -145,16 +168,15 @@ def pull_off(contact: Contact, work: float | str) -> PullOff:
         raise InputError(
             "pull_off", expected=expected, got="one with adhesion", advice="asperity.pull(contact)"
         )
-    w = checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
-    if contact.area == 0 or (contact.area == contact.heights.size and lattice.edges != "free"):
-        got = "full contact" if contact.area else "no site in contact"
-        raise InputError("pull_off", expected="a partial contact", got=got, advice="another load")
+    return checks.number("work", units.converted("work", work, "J/m^2", si=contact.si), above=0)
+
+
+def _pulled(contact: Contact, w: float) -> PullOff:
     opened = np.full(contact.relative[2].shape, np.nan)
     way = np.array(list(_Bond(contact, w).way(opened)))
     apart, force, area = way.T
-    result = PullOff(
-        w, -float(force.min()), -apart, force, area.astype(int), lattice.embedding.cut(opened), contact
-    )
+    opened = contact.lattice.embedding.cut(opened)
+    result = PullOff(w, -float(force.min()), -apart, force, area.astype(int), opened, contact)
     _remark_on(contact, result)
     return result
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.ask.carried import Carried
+from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
 from asperity.contact import Contact
 from asperity.lattice import Mask
@@ -27,7 +28,7 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     if carried.conductivity is not None:
         numbers["thermal_resistance"] = contact.thermal_resistance(carried.conductivity)
     if carried.work_of_adhesion is not None:
-        numbers["pull_off"] = contact.pull_off(carried.work_of_adhesion).force if contact.area else 0.0
+        numbers["pull_off"] = pull_off_force(contact, carried.work_of_adhesion)
     for stick in maps(carried, contact).values():
         numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
     return numbers

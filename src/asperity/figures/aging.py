@@ -52,7 +52,7 @@ def aging_curve(
     if summary.time.size == 0:
         expected, advice = "a history with times above 0", "age(contact, times)"
         raise InputError("summary", expected=expected, got="none", advice=advice)
-    falls = summary.load is not None
+    falls = summary.load is not None and summary.initial_load > 0
     ratios = [3.0, *[1.0] * (measured is not None), *[1.5] * falls]
     figure, grid = style.stacked((style.COLUMN, 1.0 + 0.7 * sum(ratios)), *ratios)
     axes = grid[0]
@@ -68,7 +68,7 @@ def aging_curve(
         measurements = measured_area(measured, si=dataset.attrs["si"])
         first = float(dataset["contact_area" if dataset.attrs["si"] else "area"][0])
         draw_measured(grid[:2], measurements, summary.time, summary.area_ratio, 1 / first)
-    if summary.load is not None:
+    if summary.load is not None and falls:
         ratio = summary.load / summary.initial_load
         _draw_computed(grid[-1], summary.time, ratio)
         _draw_limit(grid[-1], ratio, summary.relaxed_load and summary.relaxed_load / summary.initial_load)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import singledispatch
+from collections.abc import Callable, Iterable
+from functools import partial, singledispatch
 from html import escape
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +14,7 @@ from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import Row, contact_rows, history_rows
 from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
+from asperity.base.calls import showing
 from asperity.base.words import band_ends, uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
@@ -64,7 +64,8 @@ def _(contact: Contact) -> str:
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
     )
-    return _card("Contact", rows, plot_contact(contact, _axes()), proof, "" if contact.si else _OWN_UNITS)
+    own = "" if contact.si else _OWN_UNITS
+    return _card("Contact", rows, partial(plot_contact, contact), proof, own)
 
 
 @html_of.register
@@ -73,9 +74,9 @@ def _(history: History) -> str:
     held = "protocol" not in data.attrs and data["area"].values[0] > 0
     rows = _brief(history_rows(data, aging_summary(data) if held else None))
     rows += [("maps", str(data.sizes.get("field_time", 0))), ("solid", _line(final.solid))]
-    axes = plot_history(data, _axes()) if data["time"].values[-1] > 0 else None
+    draw = partial(plot_history, data) if data["time"].values[-1] > 0 else None
     proof = f"Tolerance in time {data.attrs['rtol']:g}."
-    return _card("History", rows, axes, proof, "" if final.si else _OWN_UNITS)
+    return _card("History", rows, draw, proof, "" if final.si else _OWN_UNITS)
 
 
 @html_of.register
@@ -93,7 +94,7 @@ def _(surface: Surface) -> str:
         ("lowest, highest", ends),
         ("edges", surface.edges),
     ]
-    return _card("Surface", rows, plot_surface(surface, _axes()), *surface.remarks)
+    return _card("Surface", rows, partial(plot_surface, surface), *surface.remarks)
 
 
 @html_of.register
@@ -104,14 +105,14 @@ def _(solid: Solid) -> str:
     rows += [(f"share {share:.3g}", f"relaxes in {time:.3g}") for share, time in pairs[:_MOST_BRANCHES]]
     if len(pairs) > _MOST_BRANCHES:
         rows.append(("and", f"{len(pairs) - _MOST_BRANCHES} more branches"))
-    axes = None
-    if pairs:  # the modulus over the instantaneous one
-        axes, series = _axes(), PronySeries(1.0, tuple(pairs))
-        t = np.geomspace(0.03 * pairs[0][1], 30 * pairs[-1][1], 200)
-        axes.semilogx(t, series.modulus_at(t), color=style.BLUE)
-        axes.set(ylim=(0, 1.05), xlabel="time", ylabel="modulus over the instantaneous one")
     note = "Moduli in Pa, times in s, lengths in m under a surface with units." if solid.in_lengths else ""
-    return _card("Solid", rows, axes, note)
+    return _card("Solid", rows, partial(_draw_relaxation, pairs) if pairs else None, note)
+
+
+def _draw_relaxation(pairs: tuple[tuple[float, float], ...], axes: Axes) -> None:
+    t = np.geomspace(0.03 * pairs[0][1], 30 * pairs[-1][1], 200)
+    axes.semilogx(t, PronySeries(1.0, pairs).modulus_at(t), color=style.BLUE)
+    axes.set(ylim=(0, 1.05), xlabel="time", ylabel="modulus over the instantaneous one")
 
 
 @html_of.register
@@ -138,9 +139,7 @@ def _(fit: Fit) -> str:
         ("instantaneous modulus", quantity(series.modulus, "Pa")),
         ("deviations", f"{100 * fit.rms:.2g} % rms, {100 * series.error:.2g} % at most"),
     ]
-    axes = _axes()
-    draw_moduli(axes, fit)
-    return _card("Fit of relaxation", rows, axes)
+    return _card("Fit of relaxation", rows, lambda axes: draw_moduli(axes, fit))
 
 
 @html_of.register
@@ -162,14 +161,16 @@ def _(prediction: Prediction) -> str:
     ]
     if (friction := prediction.friction) is not None:
         rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))
-    axes = _axes()
-    draw_growth(axes, prediction)
-    axes.legend(loc="upper left")
-    axes.set_xlabel("time under load [s]")
+
+    def draw(axes: Axes) -> None:
+        draw_growth(axes, prediction)
+        axes.legend(loc="upper left")
+        axes.set_xlabel("time under load [s]")
+
     return _card(
         "Prediction",
         rows,
-        axes,
+        draw,
         f"Worst residual {float(prediction.dataset['residual'].max()):.1e} of the mean contact force.",
         *prediction.remarks,
     )
@@ -194,16 +195,13 @@ def _number(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _axes() -> Axes:
-    _, (axes,) = style.stacked(_SIZE, 1)
-    return axes
-
-
 _NAME = "text-align:left;font-weight:normal;opacity:.75;padding-right:1em"
 _NOTE = "font-size:smaller;opacity:.75"
 
 
-def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes: str) -> str:
+def _card(
+    title: str, rows: Iterable[tuple[str, str]], draw: Callable[[Axes], object] | None, *notes: str
+) -> str:
     """Lay out a picture beside a table, with sentences below; colors are those of the notebook."""
     cells = "".join(
         f'<tr><th style="{_NAME}">{escape(name)}</th><td style="text-align:left">{escape(value)}</td></tr>'
@@ -211,10 +209,12 @@ def _card(title: str, rows: Iterable[tuple[str, str]], axes: Axes | None, *notes
     )
     sentences = "".join(f'<div style="{_NOTE};max-width:36em">{escape(note)}</div>' for note in notes if note)
     picture = ""
-    if axes is not None:
-        figure: Any = axes.figure
-        axes.set_title("")
-        picture = f'<img alt="{escape(title)}" src="{pixels(figure, dpi=_DPI)}">'
+    if draw is not None:
+        figure, (axes,) = style.stacked(_SIZE, 1)
+        with showing(f"the picture of the card {title!r}"):
+            draw(axes)
+            axes.set_title("")
+            picture = f'<img alt="{escape(title)}" src="{pixels(figure, dpi=_DPI)}">'
     return (
         '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:center">'
         f"{picture}<div><b>{escape(title)}</b><table>{cells}</table>{sentences}</div></div>"

@@ -64,13 +64,14 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
     first = end_of_loading(load)
     begins, whole = (style.said(dataset, name, float(dataset[name][first])) for name in ("time", "load"))
     drawn = [f"{name}{end}" for name in labels for end in ("", "_low", "_high") if f"{name}{end}" in dataset]
-    dataset = dataset.assign({name: dataset[name].where(load > 0) for name in drawn})
+    there = {name: (load > 0) & np.isfinite(dataset[name]) for name in drawn}
+    dataset = dataset.assign({name: dataset[name].where(there[name]) for name in drawn})
     figure.table = series_table(dataset, labels)
     for axes, (label, names) in zip(grid, panels.items(), strict=True):
-        unit, most = str(dataset[names[0]].attrs["units"]), max(float(dataset[name].max()) for name in names)
-        ends = [f"{name}_high" for name in names if f"{name}_high" in dataset]
-        highest = float(np.nanmax([most, *(dataset[end].max() for end in ends)]))
-        least = float(dataset[names[0]].min())
+        unit, values = str(dataset[names[0]].attrs["units"]), dataset[names].to_array().values
+        most, least = float(np.nanmax(values, initial=0.0)), float(np.nanmin(values, initial=math.inf))
+        ends = [dataset[f"{name}_high"].max() for name in names if f"{name}_high" in dataset]
+        highest = float(np.fmax.reduce([most, *map(float, ends)]))
         axis_label, factor = (label, 1.0) if unit == "1" else style.scaled(label, unit, most)
         axes.set_ylabel(axis_label, multialignment="center")
         for name, (color, look) in zip(names, _LOOKS, strict=False):
@@ -79,12 +80,12 @@ def carried_figure(dataset: xr.Dataset) -> Figure:
             shade(axes, time, dataset, name, values, color)
             join(axes, time, values, color, look, labels[name] if names[1:] else "")
         axes.axhline(math.nan, color=style.GRAY, linewidth=0.7, linestyle=":", label=f"at {begins}")
-        if label.endswith("resistance") and most > _WIDE * least:  # the first touch presses all else down
+        if label.endswith("resistance") and most > _WIDE * least > 0:  # the first touch presses all else down
             axes.set_yscale("log")
             axes.set_ylim(factor * least / 1.5, 2.5 * factor * highest)
             axes.yaxis.set_major_formatter("{x:g}")
         else:
-            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * highest)
+            axes.set_ylim(bottom=0, top=1 if label == _STICKS else 1.08 * factor * highest or None)
     head(grid, time, dataset)
     for axes in grid:
         style.finish(axes, lines_along="y")

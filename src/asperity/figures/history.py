@@ -125,10 +125,14 @@ def series_table(dataset: xr.Dataset, names: Iterable[str]) -> dict[str, object]
 
 
 def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
-    """Values as they are drawn, their label, and the factor from the series (of the area: from sites)."""
+    """Values as they are drawn, NaN where there are none, their label, and the factor from the series.
+
+    The factor of the area is from sites.
+    """
     quantity = select().get(name)
     label = quantity.label if quantity else name.replace("_", " ")
     values = dataset[name].values.astype(np.float64)
+    values[~np.isfinite(values)] = math.nan
     if not dataset.attrs.get("si"):
         continuum = "contact_area" in dataset and name != "area"
         return values, label if continuum else label + _ON_SITES.get(name, ""), 1.0
@@ -136,7 +140,7 @@ def shown_series(dataset: xr.Dataset, name: str) -> tuple[Field, str, float]:
     if name == "area":
         unit = str(dataset["contact_area"].attrs["units"])
         scale = float(dataset["contact_area"][0]) / max(float(values[0]), 1.0)
-    label, factor = style.scaled(label, unit, float(np.nanmax(np.abs(values))) * scale)
+    label, factor = style.scaled(label, unit, float(np.nanmax(np.abs(values), initial=0.0)) * scale)
     return values * (factor * scale), label, factor * scale
 
 
@@ -189,6 +193,8 @@ def join(
         axes.plot(places, values[time.after], "D", label=jumped, **common)
     values = values[np.isfinite(values)]
     axes.ticklabel_format(axis="y", useOffset=False)
+    if not values.size:
+        return
     if np.ptp(values) <= 1e-6 * np.abs(values).max():
         axes.set_ylim(values[0] - 0.1 * abs(values[0] or 1), values[0] + 0.1 * abs(values[0] or 1))
     if values.min() >= 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
-from asperity.figures.page import Picture, written_page
+from asperity.figures.page import Picture, pictures_of, written_page
 from asperity.inference import Inference
 from asperity.inference.verdicts import EXCLUDED
 
@@ -126,20 +127,15 @@ def corner_figure(inference: Inference) -> Figure:
 def inference_pictures(found: Inference) -> dict[str, Picture]:
     """Draw an inference: pictures by the names of their files, without suffix, in order."""
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
-    drawn = {
-        "curve": (curve_figure(found), "The data, and the curve to ten times the last of them."),
-        "parameters": (
-            parameters_figure(found),
-            "Each parameter: its prior (gray), its posterior (blue), and its profile likelihood, which falls "
-            "below the dotted line outside of a 95 % interval. Where the blue fills the gray, the data tell "
-            "nothing.",
-        ),
-        "corner": (
-            corner_figure(found),
-            "Samples of the posterior: every pair of parameters that the curve contains.",
-        ),
+    captions = {
+        "curve": "The data, and the curve to ten times the last of them.",
+        "parameters": "Each parameter: its prior (gray), its posterior (blue), and its profile likelihood, "
+        "which falls below the dotted line outside of a 95 % interval. Where the blue fills the gray, the "
+        "data tell nothing.",
+        "corner": "Samples of the posterior: every pair of parameters that the curve contains.",
     }
-    return {name: Picture(caption, figure) for name, (figure, caption) in drawn.items()}
+    makers = {"curve": curve_figure, "parameters": parameters_figure, "corner": corner_figure}
+    return pictures_of({name: (captions[name], partial(make, found)) for name, make in makers.items()})
 
 
 def inference_page(

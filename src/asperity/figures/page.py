@@ -5,8 +5,9 @@ from __future__ import annotations
 import base64
 import datetime
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
 from asperity.base import checks
+from asperity.base.calls import showing
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -53,16 +55,13 @@ class Picture:
 
     caption: str
     figure: Figure
+    data: str
+    """The pixels as text."""
 
     @property
     def width(self) -> str:
         """Its width on a page whose letters are larger than those of a journal."""
         return f"{1.4 * self.figure.get_figwidth():.2f}in"
-
-    @property
-    def data(self) -> str:
-        """The pixels as text."""
-        return pixels(self.figure)
 
 
 def prediction_pictures(
@@ -89,22 +88,32 @@ def prediction_pictures(
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, fit = prediction.dataset, prediction.fit
+    draws: dict[str, Callable[[], Figure]] = {}
     if prediction.growth is None:
-        figures = {"history": history_figure(dataset, measured)}
+        draws["history"] = partial(history_figure, dataset, measured)
     else:
-        figures = {"growth": drawn.growth_figure(prediction, measured)}
-    figures["contacts"] = drawn.contact_maps_figure(prediction)
-    figures["pressure"] = style.figure_of([style.panels_of(prediction)["pressure"]])[0]
+        draws["growth"] = partial(drawn.growth_figure, prediction, measured)
+    draws["contacts"] = partial(drawn.contact_maps_figure, prediction)
+    draws["pressure"] = lambda: style.figure_of([style.panels_of(prediction)["pressure"]])[0]
     if "normal_stiffness" in dataset:
-        figures["carried"] = carried_figure(dataset)
+        draws["carried"] = partial(carried_figure, dataset)
     if fit is not None:
-        figures["relaxation"] = relaxation_figure(fit)
+        draws["relaxation"] = partial(relaxation_figure, fit)
     if prediction.observed:
-        figures["observed"] = drawn.observed_figure(prediction)
+        draws["observed"] = partial(drawn.observed_figure, prediction)
     captions = _CAPTIONS | {"growth": _of_growth(prediction)}
-    beside = " Diamonds: measured, and below them measured over computed." * (measured is not None)
-    first = next(iter(figures))
-    return {name: Picture(captions[name] + beside * (name == first), each) for name, each in figures.items()}
+    first = next(iter(draws))
+    captions[first] += " Diamonds: measured, and below them measured over computed." * (measured is not None)
+    return pictures_of({name: (captions[name], draw) for name, draw in draws.items()})
+
+
+def pictures_of(draws: Mapping[str, tuple[str, Callable[[], Figure]]]) -> dict[str, Picture]:
+    """Draw figures with captions, by name; one that fails is left out with a remark."""
+    pictures = {}
+    for name, (caption, draw) in draws.items():
+        with showing(f"the figure {name!r}"):
+            pictures[name] = Picture(caption, figure := draw(), pixels(figure))
+    return pictures
 
 
 def _of_growth(prediction: Prediction) -> str:
@@ -175,7 +184,9 @@ def written_page(name: str, **values: Any) -> str:
 
 def quantity(value: float, unit: str, digits: int = 3) -> str:
     """Write an SI quantity with a prefix as it is printed: 5 MPa, 1610 nm², 10⁶ s."""
-    number, name = written(value, unit, digits).split(" ")
+    number, _, name = written(value, unit, digits).partition(" ")
+    if not name:
+        return number
     if "e" in number:
         mantissa, ten = number.split("e")
         raised = str(int(ten)).translate(_RAISED)

@@ -89,7 +89,7 @@ def plot_contact(
                 _explain(axes, maps)
         else:
             shown = maps.coarsened(pressure[np.newaxis], side, np.nan)[0]
-            colored = draw_pressure(axes, maps, shown, _norm(shown), side)
+            colored = draw_pressure(axes, maps, shown, pressure_norm(shown), side)
         draw_scale_bar(axes, maps)
     if colorbar and colored is not None:
         style.bar_of_pressures(axes.figure, colored, axes, label)
@@ -295,7 +295,7 @@ def _pressure(contact: Contact, maps: ContactMaps) -> tuple[Field, str]:
     return pressure * factor, label
 
 
-def _norm(pressure: Field) -> LogNorm:
+def pressure_norm(pressure: Field) -> LogNorm:
     """Colors of pressures: logarithmic, the lowest of them beyond the range."""
     positive = pressure[np.nan_to_num(pressure) > 0]
     if not positive.size:
@@ -317,7 +317,8 @@ def _draw_line(axes: Axes, maps: ContactMaps, pressure: Field, *, changed: bool)
     at = first + np.flatnonzero(~np.isnan(pressure[first:last]))
     if not at.size:
         return None
-    look: dict[str, Any] = {"norm": _norm(pressure[at]), "cmap": style.PRESSURE_MAP, "marker": "s", "s": 16}
+    norm = pressure_norm(pressure[at])
+    look: dict[str, Any] = {"norm": norm, "cmap": style.PRESSURE_MAP, "marker": "s", "s": 16}
     return axes.scatter(step * at, (maps.heights - maps.indentation)[at], c=pressure[at], zorder=5, **look)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm, to_rgba
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -21,7 +21,7 @@ from asperity.base.words import power
 from asperity.figures import style
 from asperity.figures.contacts import COLORS
 from asperity.figures.measured import draw_measured
-from asperity.figures.plots import draw_series
+from asperity.figures.plots import draw_series, pressure_norm
 from asperity.fits import Measurements
 from asperity.fits.measurements import measured as in_units
 from asperity.results.quantities import select
@@ -148,7 +148,7 @@ def contact_maps_figure(prediction: Prediction) -> Figure:
     low, high = color_range(heights)
     height_label, factor = style.scaled("height", "m", high - low)
     pressure_label, scale = style.scaled("contact pressure", "Pa", float(pressure.max()))
-    limits = LogNorm(*np.quantile(pressure[pressure > 0] * scale, (0.02, 1.0)))
+    limits = pressure_norm(pressure * scale)
     gray = {"cmap": "gray", "clim": (low * factor, high * factor), "alpha": 0.75, **_MIXED}
     for column in range(2):
         upper, lower = grid[:, column]

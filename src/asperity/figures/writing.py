@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 
 from asperity.base import checks
+from asperity.base.calls import showing
 from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
 from asperity.errors import InputError
 from asperity.figures.style import Drawing
@@ -66,12 +67,23 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     return files
 
 
+def write_each(draws: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[Format]) -> None:
+    """Draw figures, and write them under their names; one that fails is left out with a remark."""
+    for name, draw in draws.items() if formats else ():
+        with showing(f"the figure {name!r}"):
+            write(draw(), folder / name, formats)
+
+
 def write_one(figure: Figure, file: Path) -> None:
     """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
     if file.suffix == ".csv":
         file.write_text(table_of(figure), encoding="utf-8")
-    else:
+        return
+    try:
         figure.savefig(file)
+    except BaseException:  # PDF and SVG are written while they are drawn
+        file.unlink(missing_ok=True)
+        raise
 
 
 def table_of(figure: Figure) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
 from asperity.app.cli.output import write_figure
 from asperity.app.cli.report import aligned
+from asperity.base.calls import showing
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity_research.challenge import NAMES, Score, problems, score, score_figure, write
@@ -49,8 +50,9 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
         result_score = score(result, problem)
     blocks = [aligned(rows) for rows in _blocks(result_score)]
     if out is not None:
-        write_figure(score_figure(result_score), out, overwrite=before)
-        blocks.append(f"figure written: {out}")
+        with showing(f"the figure {out}"):
+            write_figure(score_figure(result_score), out, overwrite=before)
+            blocks.append(f"figure written: {out}")
     sys.stdout.write("\n\n".join(blocks) + "\n")
 
 

@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import asperity_research.studies.campaigns as campaigns
+from asperity.base.calls import showing
 from asperity.base.checks import instance
 from asperity.fits import Estimate
 from asperity_research.studies.campaigns import Campaign, Home, Prepared, Solid
@@ -153,7 +154,6 @@ def conclude(
     evidence = Evidence(folder / study.home.inside)
     about = About.of(evidence, prepared, "quick" if quick else "full", command)
     outcome = study.analyse(evidence)
-    write_drawing(folder, "figure", study.draw(outcome.tables))
     for name, table in outcome.tables.items():
         write_table(folder / "data", name, table)
     origin = {
@@ -169,4 +169,6 @@ def conclude(
     write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
     facts: dict[str, Any] = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
     page = write_report(folder, "asperity_research.studies", ["report.md"], outcome.findings, **facts)
+    with showing("the figure"):
+        write_drawing(folder, "figure", study.draw(outcome.tables))
     return Concluded(page, outcome)

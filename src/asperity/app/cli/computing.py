@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import sys
 import time as clock
@@ -15,6 +16,7 @@ import xarray as xr
 
 from asperity.app.cli.options import Results
 from asperity.app.cli.report import Row, aligned
+from asperity.base.calls import remarks_made, showing
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
 from asperity.progress import listener
 from asperity.results import Checkpoint
@@ -31,12 +33,12 @@ def compute_into(
     compute: Callable[..., Any],
     *,
     report: Callable[..., list[Row]],
-    write: Callable[[Any, Path], Sequence[str] | None],
+    write: Callable[[Any, Path], None],
     every: float,
     results: Results,
     replaceable: Standing,
 ) -> None:
-    """Compute, and write the dataset, if there is one, the summary and all else to a folder, or nothing.
+    """Compute, and write everything to a folder, or nothing.
 
     A long computation writes a checkpoint beside the folder every so many seconds. `replaceable` is from
     `check_free`, called before the engine was imported.
@@ -46,22 +48,40 @@ def compute_into(
         if resumed:
             progress.stage(f"resuming from {place}")
         result = compute(progress=progress, checkpoint=Checkpoint(place, every=every))
-        rows = report(result, seconds=clock.perf_counter() - started, resumed=resumed)
+        seconds = clock.perf_counter() - started
         progress.stage("writing the results")
-        with folder_of_results(kind, out, rows, replaceable) as folder:
+
+        def write_all(folder: Path) -> None:
             if isinstance(dataset := getattr(result, "dataset", None), xr.Dataset):
                 write_into(dataset, folder / "history.zarr")
-            rows += [("remark", remark) for remark in write(result, folder) or ()]
+            write(result, folder)
+
+        how = {"seconds": seconds, "resumed": resumed}
+        rows = write_results(kind, out, replaceable, functools.partial(report, result, **how), write_all)
     tell_results(rows, out, results)
 
 
-@contextmanager
-def folder_of_results(kind: str, out: Path, rows: Sequence[Row], replaceable: Standing) -> Iterator[Path]:
-    """The folder to write to, which gets its marker, and its name when all is written."""
+def write_results(
+    kind: str,
+    out: Path,
+    replaceable: Standing,
+    report: Callable[[], list[Row]],
+    write: Callable[[Path], None],
+) -> list[Row]:
+    """Write files, a summary and a marker to a folder that gets its name when all is written.
+
+    Returns the rows of the summary, with remarks that are made meanwhile, as on a figure that fails.
+    """
+    rows: list[Row] = []
     with whole_folder(out, overwrite=replaceable) as folder:
-        yield folder
+        with remarks_made() as remarks:
+            write(folder)
+            with showing("the summary"):
+                rows += report()
+        rows += [("remark", remark) for remark in remarks]
         (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
         mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
+    return rows
 
 
 @contextmanager

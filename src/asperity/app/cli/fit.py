@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -92,11 +93,13 @@ def fit(
         raise
     growth = dataclasses.replace(growth, notes=(*data.remarks, *growth.notes))
     label = quantity or f"{named}  [unit of the table]"
-    figure = fit_figure(growth, quantity=label, unit_time=unit, window=window is not None)
-    written = write_figures(figure, figures)
+    written = []
     if json is not None:
         write_numbers(growth, json, numbers_before, file=str(file), quantity=named, unit_time=unit)
         written.append(f"numbers written: {json}")
+    in_window = window is not None
+    draw = partial(fit_figure, growth, quantity=label, unit_time=unit, window=in_window)
+    written = write_figures(draw, figures) + written
     blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
     sys.stdout.write(
         "\n\n".join([f"read {data.source}", *map(aligned, blocks), "\n".join(written)]).rstrip() + "\n"

@@ -18,6 +18,7 @@ from asperity.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from asperity.app.cli.report import Row
     from asperity.friction import Record
 
 _RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
@@ -94,27 +95,31 @@ def friction(
             raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: mistakes are reported before the engine is imported.
-    from asperity.app.cli.computing import folder_of_results, tell_results
-    from asperity.app.cli.reports.friction import events_report, friction_report
-    from asperity.figures import rate_and_state_figure, write
+    from asperity.app.cli.computing import tell_results, write_results
+    from asperity.app.cli.reports.friction import events_rows, events_table, friction_report
+    from asperity.figures import rate_and_state_figure
+    from asperity.figures.writing import write_each
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
     with in_flags(_FLAGS):
         comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
-    rows, by_event = friction_report(comparison, str(records[0])), None
-    fit = comparison.fits[comparison.preferred]
+    fit, fits = comparison.fits[comparison.preferred], None
     if isinstance(fit, MachineFit) and len(events_of(comparison.record)) > 1:
         k = f"{fit.stiffness:.12g} 1/m" if comparison.record.si else fit.stiffness
         fits = fit_events(comparison.record, law=fit.law, stiffness=k)
-        more, by_event = events_report(fits, comparison.record)
-        rows += more
-    with folder_of_results("fit of friction", out, rows, replaceable) as folder:
+
+    def write_all(folder: Path) -> None:
         for kind in ("toml", "csv"):
             save_parameters(comparison, folder / f"friction.{kind}", law=None if law == "best" else law)
-        if by_event is not None:
-            by_event.to_csv(folder / "events.csv", index=False)
-        write(rate_and_state_figure(comparison), folder / "friction", drawn.formats())
-    tell_results(rows, out, results)
+        if fits is not None:
+            events_table(fits, comparison.record).to_csv(folder / "events.csv", index=False)
+        write_each({"friction": lambda: rate_and_state_figure(comparison)}, folder, drawn.formats())
+
+    def report() -> list[Row]:
+        more = [] if fits is None else events_rows(fits, comparison.record)
+        return [*friction_report(comparison, str(records[0])), *more]
+
+    tell_results(write_results("fit of friction", out, replaceable, report, write_all), out, results)
 
 
 def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:

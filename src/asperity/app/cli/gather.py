@@ -77,6 +77,6 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
         ("", f"{csv}: one row a run, {len(runs)} rows"),
     ]
     if formats and float(dataset["time"].max()) > 0:
-        lines = write_figures(campaign_figure(dataset), {file: before[file] for file in pictures})
+        lines = write_figures(lambda: campaign_figure(dataset), {file: before[file] for file in pictures})
         rows += [("", line) for line in lines]
     sys.stdout.write(f"{aligned(rows)}\n")

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
 from asperity.app.config.reading import to_toml
-from asperity.base.calls import remark, remarks_made
+from asperity.base.calls import remark, showing
 from asperity.base.files import Standing
 from asperity.base.tables import with_unit
 from asperity.figures import (
@@ -21,9 +21,8 @@ from asperity.figures import (
     history_figure,
     patch_figure,
     sliding_figure,
-    write,
 )
-from asperity.figures.writing import write_one
+from asperity.figures.writing import write_each, write_one
 from asperity.results.quantities import RUN, select
 from asperity.results.store import whole_file
 
@@ -36,24 +35,27 @@ _MOST_MAPS = 24
 """Maps that one figure shows."""
 
 
-def write_run(outcome: Outcome, folder: Path) -> list[str]:
-    """Write all of a run but history and summary to a folder; return remarks on the figures."""
+def write_run(outcome: Outcome, folder: Path) -> None:
+    """Write all of a run but history and summary to a folder."""
     (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
     _write_table(outcome, folder / "aging.csv")
     if "patches" in outcome.dataset:
         _write_patches(outcome.dataset, folder / "patches.csv")
-    with remarks_made() as remarks:
-        if outcome.config.output.figures:
-            _write_figures(outcome, folder)
-    return remarks
+    if outcome.config.output.figures:
+        _write_figures(outcome, folder)
 
 
-def write_figures(figure: Figure, files: Mapping[Path, Standing]) -> list[str]:
+def write_figures(draw: Callable[[], Figure], files: Mapping[Path, Standing]) -> list[str]:
     """Write a figure under the names of `check_figures`; return a line that lists them, if any."""
-    for path, before in files.items():
-        write_figure(figure, path, overwrite=before)
-    *pictures, table = map(str, files) if files else [""]
-    return [f"figure written: {', '.join(pictures)}; its data: {table}"] * bool(files)
+    written = []
+    if files:
+        *pictures, table = map(str, files)
+        with showing(f"the figure {pictures[0]}"):
+            figure = draw()
+            for path, before in files.items():
+                write_figure(figure, path, overwrite=before)
+            written.append(f"figure written: {', '.join(pictures)}; its data: {table}")
+    return written
 
 
 def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
@@ -66,7 +68,6 @@ def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = Tru
 
 
 def _write_figures(outcome: Outcome, folder: Path) -> None:
-    """Draw; a figure that fails gives a remark, and the numbers are written."""
     summary, measured = outcome.summary, outcome.config.output.measured
     drawings: dict[str, Callable[[], Figure]] = {}
     if summary is None:
@@ -75,7 +76,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> None:
         drawings["aging"] = lambda: aging_curve(outcome.dataset, summary, measured)
     if "displacement" in outcome.dataset:
         drawings["sliding"] = lambda: sliding_figure(outcome.dataset)
-    if "normal_stiffness" in outcome.dataset:
+    if "normal_stiffness" in outcome.dataset and outcome.dataset.sizes["time"] > 1:
         drawings["carried"] = lambda: carried_figure(outcome.dataset)
     if maps := outcome.dataset.sizes.get("field_time", 0):
         shown = outcome.dataset
@@ -85,11 +86,7 @@ def _write_figures(outcome: Outcome, folder: Path) -> None:
         drawings["contacts"] = lambda: contact_figure(contact_maps(shown))
     if maps > 1:
         drawings["patches"] = lambda: patch_figure(outcome.dataset)
-    for name, draw in drawings.items():
-        try:
-            write(draw(), folder / name, outcome.config.output.figures)
-        except (ValueError, ArithmeticError, RuntimeError) as error:
-            remark(f"the figure {name!r} could not be drawn: {error}")
+    write_each(drawings, folder, outcome.config.output.figures)
 
 
 def _write_table(outcome: Outcome, path: Path) -> None:

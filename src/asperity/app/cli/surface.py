@@ -47,5 +47,5 @@ def surface(
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.reports.surface import drawn_and_described
 
-    figure, rows = drawn_and_described(settings)
-    sys.stdout.write("\n\n".join([rows, *write_figures(figure, figures)]) + "\n")
+    draw, rows = drawn_and_described(settings)
+    sys.stdout.write("\n\n".join([rows, *write_figures(draw, figures)]) + "\n")

@@ -25,6 +25,7 @@ from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.app.explore.mistakes import without_flags
+from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols import Schedule
@@ -92,17 +93,6 @@ def unpack(message: bytes) -> tuple[Header, Arrays]:
         values = np.frombuffer(message, np.dtype(f"<{entry['dtype']}"), count, start + entry["offset"])
         arrays[entry["name"]] = values.reshape(entry["shape"])
     return header, arrays
-
-
-def finite(value: Any) -> Any:
-    """Replace numbers that are not finite by null, for JSON."""
-    if isinstance(value, Mapping):
-        return {str(key): finite(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(one) for one in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def json_tables(config: RunConfig) -> dict[str, Any]:

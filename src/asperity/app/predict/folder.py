@@ -4,27 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
 from asperity.analysis.prediction import Prediction
 from asperity.ask.run import Output
-from asperity.base.calls import remarks_made
+from asperity.base.calls import remark, remarks_made, showing
 from asperity.base.words import tables_to_toml
-from asperity.figures import write
 from asperity.figures.page import prediction_page, prediction_pictures
+from asperity.figures.writing import write_each
 from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 
 
-def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> list[str]:
-    """Write all but history and summary to a folder, with the command on the page; return more remarks."""
-    with remarks_made() as remarks:
-        pictures = prediction_pictures(prediction, measured=output.measured)
-    prediction = replace(prediction, remarks=(*prediction.remarks, *remarks))
-    page = prediction_page(prediction, pictures, command=command)
-    (folder / "prediction.html").write_text(page, encoding="utf-8")
+def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> None:
+    """Write all but history and summary to a folder, with the command on the page."""
     dataset = prediction.dataset
     names = [*areas_first(select(table=PREDICT)), "effective_load"]
     wide = [column for name in names for column in (name, f"{name}_low", f"{name}_high") if column in dataset]
@@ -40,9 +36,16 @@ def write_files(prediction: Prediction, folder: Path, *, output: Output, command
         pd.DataFrame(rows).to_csv(folder / "resolution.csv", index=False, lineterminator="\n")
     if prediction.fit is not None:
         (folder / "solid.toml").write_text(_solid(prediction, prediction.fit), encoding="utf-8")
-    for name, picture in pictures.items() if output.figures else ():
-        write(picture.figure, folder / name, output.figures)
-    return remarks
+    with remarks_made() as remarks:
+        pictures = prediction_pictures(prediction, measured=output.measured)
+    for text in remarks:  # they are for the summary, too
+        remark(text)
+    draws = {name: partial(getattr, one, "figure") for name, one in pictures.items()}
+    write_each(draws, folder, output.figures)
+    with showing("the page"):
+        prediction = replace(prediction, remarks=(*prediction.remarks, *remarks))
+        page = prediction_page(prediction, pictures, command=command)
+        (folder / "prediction.html").write_text(page, encoding="utf-8")
 
 
 def _solid(prediction: Prediction, fit: Fit) -> str:

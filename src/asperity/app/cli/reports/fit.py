@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 from asperity.base.files import Standing
-from asperity.base.words import uncertain
+from asperity.base.words import finite, uncertain
 from asperity.figures.fit import UNDETERMINED, determined
 from asperity.fits import Comparison, FitResult, GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
@@ -114,7 +114,7 @@ def _comparison(comparison: Comparison) -> list[tuple[str, ...]]:
 def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **origin: str) -> None:
     """Write all numbers and their origin as JSON, with null for infinity."""
     comparison = {} if growth.comparison is None else vars(growth.comparison)
-    numbers = {name: _finite(value) for name, value in comparison.items() if name not in growth.fits}
+    numbers = {name: value for name, value in comparison.items() if name not in growth.fits}
     facts = {
         **origin,
         "points": growth.points,
@@ -125,7 +125,7 @@ def write_numbers(growth: MeasuredGrowth, path: Path, replaceable: Standing, **o
         "comparison": numbers or None,
         "notes": list(growth.notes),
     }
-    text = json.dumps(facts, indent=2, allow_nan=False)
+    text = json.dumps(finite(facts), indent=2, allow_nan=False)
     with whole_file(path, overwrite=replaceable) as part:
         part.write_text(f"{text}\n", encoding="utf-8")
 
@@ -140,12 +140,8 @@ def _numbers(fit: FitResult) -> dict[str, object]:
             facts = (*fit.known(field.name), *fit.interval(field.name))
             scales = {"_per_efold": 1.0, "_per_decade": _PER_DECADE} if field.name in _SLOPES else {"": 1.0}
             for suffix, factor in scales.items():
-                value, stderr, *ends = (_finite(factor * fact) for fact in facts)
+                value, stderr, *ends = (factor * fact for fact in facts)
                 numbers[shown + suffix] = {"value": value, "stderr": stderr, "interval": ends}
         elif field.name.removesuffix("_stderr") not in names:
-            numbers[field.name] = _finite(getattr(fit, field.name))
+            numbers[field.name] = getattr(fit, field.name)
     return numbers
-
-
-def _finite(value: object) -> object:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -87,23 +87,24 @@ def _numbers(fit: RateAndStateFit, length: float) -> list[str]:
     return [uncertain(fit.a, fit.a_stderr), uncertain(fit.b, fit.b_stderr), D_c]
 
 
-def events_report(fits: Mapping[Event, MachineFit | None], record: Record) -> tuple[list[Row], pd.DataFrame]:
-    """Holds and steps fitted one by one: rows of words, and a table."""
+def events_table(fits: Mapping[Event, MachineFit | None], record: Record) -> pd.DataFrame:
+    """Holds and steps fitted one by one."""
+    columns = ({} if fit is None else columns_of(fit.estimates, si=record.si) for fit in fits.values())
+    return pd.DataFrame([event._asdict() | of for event, of in zip(fits, columns, strict=True)])
+
+
+def events_rows(fits: Mapping[Event, MachineFit | None], record: Record) -> list[Row]:
+    """The same in words."""
     (second, length), (time_unit, unit) = record.scales, record.units
     lines: list[tuple[str, ...]] = [("", "event", f"time ({time_unit})", "a", "b", f"D_c ({unit})")]
-    table = []
     for event, fit in fits.items():
         before, after = (speed * second / length for speed in (event.before, event.after))
         speeds = f"{before:.3g} to {after:.3g} {unit}/{time_unit}"
         lasts = f"hold of {(event.end - event.time) / second:.4g} {time_unit}"
         words = lasts if event.kind == "hold" else speeds
-        row: dict[str, object] = event._asdict()
-        if fit is not None:
-            row |= columns_of(fit.estimates, si=record.si)
-        table.append(row)
         numbers = ["not fitted"] if fit is None else _numbers(fit, length)
         lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *numbers))
-    return table_row("events", lines), pd.DataFrame(table)
+    return table_row("events", lines)
 
 
 def _law(laws: StateLaws, law: StateLaw) -> list[Row]:

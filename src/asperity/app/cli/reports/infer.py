@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from asperity.app.cli.report import Row, table_row
+from asperity.base.calls import showing
 from asperity.base.files import Format
-from asperity.base.words import counted, tables_to_toml
-from asperity.figures import inference_page, inference_pictures, write
+from asperity.base.words import counted, tables_to_toml, to_digits
+from asperity.figures import inference_page, inference_pictures
+from asperity.figures.writing import write_each
 from asperity.inference import Inference
 
 
@@ -20,7 +22,7 @@ def inference_report(inference: Inference, source: str) -> list[Row]:
         ("model", inference.model.name),
     ]
     cells = [
-        [str(row[0]), *("-" if math.isnan(value) else f"{value:.3g}" for value in row[1:])]
+        [str(row[0]), *(to_digits(value, 3) for value in row[1:])]
         for row in inference.models.itertuples(index=False)
     ]
     rows += table_row("models", [[*inference.models.columns], *cells])
@@ -36,12 +38,7 @@ def inference_report(inference: Inference, source: str) -> list[Row]:
 def write_inference(
     inference: Inference, folder: Path, formats: Sequence[Format] = ("png",), *, source: str, command: str
 ) -> None:
-    """Write the page, its pictures, tables, posterior samples, and the most likely solid."""
-    pictures = inference_pictures(inference)
-    page = inference_page(inference, pictures, source=source, command=command)
-    (folder / "inference.html").write_text(page, encoding="utf-8")
-    for name, picture in pictures.items():
-        write(picture.figure, folder / name, formats)
+    """Write tables, posterior samples, the most likely solid, the pictures and their page."""
     inference.table.to_csv(folder / "verdicts.csv", index=False, lineterminator="\n")
     priors = tables_to_toml({name: prior.table for name, prior in inference.model.priors.items()})
     (folder / "priors.toml").write_text(priors, encoding="utf-8")
@@ -52,3 +49,8 @@ def write_inference(
             head += f"# Not identified, so left out: {', '.join(inference.unknown)}.\n"
         text = head + tables_to_toml({"solid": inference.solid()})
         (folder / "solid.toml").write_text(text, encoding="utf-8")
+    pictures = inference_pictures(inference)
+    write_each({name: partial(getattr, one, "figure") for name, one in pictures.items()}, folder, formats)
+    with showing("the page"):
+        page = inference_page(inference, pictures, source=source, command=command)
+        (folder / "inference.html").write_text(page, encoding="utf-8")

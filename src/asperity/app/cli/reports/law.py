@@ -14,7 +14,8 @@ from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.tables import with_unit
-from asperity.figures import law_figure, write
+from asperity.figures import law_figure
+from asperity.figures.writing import write_each
 
 
 def law_report(outcome: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:
@@ -55,16 +56,16 @@ def _ends(table: xr.Dataset, name: str) -> str:
 def write_law(
     outcome: Outcome, folder: Path, *, programs: Sequence[Program], age: str | None, millimeters: bool
 ) -> None:
-    """Write the table, its figure, the configuration, and files for other programs."""
+    """Write the table, the configuration, files for other programs, and the figure."""
     dataset = outcome.dataset
     order = ["direction", "time", "pressure", *map(str, dataset.data_vars)]
     names = {name: with_unit(name, dataset[name].attrs.get("units", "1")) for name in order}
     table = dataset.to_dataframe().reset_index()[order].rename(columns=names)
     table.to_csv(folder / "law.csv", index=False, lineterminator="\n")
-    write(law_figure(dataset), folder / "law", outcome.config.output.figures)
     (folder / "config.toml").write_text(to_toml(outcome.config), encoding="utf-8")
     for program in programs:
         for direction in dataset["direction"].values.tolist():
             text = law_for(program, dataset, age=age, direction=direction, millimeters=millimeters)
             prefix = "" if direction == "loading" else f"{direction}_"
             (folder / f"{prefix}{FILES[program]}").write_text(text, encoding="utf-8")
+    write_each({"law": lambda: law_figure(dataset)}, folder, outcome.config.output.figures)

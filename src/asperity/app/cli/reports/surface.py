@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +14,20 @@ from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
 from asperity.app.runs.words import described
 from asperity.ask.surface import MeasuredSurface, SurfaceSection
+from asperity.base.words import to_digits
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
-    """Make or read a surface, draw it and describe it; `AsperityError` if it, or its file, cannot be used."""
+def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure], str]:
+    """Make or read a surface: what draws it, and its description; `AsperityError` if it cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
         facts = [("surface", described(settings)), ("edges", surface.edges)]
-        figure = surface_figure(surface, title=settings.kind.replace("_", " "))
-        return figure, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
+        title = settings.kind.replace("_", " ")
+        draw = partial(surface_figure, surface, title=title)
+        return draw, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
     # The data of the instrument, neither levelled nor mirrored, with undefined pixels filled.
     as_found = {"tilt": "none", "periodic": "wrap", "unit": None, "resample": False, "despike": False}
     as_found["lines"] = "none"
@@ -38,14 +41,15 @@ def drawn_and_described(settings: SurfaceSection) -> tuple[Figure, str]:
     spectrum = power_spectrum(scan) if whole else None
     shape = " × ".join(map(str, _listed(prepared.provenance["original_shape"])))
     note = ", ".join([f"{shape} pixels", *(short for *_, short in done if short)])
-    figure = surface_figure(prepared, title=Path(settings.path).name, note=note, spectrum=spectrum)
+    title = Path(settings.path).name
+    draw = partial(surface_figure, prepared, title=title, note=note, spectrum=spectrum)
     blocks: tuple[list[Any], ...] = (
         _origin(unprepared, prepared),
         _comparison(**{"in the file": unprepared.describe(), "prepared": prepared.describe()}),
         _spectrum(spectrum),
         [(name, text) for name, text, _ in done],
     )
-    return figure, "\n\n".join(map(aligned, blocks))
+    return draw, "\n\n".join(map(aligned, blocks))
 
 
 def _origin(raw: Surface, prepared: Surface) -> list[Row]:
@@ -77,9 +81,9 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
         ("rms height", lambda s: _lengths(s.unit, s.rms_height, digits=5)),
         ("rms slope, by differences", lambda s: f"{s.rms_slope:.4g}{_of(s.slope_unit)}"),
         ("rms curvature", lambda s: f"{s.rms_curvature:.4g}{_of(s.curvature_unit)}"),
-        ("skewness", lambda s: f"{s.skewness:.3g}"),
-        ("kurtosis (Gaussian: 3)", lambda s: f"{s.kurtosis:.3g}"),
-        ("step at the seam / usual step", lambda s: f"{s.seam_ratio:.3g}"),
+        ("skewness", lambda s: to_digits(s.skewness, 3)),
+        ("kurtosis (Gaussian: 3)", lambda s: to_digits(s.kurtosis, 3)),
+        ("step at the seam / usual step", lambda s: to_digits(s.seam_ratio, 3)),
     ]
     return [("", *columns), *((name, *map(text, columns.values())) for name, text in entries)]
 
