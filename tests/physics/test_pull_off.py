@@ -34,20 +34,97 @@ def ball(
     return heights, work, 1.5 * math.pi * work * curvature
 
 
+def punch(radius: float, sides: tuple[float, float] = (1.0, 1.0), off: Any = (0.23, 0.41)) -> Any:
+    """A flat punch of a radius in lengths, on pixels with these sides."""
+    y, x = (
+        (np.arange(count) - (count - 1) / 2 + shift) * side
+        for side, shift in zip(sides, off, strict=True)
+        for count in [2 * math.ceil(radius / side) + 8]
+    )
+    inside = y[:, np.newaxis] ** 2 + x**2 <= radius**2
+    return asp.surfaces.Surface(np.where(inside, 0.0, -1e3), pixel_size=sides, edges="free")
+
+
+def kendall(contact: asp.Contact, work: float) -> float:
+    """F = sqrt(8 pi E* w a^3), K. Kendall, J. Phys. D 4, 1186 (1971); a is the radius of the pixels' area."""
+    area = contact.area * contact.lattice.cell
+    return math.sqrt(8 * math.pi * work * (area / math.pi) ** 1.5)
+
+
 @pytest.mark.parametrize(
-    ("radius", "off"), [(10, (0, 0)), (10, (0.4, 0.1)), (16, (0.23, 0.41)), (16, (0, 0))]
+    ("radius", "sides", "tolerance"),
+    [
+        (3, (1, 1), 0.05),
+        (5.2, (1, 3), 0.06),
+        (10, (1, 1), 0.02),
+        (16, (1, 1), 0.02),
+        (14.2, (1, 2), 0.02),
+        (14.2, (2, 1), 0.02),
+        (17.4, (1, 3), 0.02),
+        (17.4, (3, 1), 0.02),
+    ],
 )
-def test_a_flat_punch_lets_go_as_kendall_says(radius, off):
-    """K. Kendall, J. Phys. D 4, 1186 (1971): F = sqrt(8 pi E* w a^3), with the radius of the pixels' area."""
-    heights = np.where(squares(2 * radius + 8, off) <= radius**2, 0.0, -10.0)
-    contact = asp.press(surface(heights), HALF_SPACE, load=0.1)
-    expected = math.sqrt(8 * math.pi * 1e-3 * (contact.area / math.pi) ** 1.5)
-    pulled = contact.pull_off(1e-3)
-    assert pulled.force == pytest.approx(expected, rel=0.025)
-    # It lets go at once, after the approach of a punch.
-    assert float(pulled.path["force"][1]) == pytest.approx(-pulled.force, rel=0.01)
-    way = float((0.1 - pulled.path["force"][1]) / -pulled.path["approach"][1])
-    assert way == pytest.approx(contact.normal_stiffness, rel=2e-3)
+def test_a_flat_punch_lets_go_as_kendall_says_whatever_it_bore(radius, sides, tolerance):
+    """The contact set is fixed, so that the force of the bodies alone makes the tension at the rim."""
+    for off in ((0.0, 0.0), (0.23, 0.41)):
+        heights = punch(radius, sides, off)
+        expected = kendall(asp.press(heights, HALF_SPACE, load=0.1), 1e-3)
+        pulls = []
+        for ratio in (0.01, 20.0, 100.0):
+            contact = asp.press(heights, HALF_SPACE, load=ratio * expected)
+            pulled = contact.pull_off(1e-3)
+            pulls.append(pulled.force)
+            assert pulled.force == pytest.approx(expected, rel=tolerance)
+            # It lets go at once, after the approach of a punch.
+            onset = float(pulled.path["force"][1])
+            assert onset == pytest.approx(-pulled.force, rel=0.01)
+            way = (contact.load - onset) / -float(pulled.path["approach"][1])
+            assert way == pytest.approx(contact.normal_stiffness, rel=2e-3)
+        np.testing.assert_allclose(pulls, pulls[0], rtol=3e-3)
+
+
+LAYER = {"modulus": 1.0, "poisson": 0.3}
+FILM = asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, base_poisson=0.3)
+
+
+@pytest.mark.parametrize(
+    ("solid", "edges"),
+    [
+        (HALF_SPACE, "periodic"),
+        (HALF_SPACE, "reflecting"),
+        (asp.solids.layer(**LAYER, thickness=4.0), "periodic"),
+        (asp.solids.layer(**LAYER, thickness=20.0, bonded=False), "reflecting"),
+        (
+            asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, base_poisson=0.3),
+            "periodic",
+        ),
+    ],
+)
+def test_pillars_let_go_as_their_compliance_says(solid, edges):
+    """Griffith: F^2 / 2 dC/dA = -w, with the compliance C of pillars of other radii, fitted by a cubic."""
+
+    def pressed(radius: float, load: float) -> asp.Contact:
+        return asp.press(
+            surface(np.where(squares(48, (0.23, 0.41)) <= radius**2, 0.0, -1e4), edges), solid, load=load
+        )
+
+    others = [pressed(radius, 1.0) for radius in range(7, 16)]
+    radii = np.sqrt([contact.area / math.pi for contact in others])
+    cubic = np.polyfit(radii, [1 / contact.normal_stiffness for contact in others], 3)
+    slope = np.polyval(np.polyder(cubic), radii[4]) / (2 * math.pi * radii[4])
+    expected = math.sqrt(-2e-3 / slope)
+    for ratio in (0.01, 20.0):
+        assert pressed(11.0, ratio * expected).pull_off(1e-3).force == pytest.approx(expected, rel=0.02)
+
+
+def test_a_rough_plateau_in_full_contact_lets_go_whatever_it_bore():
+    """Above a rough base that never touches; its top is pressed flat by either load."""
+    rough = np.random.default_rng(3).normal(size=(32, 32))
+    heights = np.where(squares(32, (0.0, 0.0)) <= 100, 1e-3 * rough, rough - 1e4)
+    contacts = [asp.press(surface(heights), HALF_SPACE, load=load) for load in (5.0, 500.0)]
+    assert contacts[0].area == contacts[1].area
+    light, heavy = (contact.pull_off(1e-3).force for contact in contacts)
+    assert heavy == pytest.approx(light, rel=3e-3)
 
 
 @pytest.mark.parametrize(
@@ -94,6 +171,15 @@ def test_an_aged_ball_lets_go_as_its_relaxed_modulus_says(time):
     assert pulled.ratio == pytest.approx(load / pulled.force, rel=1e-12)
 
 
+def test_a_punch_that_ages_lets_go_as_at_first():
+    """Its contact set is fixed, and separation is elastic with E0."""
+    heights = punch(10)
+    expected = kendall(asp.press(heights, AGING, load=1.0), 1e-3)
+    contact = asp.press(heights, AGING, load=20 * expected)
+    history = asp.age(contact, [1.0, 10.0], carried=asp.Carried(work_of_adhesion=1e-3))
+    np.testing.assert_allclose(history.dataset["pull_off"], expected, rtol=0.02)
+
+
 def test_two_far_balls_bear_twice_one_and_edges_mirror():
     """And a quarter of a ball at a reflecting corner bears a quarter."""
     heights, work, _ = ball(4, (0.0, 0.0))
@@ -110,7 +196,7 @@ def test_two_far_balls_bear_twice_one_and_edges_mirror():
     whole = asp.press(surface(heights, "periodic"), HALF_SPACE, load=load).pull_off(work)
     corner = heights[side // 2 :, side // 2 :]
     quarter = asp.press(surface(corner, "reflecting"), HALF_SPACE, load=load / 4).pull_off(work)
-    assert 4 * quarter.force == pytest.approx(whole.force, rel=0.02)
+    assert 4 * quarter.force == pytest.approx(whole.force, rel=2e-3)
 
 
 def test_a_path_is_a_way_apart():

@@ -5,21 +5,23 @@ the bodies move apart by L, forces p hold the surfaces together on the closed si
 
     K p + L = d on C,        p = x_d - L x_1,        K x_d = d and K x_1 = 1 on C,
 
-where d = K p0 for the aged forces p0, so that nothing moves at L = 0. At a smooth rim, midway between sites,
-d is less by half the gap. Closed sites may bear tension. A site opens for good if the front releases at
-least the work of adhesion w per area there. The release is the crack closure integral along the front,
+where d = K p0 for the aged forces p0, so that nothing moves at L = 0. Beyond the aged contact d continues
+linearly from within, for nothing but the closed sites opens: so the forces at a wall depend on the load that
+is left, and not on the load that was borne. Closed sites may bear tension. A site opens for good if the front
+releases at least the work of adhesion w per area there. The release is the crack closure integral along it,
 
     G = sqrt(G_less G_more),        G_less, G_more = mean of t delta / (2 cell) along the front,
 
 where t is the tension of a closed site, and delta its gap once open, at the same L. G_less opens the
 outermost closed layer as a whole, G_more closes the innermost open layer, so the front is midway. Means
-extend over some pixels of the front (`Tuning.smoothing`), so that a row opens as a whole. By the criterion of
-single sites (R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015)) the first site of a row
-needs G = 1.65 w and traps the front. Crack closure: DOI 10.3389/fmech.2021.754782.
+extend over some pixels of the front (`Tuning.smoothing`) and its mirror images, so that a row opens as a
+whole. By the criterion of single sites (R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015))
+the first site of a row needs G = 1.65 w and traps the front. Crack closure: DOI 10.3389/fmech.2021.754782.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -48,7 +50,7 @@ class Tuning:
     """Numbers of the method."""
 
     smoothing: float = 2.5
-    """Standard deviation of the means along the front, pixels."""
+    """Standard deviation of the means along the front, longer sides of a pixel."""
 
     toughness: float = 1.03
     """G / w at which a site opens, from flat punches and balls of 10 to 32 pixels: above 1, as the weakest
@@ -64,9 +66,6 @@ class Tuning:
     solved: float = 3e-3
     """Relative error of the forces of a layer, in the energy norm."""
 
-    smooth: float = 0.25
-    """Gap beside the aged contact, over the step of the heights, above which the rim is a wall."""
-
     apart: float = 1e-3
     """Relative error of an increment of L."""
 
@@ -79,7 +78,6 @@ TUNING = Tuning()
 EXPECTED_ERROR = {2.0: 0.4, 3.0: 0.3, 4.0: 0.17, 6.0: 0.06, 11.0: 0.04, 16.0: 0.03, 32.0: 0.02}
 """Largest error of the force for balls and flat punches, by the radius of the contact in pixels."""
 
-_MODES: dict[str, Any] = {"periodic": "wrap", "reflecting": "reflect", "free": "constant"}
 _CROSS = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)
 Pair = tuple[Field, Field]
 """A field linear in L: its value at 0, and its slope."""
@@ -202,20 +200,19 @@ class _Bond:
 
     def __init__(self, contact: Contact, work: float) -> None:
         self.lattice = lattice = contact.lattice.embedding
-        self.mode, sides = _MODES[contact.lattice.edges], np.array(lattice.spacing) / math.sqrt(lattice.cell)
-        self.sides = sides
-        self.around: Any = lattice.shape * sides if self.mode == "wrap" else None
+        self.sides = np.array(lattice.spacing) / max(lattice.spacing)
+        # Where a body ends, the empty space of the embedding is the layer beyond its rim.
+        self.mode: Any = "reflect" if lattice.reflecting else "wrap"
+        self.around: Any = lattice.shape * self.sides * (1 + lattice.reflecting)
+        self.flips = list(itertools.product({False, lattice.reflecting}, repeat=2))
         stiffness = contact.system().mechanics.implicit_step(0.0).stiffness
         self.compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness > 0)
         self.unit = float(self.compliance.max())
         self.soft: Any = (self.compliance / self.unit).astype(np.float32)
         self.stiff: Any = (stiffness * self.unit).astype(np.float32)
         self.closed = contact.relative[2].copy()
-        self.body = lattice.extended(np.ones(contact.heights.shape, dtype=bool), beyond=False)
         force = lattice.extended(contact.force, beyond=0.0)
-        gap, rough = (lattice.extended(field, beyond=0.0) for field in (contact.gap, contact.heights))
-        drop = ndimage.maximum_filter(rough, footprint=_CROSS, mode=self.mode) - rough
-        self.target = self._moved(force) - np.where(gap < TUNING.smooth * drop, gap / 2, 0.0)
+        self.target = self._continued(self._moved(force))
         self.energy = TUNING.toughness * work * lattice.cell
         self.stiffness = contact.normal_stiffness
         self.step = TUNING.apart * math.sqrt(self.energy * contact.area / self.stiffness)
@@ -226,7 +223,14 @@ class _Bond:
         apart, most = 0.0, 0.0
         states: list[tuple[float, float, int]] = []
         while area := int(np.count_nonzero(self.closed)):
-            layer, released = self._release()
+            layer, released = self._release(apart)
+            if not states:
+                states = [(0.0, self._load(0.0), area)]
+                # Errors grow with the way from where forces are solved, and a loaded punch goes far at once.
+                begin = min(self._reach(released, 0.0, 1), self._load(0.0) / self.stiffness)
+                layer, released = self._release(begin)
+                apart = self._reach(released, begin, 1)
+                states.append((apart, self._load(apart), area))
             count = np.count_nonzero(layer)
             for share in (TUNING.coarse, TUNING.share):
                 last = self._reach(released, apart, max(1, int(share * count / 2)))
@@ -234,9 +238,6 @@ class _Bond:
                 # Near the largest tension steps are fine.
                 if self._load(until) > (-0.5 * most if most else 0.5 * self._load(apart)):
                     break
-            if not states:
-                onset = self._reach(released, 0.0, 1)
-                states = [(0.0, self._load(0.0), area), (onset, self._load(onset), area)]
             self.step, apart = max(self.step / 4, until - apart), last
             states.append((apart, self._load(apart), area))
             most = max(most, -states[-1][1])
@@ -265,56 +266,69 @@ class _Bond:
             low, high = (low, middle) if enough(middle) else (middle, high)
         return high
 
-    def _release(self) -> tuple[Mask, Any]:
-        """The outermost closed layer, and G / w at its sites as a function of L."""
+    def _release(self, apart: float) -> tuple[Mask, Any]:
+        """The outermost closed layer, and G / w at its sites as a function of L, most exact at `apart`."""
         closed = self.closed
         how: Any = {"footprint": _CROSS, "mode": self.mode}
         layer = closed & ~ndimage.minimum_filter(closed, **how)
-        beyond = ndimage.maximum_filter(closed, **how) & ~closed & self.body
+        beyond = ndimage.maximum_filter(closed, **how) & ~closed
         part = TUNING.solved**2 * np.count_nonzero(layer)
         allowed = 2 * part * self.energy, part * self.stiffness / np.count_nonzero(closed)
-        shapes = closed, closed & ~layer, closed | beyond
-        self.forces = [
-            (self._bonded(ours, self.target, shape, allowed[0]), self._bonded(slope, 1.0, shape, allowed[1]))
-            for shape, (ours, slope) in zip(shapes, self.forces, strict=True)
-        ]
+        for number, shape in enumerate((closed, closed & ~layer, closed | beyond)):
+            ours, slope = self.forces[number]
+            slope = self._bonded(slope, 1.0, shape, allowed[1])
+            there = self._bonded(ours - apart * slope, self.target - apart, shape, allowed[0])
+            self.forces[number] = there + apart * slope, slope
         whole, less, more = self.forces
         self.stiffness = float(whole[1].sum())
-        by_less, _ = self._beside(layer, layer, whole, less)
-        by_more, near = self._beside(layer, beyond, more, whole)
+        by_less = self._beside(layer, layer, whole, less)
+        by_more = self._beside(layer, beyond, more, whole)
 
         def released(apart: float) -> Field:
-            ratio: Field = by_less(apart)  # no open layer where the body ends
-            ratio = np.where(near, np.sqrt(ratio * by_more(apart)), ratio)
+            ratio: Field = np.sqrt(by_less(apart) * by_more(apart))
             return np.where(apart * whole[1][layer] > whole[0][layer], ratio, 0.0)  # pressed ones stay
 
         return layer, released
 
-    def _beside(self, layer: Mask, sites: Mask, shut: Pair, free: Pair) -> tuple[Any, Mask]:
-        """Mean of t delta / (2 w cell) near each site of a layer, as a function of L; and where it exists.
+    def _beside(self, layer: Mask, sites: Mask, shut: Pair, free: Pair) -> Any:
+        """Mean of t delta / (2 w cell) near each site of a layer, as a function of L.
 
         It extends over `sites`: t follows from the forces while they are shut, delta while they are free.
         """
         tension = -shut[0][sites], shut[1][sites]
         gap = self._moved(free[0])[sites] - self.target[sites], 1.0 - self._moved(free[1])[sites]
-        places, others = (
-            KDTree(np.argwhere(mask) * self.sides, boxsize=self.around) for mask in (layer, sites)
-        )
-        near = places.sparse_distance_matrix(others, 3 * TUNING.smoothing, output_type="coo_matrix")
+        places, others = np.argwhere(layer), np.argwhere(sites)
+        last = 2 * np.array(layer.shape) - 1
+        images = [np.where(flipped, last - others, others) for flipped in self.flips]
+        one, other = (KDTree(at * self.sides, boxsize=self.around) for at in (places, np.concatenate(images)))
+        near = one.sparse_distance_matrix(other, 3 * TUNING.smoothing, output_type="coo_matrix")
         weight = np.exp(-0.5 * (near.data / TUNING.smoothing) ** 2)
-        mean = scipy.sparse.csr_array((weight, (near.row, near.col)), shape=near.shape)
-        total = np.asarray(mean.sum(axis=1))
-        scale = 2 * self.energy * np.where(total > 0, total, 1.0)
+        shape = len(places), len(others)
+        mean = scipy.sparse.csr_array((weight, (near.row, near.col % len(others))), shape=shape)
+        scale = 2 * self.energy * np.asarray(mean.sum(axis=1), dtype=float)
 
         def released(apart: float) -> Field:
             t, delta = (np.maximum(at_rest + apart * slope, 0.0) for at_rest, slope in (tension, gap))
             return np.asarray(mean @ (t * delta)) / scale
 
-        return released, total > 0
+        return released
 
     def _moved(self, force: Field) -> Field:
         """Displacement by forces, frozen creep."""
         return self.lattice.apply(self.compliance, force)
+
+    def _continued(self, field: Field) -> Field:
+        """A field of the closed sites, continued by lines to the sites that share a side with one."""
+        both = np.array([np.where(self.closed, field, 0.0), self.closed])
+        total = count = np.zeros_like(field)
+        for axis, side in itertools.product((1, 2), (-1, 1)):
+            (first, one), (second, two) = (
+                ndimage.correlate1d(both, np.eye(5)[2 + away * side], axis=axis, mode=self.mode)
+                for away in (1, 2)
+            )
+            total = total + one * first + one * two * (first - second)
+            count = count + one
+        return np.where(self.closed, field, total / np.maximum(count, 1.0))
 
     def _bonded(self, force: Field, target: Field | float, shape: Mask, allowed: float) -> Field:
         """Forces on a set of sites that displace them to a target, by conjugate gradients from `force`.
