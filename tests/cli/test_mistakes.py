@@ -10,6 +10,7 @@ import subprocess
 import sys
 from inspect import signature
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ import pytest
 import asperity.app.cli.app as command_line
 from asperity import __version__, friction
 from asperity.app.cli.command import app
+from asperity.app.cli.terminal import complain
 from asperity.base.files import MARKER, kind_of, mark
 from asperity.surfaces import gaussian, spectral
 from tests.refusals import matches, refusal
@@ -103,10 +105,16 @@ def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
     monkeypatch.chdir(desk)
     for late in ("asperity.simulate.follow", "asperity.app.campaign.sweeping.compile_loops"):
         monkeypatch.setattr(late, lambda *_, **__: pytest.fail("told after something was computed"))
-    errors = []
-    say = command_line.complain
-    monkeypatch.setattr(command_line, "complain", lambda *of: (errors.append(sys.exception()), say(*of))[1])
-    own = [*signature(app[command.split()[0]].default_command).parameters] if command else []
+    errors: list[Any] = []
+    say = complain
+
+    def heard(*of):
+        errors.append(sys.exception())
+        return say(*of)
+
+    monkeypatch.setattr(command_line, "complain", heard)
+    called: Any = app[command.split()[0]].default_command if command else None
+    own = [*signature(called).parameters] if command else []
     for ending in MISTAKES[command]:
         mistaken(*shlex.split(f"{command} {ending}"))
     known, found = [*MISTAKES[command].values()], [refusal(error, own) for error in errors]

@@ -9,8 +9,9 @@ import os
 import tomllib
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
-import llvmlite.binding
+import llvmlite.binding  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 
@@ -23,7 +24,7 @@ from asperity.progress import Progress
 HERE = Path(__file__).parent
 QUESTIONS = tomllib.loads((HERE / "questions.toml").read_text("utf-8"))
 ANSWERS = HERE / "answers.json"
-VERBS = {"run": execute, "predict": predict_config, "law": law_of_config}
+VERBS: dict[str, Any] = {"run": execute, "predict": predict_config, "law": law_of_config}
 ELSEWHERE = 1e-5
 """Relative difference between processors: last bits pass through time steps and solvers of a tolerance.
 With the instructions of x86-64 alone in place of AVX-512 it is at most 2.4e-6, mostly below 1e-6."""

@@ -83,7 +83,7 @@ def test_a_flat_punch_lets_go_as_kendall_says_whatever_it_bore(radius, sides, to
         np.testing.assert_allclose(pulls, pulls[0], rtol=3e-3)
 
 
-LAYER = {"modulus": 1.0, "poisson": 0.3}
+LAYER: Any = {"modulus": 1.0, "poisson": 0.3}
 FILM = asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, base_poisson=0.3)
 
 

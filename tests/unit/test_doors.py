@@ -136,7 +136,7 @@ def through_doors(section: str, keys: dict[str, Any], folder: Path) -> list[RunC
         laid = given(None, leg=[f"{keys['kind']} {legs}"])
     else:
         kind = flags_for(section, *(["preparation"] if section == "surface" else []))
-        words = {}
+        words: dict[str, Any] = {}
         for name, (_, key) in kind.keys.items():
             if (value := keys.get(key.name)) is None:
                 continue
@@ -261,19 +261,22 @@ def test_units_have_one_spelling() -> None:
         ("nanometer", "nm"),
         ("NM", "nm"),
     ):
-        surface = Surface(np.eye(4), unit=spelling, pixel_size=2.0, length_unit=spelling)
+        surface = Surface(np.eye(4), unit=spelling, pixel_size=2.0, length_unit=spelling)  # type: ignore[arg-type]
         across = {"um": 1e-6, "angstrom": 1e-10, "nm": 1e-9}[unit]
         assert (surface.unit, surface.length_unit) == (unit, unit)
         assert surface.in_meters()[1] == pytest.approx((2 * across, 2 * across))
         assert surface.crop([0, 4, 0, 4], spelling).shape == (2, 2)
         assert surfaces.gaussian((4, 4), unit=spelling).unit == unit
         if unit != "angstrom":  # which no argument of a file may be
-            scan = read(DATA / "scan.txt", file_unit=spelling, pixel_size=1.0, length_unit=spelling)
+            named: Any = {"file_unit": spelling, "length_unit": spelling}
+            scan = read(DATA / "scan.txt", pixel_size=1.0, **named)
             assert (scan.unit, scan.length_unit) == (unit, unit)
 
 
 def test_what_is_no_length_is_refused_at_every_door_with_what_would_be_one(tmp_path: Path) -> None:
     lengths: dict[str, Any] = {"kind": "spectral", "shape": [8, 8]}
+    gaussian: Any = surfaces.gaussian
+    hold: Any = protocols.Hold
     for name, keys in {
         "spacing": {"spacing": "0.2 s", "unit": "um"},
         "rms_height": {"rms_height": "1 Pa", "unit": "nm"},
@@ -285,9 +288,9 @@ def test_what_is_no_length_is_refused_at_every_door_with_what_would_be_one(tmp_p
             through_doors("surface", lengths | keys, tmp_path)
     for call, said in (
         (lambda: surfaces.spectral((8, 8), rms_height="0.2", unit="um"), "1 um"),
-        (lambda: surfaces.gaussian((8, 8), rms="0.2"), "2 um"),
+        (lambda: gaussian((8, 8), rms="0.2"), "2 um"),
         (lambda: solids.Dugdale(work="20", range="1 nm"), "50 mJ/m^2"),
-        (lambda: protocols.Hold("20"), "10 s"),
+        (lambda: hold("20"), "10 s"),
         (lambda: solids.half_space(young="3"), "1 MPa"),
     ):
         with pytest.raises(InputError) as refused:

@@ -52,7 +52,7 @@ RESULTS = {
 
 @functools.cache
 def html(thing: InNotebooks) -> str:
-    return thing._repr_html_()
+    return thing._repr_html_() or ""
 
 
 def texts(thing: InNotebooks) -> list[str]:

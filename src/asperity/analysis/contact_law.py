@@ -324,7 +324,10 @@ def _kept(path: Path | None, mark: str) -> list[Row]:
     try:
         return list(json.loads(path.read_text(encoding="utf-8"))[mark])
     except (OSError, ValueError, TypeError, KeyError):
-        message = {"expected": "a checkpoint of this law", "advice": "another path, or remove the file"}
+        message: dict[str, Any] = {
+            "expected": "a checkpoint of this law",
+            "advice": "another path, or remove the file",
+        }
         raise CheckpointError("checkpoint", got=f"{path}, of something else", **message) from None
 
 

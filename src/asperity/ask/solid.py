@@ -353,7 +353,8 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
     @property
     def material(self) -> Material:
         """The material of a prediction."""
-        if (table := self.of_table) is not None:
+        table: Material | None = self.of_table
+        if table is not None:
             return replace(table, solid=self.build())
         return replace(material(self.build(), draws=self.draws), span=self.known or (0.0, math.inf))
 

@@ -118,7 +118,7 @@ def one_of(advice: str, **values: object) -> str:
     return names[0]
 
 
-def choice(name: str, value: T, choices: Sequence[object]) -> T:
+def choice(name: str, value: object, choices: Sequence[object]) -> Any:
     """One of the choices; `InputError`, with the nearest of them, for anything else."""
     if value in choices:
         return value

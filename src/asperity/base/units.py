@@ -123,7 +123,7 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
     match, wrong = _NUMBER.fullmatch(value), _no_quantity(name, value, unit)
     if match is None:
         raise wrong
-    amount = checks.number(name, float(match[1]), expected=wrong.expected)
+    amount = checks.number(name, float(match[1]), expected=str(wrong.expected))
     if not match[2]:
         return amount
     converted = _converted(amount, match[2], unit)
@@ -131,7 +131,7 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
         converted = _converted(amount / _AVOGADRO, match[2], "J/mol")
     if converted is None:
         raise wrong
-    return checks.number(name, converted, expected=wrong.expected)
+    return checks.number(name, converted, expected=str(wrong.expected))
 
 
 def _no_quantity(name: str, text: str, unit: str) -> InputError:

@@ -67,7 +67,9 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     return files
 
 
-def write_each(draws: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[Format]) -> None:
+def write_each(
+    draws: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[Format] | None
+) -> None:
     """Draw figures, and write them under their names; one that fails is left out with a remark."""
     for name, draw in draws.items() if formats else ():
         with showing(f"the figure {name!r}"):

@@ -91,7 +91,10 @@ class Keeper:
         """
         if not self.path.exists():
             return None
-        wanted = {"expected": "a checkpoint of this run", "advice": "another path, or remove the file"}
+        wanted: dict[str, Any] = {
+            "expected": "a checkpoint of this run",
+            "advice": "another path, or remove the file",
+        }
         try:
             with self.path.open("rb") as file, zipfile.ZipFile(file):
                 file.seek(0)
