@@ -169,11 +169,9 @@ def _remarks(rough: Surface, solid: Solid, seen: Resolved, measures: Statistics 
     when, filled = seen.when, ""
     if seen.on_filled > BORNE:
         filled = (
-            f"{100 * seen.on_filled:.3g} % of the load is on filled pixels, whose heights were not measured: "
+            f"{100 * seen.on_filled:.3g} % of the load is on filled pixels, which were not measured: where "
         )
-        filled += (
-            "where there is no body, set undefined = 'no-body'; else crop the scan, or measure another place"
-        )
+        filled += "there is no body, set undefined = 'no-body'; else crop the scan, or measure another place"
     if measures is None:
         return [filled]
     shape, soft = _is_shape(rough), (solid.modulus or math.inf) < _SOFT
