@@ -45,7 +45,6 @@ _PITTED = -2.0  # skewness below which pits are named; Gaussian heights have 0
 _STEEP = 0.3  # rms slope above which surfaces are not nearly flat: sqrt(1 + 0.3^2) = 1.04
 _WIDE = {"free": 0.9, "reflecting": 0.5, "periodic": 0.5}  # widest contact over its cell, by its edges
 _SOFT = 1e8  # E* of rubbers and gels, which do not yield, Pa
-_TINY = np.finfo(float).tiny
 _WORK, _RANGE = 0.05, 0.5e-9  # of van der Waals forces: usual work of adhesion, J/m^2, and its range, m
 
 
@@ -111,7 +110,7 @@ class Resolved:
             strain=float(pressure[touches].sum()) / area / (solid.modulus or math.inf),
             pressure=float(pressure.sum()) / bodies.sites,
             effective=effective,
-            on_filled=0.0 if filled is None else float(pressure[filled].sum() / max(pressure.sum(), _TINY)),
+            on_filled=0.0 if filled is None else float(pressure[filled].sum() / (pressure.sum() or 1.0)),
         )
 
 
@@ -166,12 +165,12 @@ def remarks_on_contacts(
 
 def _remarks(rough: Surface, solid: Solid, seen: Resolved, measures: Statistics | None) -> list[str]:
     """All remarks on a contact, in one order; "" for one that is not true of it."""
-    when, filled = seen.when, ""
-    if seen.on_filled > BORNE:
-        filled = (
-            f"{100 * seen.on_filled:.3g} % of the load is on filled pixels, which were not measured: where "
-        )
-        filled += "there is no body, set undefined = 'no-body'; else crop the scan, or measure another place"
+    when, borne = (
+        seen.when,
+        f"{100 * seen.on_filled:.3g} % of the load is on filled pixels",
+    )
+    cure = "crop the scan, measure another place, or set undefined = 'no-body' where there is none"
+    filled = f"{borne}: {cure}" if seen.on_filled > BORNE else ""
     if measures is None:
         return [filled]
     shape, soft = _is_shape(rough), (solid.modulus or math.inf) < _SOFT
