@@ -28,6 +28,7 @@ from asperity.contact.controls import Control, Hold, Load, Separation
 from asperity.contact.instantaneous import check_load, first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.pulling import approach, retreat
+from asperity.contact.remarks import remarks_on_bodies, remarks_on_contacts, resolution_of
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import listener
@@ -39,7 +40,6 @@ from asperity.results.history import History
 from asperity.results.pulling import Pull
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.surfaces.doubts import load_on_filled
 
 Several = Sequence[float] | Sequence[str] | NDArray[np.float64]
 """Several loads, pressures or separations."""
@@ -140,20 +140,17 @@ def press(
                     advice="asperity.press(contact, load=...)",
                 )
             return pressed_anew(heights, control, solver)
-        contact = pressed(heights, solid, start=start, solver=solver, **{name: number})
-        if isinstance(heights, Surface):
-            for doubt in load_on_filled(heights.filled, contact.pressure):
-                remark(doubt)
-        modulus = contact.solid.modulus
-        if contact.si and modulus is not None and contact.load > modulus * contact.contact_area:
-            pressure = f"{contact.load / contact.contact_area:.3g} Pa"
-            remark(f"the mean contact pressure, {pressure}, is above E*, {modulus:.3g} Pa")
-        return contact
+        return pressed(heights, solid, start=start, solver=solver, **{name: number})
 
     value: Any = prescribed[name]
-    if isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1:
-        return [at(item) for item in value]
-    return at(value)
+    several = isinstance(value, list | tuple) or getattr(value, "ndim", 0) == 1
+    contacts = [at(item) for item in (value if several else [value])]
+    if isinstance(heights, Surface) and contacts:
+        states = [resolution_of(one, heights, f"under {one.load:.3g}{' N' * one.si}") for one in contacts]
+        found = remarks_on_contacts(heights, contacts[0].solid, states, "contacts")
+        for text in (*remarks_on_bodies(heights, contacts[0].solid), zone_remark(contacts[0]), *found):
+            remark(text)
+    return contacts if several else contacts[0]
 
 
 def pressed(
@@ -263,8 +260,7 @@ def age(
     recorded, kept = recorded[recorded > 0], wanted[wanted > 0]
     stops = np.union1d(recorded, kept)
     schedule = _schedule(contact, protocol, hold, stops)
-    if doubt := zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))):
-        remark(doubt)
+    remark(zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))))
     units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
     if carried is not None:

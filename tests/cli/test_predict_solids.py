@@ -242,7 +242,7 @@ def test_run_and_predict_find_the_same_on_a_scan_and_doubt_the_same(undrawn, asp
     assert "stiffness and resistance are those of 4 mirrored copies" in remark
     for remarks in (ran.remarks, copies.remarks, ours.remarks):
         for doubt in ("heights change", "(Persson's theory)"):
-            assert len([one for one in remarks if doubt in one and "(--lines median)" in one]) == 1
+            assert len([one for one in remarks if doubt in one and "lines = 'median'" in one]) == 1
     # Levelled line by line it is no longer doubted.
     levelled = read_config(write(**{**file, "surface": {**file["surface"], "lines": "median"}}), {})
     assert not [one for one in execute(levelled, Progress()).remarks if "lines" in one]

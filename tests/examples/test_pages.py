@@ -36,6 +36,7 @@ FILES = (".csv", ".html", ".md", ".npy", ".png", ".toml", ".txt", ".zarr")
 TEN_LINES = r"sites in contact: ([\d ]+)"
 
 SMALLER = {
+    r"asperity run .*--times": "--quiet",
     r"asperity run .*(--leg|(history|sliding)\.toml)": "--shape 48 48 --per-decade 1 --quiet",
     r"asperity run .*self_affine": "--size 32 --last 10 --per-decade 2 --quiet",
     r"asperity run problems/": "--quiet",

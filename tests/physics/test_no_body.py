@@ -154,7 +154,7 @@ def test_free_edges_may_be_anywhere_on_the_lattice():
     assert slip.stick.sum() == other.stick.sum()
 
 
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "default::asperity.errors.Remark")
 def test_laws_and_predictions_refer_to_the_body():
     asked: dict[str, Any] = {"pressures": [1e4, 1e5, 1e6], "times": [0.0, 1.0], "carried": CARRIED}
     own, within = (asp.law(MAXWELL, sample(heights), **asked) for heights in (BODY, PADDED))
@@ -241,7 +241,7 @@ def test_load_on_filled_pixels_is_remarked_by_a_law(tmp_path):
         asp.law(MAXWELL, surface, pressures=[1e5, 1e6], times=[0.0])
 
 
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "default::asperity.errors.Remark")
 def test_pictures_leave_out_what_is_no_body(tmp_path):
     history = asp.age(asp.press(sample(PADDED), MAXWELL, pressure="1 MPa"), [1.0, 10.0], fields_at=[0, 10.0])
     for shown in (history.final, history, sample(PADDED)):

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from asperity import History, age, figures, press, relax
+from asperity import History, age, figures, predict, press, relax
 from asperity.analysis import aging_summary, contact_maps, distributions, with_limit
 from asperity.analysis.aging import AgingSummary
 from asperity.analysis.maps import ContactMaps, SiteState
@@ -413,3 +413,13 @@ def test_what_cannot_be_drawn_is_refused(aged: xr.Dataset) -> None:
         *(("dataset", figures.campaign_figure, one) for one in (aged.drop_vars("contact_fraction"), 3)),
         got="none | none | 1 | 0 | none | another | int",
     )
+
+
+@pytest.mark.parametrize("pixel", [0.014, 0.14, 14.0, 40.0])
+def test_areas_of_a_prediction_have_the_unit_of_its_text(pixel):
+    rough = spectral((32, 32), pixel_size=pixel, unit="um", rms_slope=0.1, seed=1)
+    solid = half_space(modulus="2.4 MPa", branches=[(0.3, "1 s")])
+    prediction = predict(solid, rough, pressure="40 kPa", first="0.1 s", last="10 s")
+    text = written(float(prediction.series("contact_area").max()), "m^2").split()[1]
+    label = prediction.plot("area").get_ylabel()
+    assert label.endswith(f"[{text.replace('u', 'µ').replace('^2', '²')}]")

@@ -20,6 +20,7 @@ RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 ROOMS = [
     {"errors"},
     {"base"},
+    {"theory"},
     {"lattice"},
     {"patches", "creep", "adhesion"},
     {"surfaces", "solids", "protocols"},
@@ -30,7 +31,7 @@ ROOMS = [
     {"aging"},
     {"progress", "results"},
     {"simulate"},
-    {"theory", "fits"},
+    {"fits"},
     {"friction"},
     {"inference"},
     {"analysis"},

@@ -8,9 +8,10 @@ from asperity.analysis.legs import LegRow, leg_table
 from asperity.analysis.maps import ContactMaps, SiteState, contact_maps
 from asperity.analysis.observation import Observation, observe
 from asperity.analysis.predicting import predict
-from asperity.analysis.prediction import Growth, Prediction, Resolved
+from asperity.analysis.prediction import Growth, Prediction
 from asperity.analysis.tracks import PatchTracks, contact_ages, patch_table, patch_tracks
 from asperity.base.calls import answered as _answered
+from asperity.contact.remarks import Resolved
 from asperity.patches import Links, Patches, Turnover, clustering, link_patches, patches, turnover
 
 __all__ = [

@@ -33,7 +33,9 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +58,9 @@ from asperity.carried.record import quantities
 from asperity.carried.response import unit_response
 from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
+from asperity.contact.remarks import Resolved, remarks_on_bodies, remarks_on_contacts, resolution_of
 from asperity.errors import CheckpointError, InputError
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
 from asperity.results.dataset import attributes_of_solid
@@ -65,7 +68,6 @@ from asperity.results.store import whole_file
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
-from asperity.surfaces.doubts import load_on_filled
 
 TITLE = "Law of a rough contact"
 
@@ -185,13 +187,15 @@ def law(
             memory = lower_steps == steps.size - 1 and (body.branches or body.yields)
             lower = steps[-2::-1].tolist() if memory else []
             contact = pressed(scan, body, pressure=step)
-            row_of = partial(_row, rough=heights, filled=scan.filled, carried=carried)
-            rows += _held(contact, step, ages, lower, rtol, row_of)
+            row_of = partial(_row, rough=heights, carried=carried)
+            rows += _held(contact, scan, step, ages, lower, rtol, row_of)
             if path is not None:
                 with whole_file(path) as part:
                     part.write_text(json.dumps({mark: rows}), encoding="utf-8")
-    for doubt in rows[0]["on_filled"]:
-        remark(doubt)
+    rows.sort(key=itemgetter("pressure", "time"))
+    held = [Resolved(**row["seen"]) for row in rows if row["direction"] == "loading"]
+    for text in (*remarks_on_bodies(scan, body), *remarks_on_contacts(scan, body, held, "rows")):
+        remark(text)
     return _dataset(rows, heights).assign_attrs(
         title=TITLE,
         asperity_version=__version__,
@@ -222,6 +226,7 @@ def _pressures(values: Any, per_decade: int) -> Field:
 
 def _held(
     contact: Contact,
+    scan: Surface,
     pressure: float,
     ages: Field,
     lower: list[float],
@@ -237,8 +242,9 @@ def _held(
         if contact.contact_fraction == 1:
             got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
             raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
-        state = {"direction": "loading", "time": time, "pressure": pressure}
-        rows.append(state | row_of(contact))
+        state: Row = {"direction": "loading", "time": time, "pressure": pressure}
+        when = f"under {written(pressure, 'Pa')} after {written(time, 's')}"
+        rows.append(state | {"seen": asdict(resolution_of(contact, scan, when, time))} | row_of(contact))
         state["direction"] = "unloading"
         rows.extend([rows[-1] | state] * bool(lower))
         for less in lower:
@@ -251,14 +257,13 @@ def _held(
     return rows
 
 
-def _row(contact: Contact, rough: Field, filled: Mask | None, carried: Carried | None) -> Row:
+def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
     """The numbers of one contact, and sums over its tiles for the bands."""
     of_body, of_mean, force = unit_response(contact)
     gap, area, body = contact.gap, contact.nominal_area, np.isfinite(rough)
     row: Row = {
         "approach": float((rough.max() - contact.heights[body] - gap[body]).mean()),
         "stiffness": 1 / (of_mean * area),
-        "on_filled": load_on_filled(filled, contact.pressure),
     }
     if carried is not None:
         # The law has the stiffness of the mean of the surface, `carried` that of the body.

@@ -1,127 +1,41 @@
-"""Remarks on implausible contacts of continua, and on their limits."""
+"""Remarks on histories and predictions of continua, and on their limits."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.maps import loaded, on_the_surface
-from asperity.analysis.prediction import Prediction, Resolved, resolved
+from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.base.words import counted
+from asperity.contact.remarks import Resolved, remarks_on_contacts
 from asperity.lattice import Field
-from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-from asperity.surfaces.doubts import load_on_filled
-from asperity.theory import persson_area
-
-# Contact area over Persson's above which a remark is made. Random surfaces have 0.7 to 2.5, most with patches
-# of single pixels; offsets of lines of twice the rms height have 3 and more.
-_BEYOND = 3.0
 
 _WAVES, _NOISE = 1e-3, 0.05
 """Largest misfits of a table, in waves or as noise, without a remark."""
 
 _STILL = 1e-9  # part of the largest load by which one that stays may fall by rounding
+_RUBBED = 0.01, 3.0  # coefficients of friction of dry solids, from graphite to rubber on glass
 
 
-def remarks_on_contact(
-    rough: Surface, solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None = None
-) -> tuple[str, ...]:
-    """Remarks on a history, in numbers; `maps` are those of `resolved`, if known."""
-    on_filled: tuple[str, ...] = ()
-    if rough.filled is not None and "field_time" in dataset.dims:
-        forces = on_the_surface(dataset)["pressure" if "pressure" in dataset else "force"]
-        on_filled = load_on_filled(rough.filled, np.asarray(forces))
-    in_lengths = solid.in_lengths and rough.has_lengths and rough.heights.ndim == 2
-    limits = _limits(solid, dataset, maps) if in_lengths else ()
-    return (*on_filled, *_beyond_theory(rough, solid, dataset), *limits)
-
-
-def _beyond_theory(rough: Surface, solid: Solid, dataset: xr.Dataset) -> Iterator[str]:
-    """Remark on a contact many times that of random heights, once the largest load is on."""
-    load, at = np.asarray(dataset["load"]), _loaded(dataset["load"])
-    elastic = solid.half_space and solid.separable and not solid.yields
-    measured = "kind" not in rough.provenance and rough.heights.ndim == 2 and dataset.attrs.get("si")
-    if not (elastic and measured and load[at] > 0 and (slope := rough.describe().rms_slope) > 0):
-        return
-    _, spacing = rough.in_meters()
-    nominal, series = dataset.attrs["sites"] * math.prod(spacing), relaxing_of(solid)
-    effective = series.effective_load(np.asarray(dataset["time"])[: at + 1], load[: at + 1])[-1]
-    expected = float(persson_area(effective / nominal, modulus=series.modulus, slope=slope))
-    fraction = float(dataset["contact_area_corrected"][at]) / nominal
-    if fraction <= _BEYOND * expected:
-        return
-    yield (
-        f"{100 * fraction:.2g} % of the surface touches under the full load; random heights of its rms slope "
-        f"would have {100 * expected:.2g} % (Persson's theory): a bow, offsets of lines or spikes bear it; "
-        "try tilt = 'quadratic' (--tilt quadratic), lines = 'median' (--lines median), despike (--despike)"
-    )
-
-
-def _loaded(load: xr.DataArray) -> int:
-    """Number of the first time at which the largest load is on."""
-    return int(np.argmax(load.values >= (1 - _STILL) * load.values.max()))
-
-
-def _limits(solid: Solid, dataset: xr.Dataset, maps: tuple[Resolved, ...] | None) -> Iterator[str]:
-    """Remarks on the limits of a contact of a continuum under a surface with units."""
-    load, fraction = (np.asarray(dataset[name]) for name in ("load", "contact_fraction"))
-    pressed = _loaded(dataset["load"])
-    pressure = float(dataset["mean_contact_pressure"][pressed])
-    strain = pressure / float(dataset.attrs["modulus"])
-    if maps is None:
-        maps = resolved(dataset) if "in_contact" in dataset else ()
-    if maps:
-        stays = load[-1] >= (1 - _STILL) * load.max()  # else patches are lost
-        at = loaded(dataset)
-        when = "when the load is on" if at else "at first"
-        yield from _on_patches(maps[at], maps[-1], when, may_merge=stays and fraction[-1] <= 0.5)
-    if strain > 0.05 and not solid.yields:
-        share = f"{100 * strain:.2g} % of E*" if strain < 1 else f"{strain:.3g} times E*"
-        when = "at the largest load" if pressed else "at first"
-        yield (
-            f"the mean contact pressure is {written(pressure, 'Pa')} {when}, {share}: "
-            "real asperities would yield, and these do not; set a hardness"
-        )
-    if (most := float(fraction.max())) > 0.5:
-        yield (
-            f"{100 * most:.0f} % of the surface touches {'at last' if fraction[-1] == most else 'at most'}: "
-            "on a larger surface longer waves would keep the bodies further apart"
-        )
-
-
-def _on_patches(first: Resolved, last: Resolved, when: str, *, may_merge: bool) -> Iterator[str]:
-    """Remarks on the resolution of the first loaded map, and on merging patches."""
-    if first.in_small > 0.2:
-        yield (
-            f"{100 * first.in_small:.0f} % of the area {when} lies in patches of fewer than 10 pixels: "
-            "the scan does not resolve them, and a finer one would change the area"
-        )
-    if first.rim > 0.2:
-        part = f"{100 * first.rim:.0f} % of the counted area {when}"
-        yield f"the correction of the rim removes {part}: patches are few pixels wide"
-    if 0 < first.patches < 30:
-        many = counted(first.patches, "patch", "patches")
-        yield f"{many} {when}: too few for the statistics of a surface"
-    if may_merge and last.patches < first.patches / 2:
-        yield f"patches merge: {first.patches} {when}, {last.patches} at last"
-
-
-def remarks_on_edges(rough: Surface) -> tuple[str, ...]:
-    """Remark on the edges of a scan."""
-    if "periodic_rule" not in rough.provenance or rough.edges == "periodic":
-        return ()
-    if rough.edges == "free":
-        return ("edges are free: the body ends with the scan, and does not tilt",)
-    return (
-        "edges reflect, as for a part of a larger surface; if the body ends with the scan, set "
-        "edges = 'free' (--edges free)",
-    )
+def remarks_on_history(
+    rough: Surface, solid: Solid, dataset: xr.Dataset, contacts: Sequence[Resolved]
+) -> Iterator[str]:
+    """Remarks on a history, in numbers, and on contacts of it under the largest load."""
+    most = max(one.pressure for one in contacts)
+    under_it = [one for one in contacts if one.pressure >= most - _STILL * abs(most)]
+    yield from remarks_on_contacts(rough, solid, under_it)
+    first, last = under_it[0], under_it[-1]
+    if last is contacts[-1] and last.fraction <= 0.5 and last.patches < first.patches / 2:
+        yield f"patches merge: {first.patches} {first.when}, {last.patches} {last.when}"
+    at = int(np.argmax(dataset["load"].values >= (1 - _STILL) * dataset["load"].values.max()))
+    if "friction" in dataset and not _RUBBED[0] <= (mu := float(dataset["friction"][at])) <= _RUBBED[1]:
+        usual = "dry solids have {} to {}".format(*_RUBBED)
+        yield f"the coefficient of friction is {mu:.3g}; {usual}: check the shear strength"
 
 
 def remark_on_loading(times: Sequence[float] | Field, end: float, when: str) -> tuple[str, ...]:

@@ -16,12 +16,13 @@ from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
-from asperity.analysis.plausible import remarks_on_contact, remarks_on_edges, remarks_on_prediction
+from asperity.analysis.plausible import remarks_on_history, remarks_on_prediction
 from asperity.analysis.prediction import Band, Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.machine import require
 from asperity.carried import Carried
+from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
 from asperity.friction import add_friction
 from asperity.lattice import Field
@@ -243,13 +244,13 @@ def predicted(
         dataset,
         material,
         None if legs else growth_of(dataset, of_scan, of_solid),
-        resolved(dataset),
+        resolved(dataset, solid, scan.filled),
         shear_strength=strength,
         observed=tuple(observe(fields, **instrument) for fields in looked_at),
         bands=bands,
     )
-    on_contact = remarks_on_contact(scan, solid, dataset, prediction.resolved)
-    remarks = *scan.remarks, *remarks_on_edges(scan), *on_contact, *remarks_on_prediction(prediction)
+    on_contact = remarks_on_history(scan, solid, dataset, prediction.resolved)
+    remarks = *remarks_on_bodies(scan, solid), *on_contact, *remarks_on_prediction(prediction)
     return replace(prediction, remarks=remarks)
 
 

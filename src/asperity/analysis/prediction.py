@@ -5,6 +5,7 @@ Growth is A(last)/A(first); per decade it is the least-squares slope of A(t)/A(f
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Callable, Mapping
@@ -15,25 +16,25 @@ import numpy as np
 import xarray as xr
 
 from asperity.analysis.bands import Interval, OfScan, banded, interval, rows_of_maps
+from asperity.analysis.field_values import lattice_of
 from asperity.analysis.legs import protocol_of
+from asperity.analysis.maps import on_the_surface
 from asperity.analysis.observation import Observation
 from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
 from asperity.base.words import band_ends, counted
+from asperity.contact.bodies import Bodies
+from asperity.contact.remarks import Resolved
 from asperity.creep import Eyring
 from asperity.errors import InputError
-from asperity.lattice import Field
-from asperity.patches import patches
+from asperity.lattice import Field, Mask
 from asperity.relaxation import Fit, Material, PronySeries
 from asperity.relaxation.materials import relaxing_of
 from asperity.solids import PARAMETERS_OF_LAWS, Solid
 from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
 from asperity.theory import flowing_area, persson_area
-
-_FEW = 10
-"""Pixels of a patch below which its shape is not resolved."""
 
 _FLOWING, _FULL = 3.0, 0.5
 """Contact pressure over s0 above which contacts flow, and largest contact fraction of separate contacts."""
@@ -74,28 +75,6 @@ class Growth:
         """Smallest and largest growth of a decade; an incomplete one counts from half a decade on."""
         slopes = [slope for begin, end, slope in self.decades if end > 3 * begin]
         return min(slopes), max(slopes)
-
-
-@dataclass(frozen=True)
-class Resolved:
-    """How well the pixels of a scan resolve a contact.
-
-    Attributes
-    ----------
-    patches
-        Patches of contact.
-    mean
-        Pixels of a patch on average.
-    in_small
-        Part of the area that lies in patches of fewer than ten pixels.
-    rim
-        Part of the counted area that the rim correction removes.
-    """
-
-    patches: int
-    mean: float
-    in_small: float
-    rim: float
 
 
 @dataclass(frozen=True)
@@ -369,23 +348,20 @@ def growth_of(dataset: xr.Dataset, scan: OfScan, solid: Mapping[str, Floats]) ->
     )
 
 
-def resolved(dataset: xr.Dataset) -> tuple[Resolved, ...]:
-    """Resolution at the times of the maps."""
-    rows = []
-    for number, row in enumerate(rows_of_maps(dataset)):
-        fields = dataset.isel(field_time=number, time=row)
-        touching = np.asarray(fields["in_contact"], dtype=bool)
-        of_map = patches(touching, edges=dataset.attrs["edges"])
-        counted, corrected = (float(fields[name]) for name in ("contact_area", "contact_area_corrected"))
-        rows.append(
-            Resolved(
-                patches=of_map.count,
-                mean=of_map.mean_size,
-                in_small=float(of_map.sizes[of_map.sizes < _FEW].sum() / max(touching.sum(), 1)),
-                rim=1 - corrected / counted if counted else 0.0,
-            )
-        )
-    return tuple(rows)
+def resolved(dataset: xr.Dataset, solid: Solid, filled: Mask | None = None) -> tuple[Resolved, ...]:
+    """The contacts of the maps; empty without maps or units."""
+    if not dataset.attrs["si"] or "in_contact" not in dataset:
+        return ()
+    placed, lattice, si = on_the_surface(dataset), lattice_of(dataset), True
+    bodies = Bodies(dataset["heights"].values, lattice, solid, {}, si)
+    times, pressures = dataset["time"].values, dataset["load"].values / bodies.nominal_area
+
+    def at(number: int, row: int) -> Resolved:
+        touching, pressure = (placed[name].values[number] for name in ("in_contact", "pressure"))
+        loads, when = (times[: row + 1], pressures[: row + 1]), f"at {written(float(times[row]), 's')}"
+        return Resolved.of(bodies, touching.astype(bool), pressure, when, filled, *loads)
+
+    return tuple(itertools.starmap(at, enumerate(rows_of_maps(dataset))))
 
 
 def _said(quantity: str, value: float) -> str:

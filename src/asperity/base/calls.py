@@ -53,7 +53,9 @@ def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
 
 
 def remark(text: str) -> None:
-    """Issue a `Remark` at the line that called this package."""
+    """Issue a `Remark` at the line that called this package, unless it is empty."""
+    if not text:
+        return
     frame: FrameType | None = sys._getframe()
     level = outermost = 1
     while frame:  # of the compiler there may be some between ours

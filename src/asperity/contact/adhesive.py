@@ -27,6 +27,9 @@ class Tuning:
     fewest_pixels: int = 6
     """Least number of pixels in the zone of a front; with fewer the lattice pins fronts."""
 
+    fine_pixels: int = 20
+    """Number of pixels in the zone below which a remark is made: n pixels act like an error of 1/n of w."""
+
     rough: float = 1e-3
     """Residual of contacts before the attraction has settled."""
 
@@ -75,37 +78,36 @@ class Adhesive:
 
 def check_zone(bodies: Bodies) -> None:
     """Refuse pixels that do not resolve the zone of a front, by the instantaneous modulus."""
-    if (pixels := _pixels(bodies, 0.0)) is not None:
-        most, got = pixels
+    fewest, pixel = TUNING.fewest_pixels, max(bodies.lattice.spacing)
+    if (pixels := _pixels(bodies, 0.0)) < fewest:
+        most, got = (f"{size:.3g}{' m' * bodies.si}" for size in (pixel * pixels / fewest, pixel))
         raise InputError(
             "adhesion",
-            expected=f"pixels of at most {most}: {TUNING.fewest_pixels} in a zone of pi E* w/(4 s0^2)",
+            expected=f"pixels of at most {most}: {fewest} in a zone of pi E* w/(4 s0^2)",
             got=got,
             advice="a longer range; or no adhesion of the solid, but a pull-off force of the contact: "
             "contact.pull_off(work=...), --work-of-adhesion",
         )
 
 
-def zone_remark(bodies: Bodies, time: float) -> str:
-    """A remark if the lattice no longer resolves the zone after the modulus has relaxed for a time.
+def zone_remark(bodies: Bodies, time: float = 0.0) -> str:
+    """A remark if pixels disturb the fronts after the modulus has relaxed for a time, or "".
 
     Fronts that creep slowly feel the relaxed modulus.
     """
-    if (pixels := _pixels(bodies, time)) is None:
+    if (pixels := _pixels(bodies, time)) >= TUNING.fine_pixels:
         return ""
-    most, got = pixels
+    when = " at last, as the modulus relaxes" if bodies.solid.relaxing and time else ""
     return (
-        f"as the modulus relaxes, the zone of a front shrinks: only pixels of at most {most} resolve it "
-        f"in the end; those of {got} may pin the front"
+        f"the zone of a front has {pixels:.3g} pixels{when}, which act like a work of adhesion that is wrong "
+        f"by {100 / pixels:.0f} %; {TUNING.fine_pixels} pixels or more are surer"
     )
 
 
-def _pixels(bodies: Bodies, time: float) -> list[str] | None:
-    """The largest pixel that resolves the zone by the modulus after a time, and the pixel if it is larger."""
+def _pixels(bodies: Bodies, time: float) -> float:
+    """Pixels in the zone by the modulus after a time."""
     solid = bodies.solid
     if solid.adhesion is None or solid.modulus is None:
-        return None
+        return math.inf
     relaxed = solid.permanent_share + sum(share * math.exp(-time / tau) for share, tau in solid.relaxing)
-    most = solid.adhesion.zone(solid.modulus * relaxed) / TUNING.fewest_pixels
-    pixel = max(bodies.lattice.spacing)
-    return [f"{size:.3g}{' m' * bodies.si}" for size in (most, pixel)] if most < pixel else None
+    return solid.adhesion.zone(solid.modulus * relaxed) / max(bodies.lattice.spacing)

@@ -242,8 +242,8 @@ def _ends(prediction: Prediction, name: str) -> NDArray[Any]:
 
 def _areas(prediction: Prediction) -> tuple[str, float]:
     """Unit of areas, and the factor to it from m^2."""
-    unit, factor = readable("m", math.sqrt(prediction.nominal_area))
-    return f"{style.spelled(unit)}²", factor**2
+    unit, factor = readable("m^2", float(prediction.series("contact_area").max()))
+    return style.spelled(unit), factor
 
 
 def _pixel(prediction: Prediction, spacing: tuple[float, ...]) -> tuple[list[float], str]:

@@ -22,6 +22,9 @@ from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.making import Length, Lengths, Shape
 from asperity.surfaces.surface import Surface
 
+SHAPES = ("sphere", "paraboloid", "punch", "array")
+"""Kinds of surfaces that are shapes, without statistics."""
+
 _RADIUS = Quantity(
     "radius of the ball",
     "m",

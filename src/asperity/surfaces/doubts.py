@@ -1,4 +1,4 @@
-"""Remarks on what is implausible in a measured surface, each with the flag that cures it."""
+"""Remarks on what is implausible in a measured surface, each with the argument that cures it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.lattice import Field, Mask
+from asperity.lattice import Field
 from asperity.surfaces.levelling import SPIKE
 from asperity.surfaces.moments import Statistics
 
@@ -20,7 +20,7 @@ one of 300 square parts of self-affine surfaces without roll-off (H = 0.8), in n
 _BOW = 0.9  # share of the variance in a bow above which it alone is remarked: in none of these 600 parts
 _UNEVEN = 1.5  # ratio of steps across rows to steps along them, above which it is remarked
 _REPEATED = 10  # a height that is so many times as frequent as any other may mark undefined pixels
-_BORNE = 0.01  # share of filled pixels, or of the load on them, above which it is remarked
+BORNE = 0.01  # share of filled pixels, or of the load on them, above which it is remarked
 
 
 def repeated(heights: Field) -> dict[str, float]:
@@ -46,13 +46,13 @@ def remarks(
         void = f"{facts['repeated_height']:.10g}"
         yield (
             f"{count} pixels have the height {void}, which is far from all others or too frequent: "
-            f"if it marks undefined pixels, try undefined_value = {void} (--undefined-value {void})"
+            f"if it marks undefined pixels, try undefined_value = {void}"
         )
     share = facts.get("undefined_fraction", 0.0)
-    if share > _BORNE and facts.get("undefined_rule") == "fill":
+    if share > BORNE and facts.get("undefined_rule") == "fill":
         yield (
             f"{100 * share:.3g} % of the pixels are undefined and were filled; "
-            "where there is no body, try undefined = 'no-body' (--undefined no-body)"
+            "where there is no body, try undefined = 'no-body'"
         )
     odd, slope = [], measures.rms_slope
     side = max((n * pixel for n, pixel in zip(measures.shape, size or (), strict=False)), default=0.0)
@@ -62,48 +62,30 @@ def remarks(
     if side > _FIELD:
         odd.append(f"a side of {side:.3g} m")
     if odd:
-        yield (
-            f"{' and '.join(odd)}: unusual, check the units; "
-            "try file_unit (--file-unit), or pixel_size and length_unit (--pixel-size, --length-unit)"
-        )
+        yield (f"{' and '.join(odd)}: unusual, check the units; try file_unit, or pixel_size and length_unit")
     if count := facts.get("outlying_pixels"):
         yield (
             f"pixels more than {SPIKE:g} robust standard deviations above the median height: "
             f"{count}, up to {facts['outlying_height']:.3g}; spikes would carry the load; "
-            "try despike = true (--despike)"
+            "try despike = true"
         )
     share, outside = facts.get("bow_variance", 0.0), facts.get("highest_at_edges", 0.0)
     if share > _BOWED[0] and outside > _BOWED[1]:
         yield (
             f"the contact would be at the edges: {100 * outside:.0f} % of the highest pixels are in the "
             f"outer tenth, and a polynomial of second order has {100 * share:.0f} % of the variance; "
-            "try tilt = 'quadratic' (--tilt quadratic), longest (--longest), or crop (--crop)"
+            "try tilt = 'quadratic', longest, or crop"
         )
     elif share > _BOW:
         yield (
             f"a polynomial of second order has {100 * share:.0f} % of the variance: "
-            "if that is the bow of a scanner, try tilt = 'quadratic' (--tilt quadratic)"
+            "if that is the bow of a scanner, try tilt = 'quadratic'"
         )
     between, along = measures.neighbor_steps[0], measures.neighbor_steps[-1]
     # Rows that are further apart than columns differ by more.
     if between > _UNEVEN * along * (max(1.0, size[0] / size[-1]) if size else 1.0) > 0:
-        cure = "" if facts.get("lines_rule") == "median" else "; try lines = 'median' (--lines median)"
+        cure = "" if facts.get("lines_rule") == "median" else "; try lines = 'median'"
         yield (
             f"heights change {between / along:.2g} times as much from row to row as along a row: if that is "
             f"noise of the scan's lines, their ridges carry load that asperities would carry{cure}"
         )
-
-
-def load_on_filled(filled: Mask | None, forces: Field) -> tuple[str, ...]:
-    """Remark that filled pixels bear load; forces of one or of several maps."""
-    if filled is None:
-        return ()
-    total = np.maximum(forces.sum(axis=tuple(range(-filled.ndim, 0))), np.finfo(float).tiny)
-    share = float(np.max(forces[..., filled].sum(axis=-1) / total))
-    if share <= _BORNE:
-        return ()
-    return (
-        f"{100 * share:.3g} % of the load is on filled pixels, whose heights were not measured: "
-        "where there is no body, set undefined = 'no-body' (--undefined no-body); else crop the scan to its "
-        "measured part (--crop), or measure another place",
-    )

@@ -13,18 +13,21 @@ import xarray as xr
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.plausible import remark_on_loading, remarks_on_contact, remarks_on_edges
+from asperity.analysis.plausible import remark_on_loading, remarks_on_history
 from asperity.analysis.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
+from asperity.analysis.prediction import resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
 from asperity.ask.run import Contact as ContactSection
 from asperity.ask.surface import SurfaceSection
+from asperity.base.calls import remarks_made
 from asperity.base.machine import require
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import check_half_space
 from asperity.contact.bodies import bodies_of
+from asperity.contact.remarks import remarks_on_bodies, resolution_of
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.fits.measurements import measured_area
 from asperity.friction import add_friction
@@ -97,24 +100,26 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
         observe(contact, **config.output.instrument)  # refuses before hours have passed
     times = recorded_times(config)
     progress.stage("aging", times=times.tolist())
-    history = age(
-        contact,
-        times,
-        protocol=config.protocol or None,
-        hold=config.aging.hold,
-        rtol=config.aging.rtol,
-        fields_at=config.output.maps_at or (),
-        progress=progress.reached,
-        checkpoint=checkpoint,
-        carried=config.carries,
-    )
+    with remarks_made() as made:
+        history = age(
+            contact,
+            times,
+            protocol=config.protocol or None,
+            hold=config.aging.hold,
+            rtol=config.aging.rtol,
+            fields_at=config.output.maps_at or (),
+            progress=progress.reached,
+            checkpoint=checkpoint,
+            carried=config.carries,
+        )
     dataset = _observed(history.dataset, config.output.instrument)
-    remarks += remarks_on_contact(rough, solid, dataset)
-    if (parted := dataset.attrs.get("pulled_off")) is not None:
-        when = written(parted, "s") if contact.si else f"{parted:g}"
-        remarks += (f"the bodies were pulled off each other at t = {when}, where the history ends",)
     if law is not None:
         dataset = add_friction(dataset, law)
+    contacts = resolved(dataset, solid, rough.filled) or (
+        resolution_of(contact, rough, "at first"),
+        resolution_of(history.final, rough, "at last"),
+    )
+    remarks += (*dict.fromkeys(made), *remarks_on_history(rough, solid, dataset, contacts))
     if config.protocol:
         return Outcome(config, dataset.assign_attrs(config=to_toml(config)), None, remarks)
     progress.stage("finding the relaxed state")
@@ -189,12 +194,11 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
     """Complete a configuration by a load, times and times of maps, with absolute paths; and remarks."""
     chosen = config.surface.anywhere()
     assumed = (config.solid.assumed,) if config.solid.assumed else ()
-    remarks = rough.remarks + _odd_numbers(config, solid.modulus, rough) + assumed
+    remarks = (*remarks_on_bodies(rough, solid), *_odd_numbers(config, solid.modulus, rough), *assumed)
     contact = config.contact
     if not contact.table:
         contact, remark = _usual_contact(config, solid, rough)
         remarks += (remark,)
-    remarks += remarks_on_edges(rough)
     if rough.has_lengths and not solid.in_lengths:
         remarks += (
             f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
