@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -33,7 +34,7 @@ FEW, FULL, STEEP, STICK, YIELD, STRAIN = (
     "strains are large",
 )
 PLASTIC = half_space(modulus="3 GPa")
-NM = {"pixel_size": 20.0, "unit": "nm", "seed": 1}
+NM: dict[str, Any] = {"pixel_size": 20.0, "unit": "nm", "seed": 1}
 
 
 def remarks_of(call):
@@ -62,7 +63,7 @@ def test_all_doors_make_the_same_remarks():
     def of(**changed):
         return config_from(tables | changed, {}, None)
 
-    law = {"pressures": ["0.1 MPa", "0.5 MPa"], "per_decade": 1}
+    law: dict[str, Any] = {"pressures": ["0.1 MPa", "0.5 MPa"], "per_decade": 1}
     doors = [
         execute(of(), Progress()).remarks,
         execute(of(output={"maps_at": []}), Progress()).remarks,  # as the page asks for it
@@ -113,7 +114,7 @@ def test_rough_bodies_stick_by_the_balance_of_pastewka_and_robbins():
         (half_space(modulus="2.4 MPa", adhesion=Dugdale(work="50 mJ/m^2", range="20 nm")), set()),
     ):
         assert any_of(remarks_on_bodies(steep, solid), STICK) == expected
-    flat = Surface(np.zeros((8, 8)), unit="um", pixel_size="1 um")
+    flat = Surface(np.zeros((8, 8)), unit="um", pixel_size=(1.0, 1.0), length_unit="um")
     assert any_of(remarks_on_bodies(flat, half_space(modulus="2 MPa")), STICK) == {STICK}
     assert not any_of(remarks_on_bodies(flat, half_space(modulus="0.2 GPa")), STICK)
 
@@ -153,7 +154,8 @@ def test_shapes_are_no_statistics_and_must_fit_in_their_cell():
         "contact": {"load": "60 uN"},
         "aging": {"times": [1.0, 20.0]},
     }
-    for output in ({}, {"maps_at": []}):
+    outputs: tuple[dict[str, Any], ...] = ({}, {"maps_at": []})
+    for output in outputs:
         remarks = execute(config_from(tables | {"output": output}, {}, None), Progress()).remarks
         assert any_of(remarks, FEW, FULL, WIDE) == {WIDE}
         (said,) = (one for one in remarks if WIDE in one)
@@ -182,7 +184,7 @@ ADVICE = {"tilt = 'quadratic'", "lines = 'median'", "despike = true"}
 
 def scanned(heights, **options):
     np.save("scan.npy", heights)
-    units = {"file_unit": "nm", "pixel_size": 20.0, "length_unit": "nm"}
+    units: dict[str, Any] = {"file_unit": "nm", "pixel_size": 20.0, "length_unit": "nm"}
     return asp.surfaces.read("scan.npy", periodic="reflect", **units, **options)
 
 
