@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import model_validator
 
 from asperity.app.config.sections import Section, arguments_of, keys_of_maker, listed, made, sentence, usual
-from asperity.base.files import content_of, expanded
+from asperity.base.files import content_of, expanded, without_links
 from asperity.base.words import has_unit
 from asperity.errors import InputError
 from asperity.surfaces import KINDS, Surface
@@ -80,7 +80,7 @@ class SurfaceSection(Section):
 
     def anywhere(self) -> Self:
         """The same, with an absolute path of its file."""
-        return self if self.file is None else self.model_copy(update={"path": str(self.file.resolve())})
+        return self if self.file is None else self.model_copy(update={"path": str(without_links(self.file))})
 
     @property
     def scan(self) -> Self:
