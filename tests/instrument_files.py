@@ -22,12 +22,14 @@ def text(heights: np.ndarray, header: str = "", separator: str = " ") -> bytes:
     return (header + "\n".join(rows) + "\n").encode()
 
 
-def x3p(heights: np.ndarray, revision: str = "ISO5436 - 2000", date: str = "2026-11-26T13:33:41") -> bytes:
+def x3p(
+    heights: np.ndarray, revision: str = "ISO5436 - 2000", date: str = "2026-11-26T13:33:41", dx: float = 1e-6
+) -> bytes:
     """ISO 25178-72: points 1 um apart, lines 2 um apart, heights in m; lines from the first."""
     ny, nx = heights.shape
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
-        facts = {"revision": revision, "date": date, "nx": nx, "ny": ny, "dx": 1e-6, "dy": 2e-6}
+        facts = {"revision": revision, "date": date, "nx": nx, "ny": ny, "dx": dx, "dy": 2e-6}
         archive.writestr("main.xml", X3P.format(**facts))
         archive.writestr("bindata/data.bin", heights.astype("<f8").tobytes())
     return file.getvalue()

@@ -17,6 +17,7 @@ import pytest
 
 import asperity.app.cli.app as command_line
 from asperity import __version__, friction
+from asperity.app.cli import main
 from asperity.app.cli.command import app
 from asperity.app.cli.terminal import complain
 from asperity.base.files import MARKER, kind_of, mark
@@ -225,3 +226,18 @@ def test_all_that_is_known_to_be_said_belongs_to_a_test():
         if not line.startswith(" "):
             file, name = line.split("::")
             assert f"def {name}(" in (Path(__file__).parents[1] / file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "flag"),
+    [
+        ("fit -- -x.csv --out y", "--out"),
+        ("surface -- -s.npy --despike", "--despike"),
+        ("run -- x.toml --shape 8", "--shape"),
+    ],
+)
+def test_options_behind_two_dashes_are_said_to_stand_there(capsys, words, flag):
+    assert main(words.split()) == 2
+    assert capsys.readouterr().err.startswith(
+        f"asperity: {flag} stands after --; try it before (see asperity "
+    )

@@ -64,11 +64,11 @@ class Server:
         return status, json.loads(answer) if answer[:1] == b"{" else {}
 
     @contextmanager
-    def page(self, *, slow: bool = False, **options: Any) -> Iterator[Page]:
-        """A page that was told what there is; a slow one has not acknowledged that yet."""
+    def page(self, *, at: str = "", slow: bool = False, **options: Any) -> Iterator[Page]:
+        """A page, at a host, that was told what there is; a slow one has not acknowledged that yet."""
         connect = pytest.importorskip("websockets.sync.client", reason="needs websockets").connect
         options = {"origin": self.address, "max_size": None, "compression": None, **options}
-        with connect(f"ws://127.0.0.1:{self.port}/socket", **options) as socket:
+        with connect(f"ws://{at or f'127.0.0.1:{self.port}'}/socket", **options) as socket:
             page = Page(socket)
             page.hello, _ = page.receive(acknowledge=not slow)
             yield page

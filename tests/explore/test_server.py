@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import math
 import os
 import shutil
 import socket
 import time as clock
+import tomllib
 from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 import psutil
@@ -225,29 +228,97 @@ def test_nonsense_ends_a_connection_and_nothing_else(server: Server) -> None:
         assert page.ran(seed(1))[-1][0]["kind"] == "done"
 
 
-def test_a_dropped_file_becomes_a_surface(server: Server, tmp_path: Any) -> None:
-    heights = np.random.default_rng(4).normal(size=(16, 16))
-    np.save(tmp_path / "my scan.npy", heights)
-    content = (tmp_path / "my scan.npy").read_bytes()
-    assert server.upload("my%20scan.npy", content) == (200, {"path": "my scan.npy"})
-    surface = {"kind": "file", "path": "my scan.npy", "periodic": "wrap", "tilt": "none"}
-    config = {"surface": surface, "aging": {"last": 1.0}}
+def text_of(heights: Any) -> bytes:
+    stream = io.BytesIO()
+    np.savetxt(stream, heights)
+    return stream.getvalue()
+
+
+def test_a_dropped_file_becomes_a_surface_that_no_other_of_its_name_replaces(server: Server) -> None:
+    first, second = (np.random.default_rng(4).normal(size=(n, n)) for n in (12, 6))
+    paths = [server.upload("my%20scan.txt", text_of(one))[1]["path"] for one in (first, second)]
+    surface = {"kind": "file", "periodic": "wrap", "tilt": "none"}
+    configs = [{"surface": surface | {"path": one}, "aging": {"last": 1.0}} for one in paths]
+    with server.page() as tab, server.page() as other:
+        for page, config, heights in (
+            (tab, configs[0], first),
+            (other, configs[1], second),
+            (tab, configs[0], first),
+            (tab, configs[1], second),
+        ):
+            shown = only(page.ran(config), "scene")
+            scene, _ = shown
+            assert heights_of(shown) == pytest.approx(heights, abs=1e-4)
+            assert scene["config"]["surface"]["path"] == config["surface"]["path"]  # what a change presses
+            assert 'path = "my scan.txt"' in scene["toml"]
+            assert "asp.surfaces.read('my scan.txt'" in scene["python"]
+            assert scene["title"].startswith("my scan.txt on ")
+        cut = server.upload("my%20scan.txt", b"1 2\n3\n")[1]["path"]
+        (mistake,) = other.ran({"surface": surface | {"path": cut}})[-1][0]["mistakes"]
+    assert mistake["where"] == "surface.path"
+    assert mistake["text"].startswith("my scan.txt: expected ")
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "head"), [("solid", "relaxation", "time_s,E_MPa"), ("output", "measured", "time,area")]
+)
+def test_tables_of_the_same_name_are_two(server: Server, section: str, key: str, head: str) -> None:
+    scan = {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, "spacing": [1e-6], "unit": "m"}
+    config: dict[str, Any] = {"aging": {"first": 1.0, "last": 10.0}, "solid": {}, "output": {}}
+    if section == "solid":
+        config |= {"solid": {"kind": "half_space", "poisson": 0.3}, "surface": scan}
+    rows = [(1, 9), (2, 8), (5, 7), (10, 6), (20, 5), (50, 4)]
+    tables = [head + "".join(f"\n{time},{scale * value}" for time, value in rows) for scale in (1, 3)]
+    paths = [server.upload("t.csv", table.encode())[1]["path"] for table in tables]
+    found = []
     with server.page() as page:
-        shown = only(page.ran(config), "scene")
-        scene, _ = shown
-        assert 'path = "my scan.npy"' in scene["toml"]
-        assert "asp.surfaces.read('my scan.npy'" in scene["python"]
-        assert heights_of(shown) == pytest.approx(heights, abs=1e-4)
-        server.upload("my%20scan.npy", content[:300])  # another file of the same name is another surface
-        (mistake,) = page.ran(config)[-1][0]["mistakes"]
-        assert mistake["where"] == "surface.path"
-        assert mistake["text"].startswith("my scan.npy: expected ")
+        for path in (*paths, paths[0]):
+            messages = page.ran(config | {section: config[section] | {key: path}})
+            assert messages[-1][0]["kind"] == "done", messages[-1]
+            found.append(only(messages, "scene")[0]["config"][section])
+    assert found[0] == found[2] != found[1]
+
+
+def test_a_dropped_file_is_not_that_of_the_folder(results_folder: Path) -> None:
+    from asperity.app.explore.server import Places, read_request
+
+    folder, dropped = results_folder / "a run", results_folder / "deeper"
+    places = Places(folder, dropped)
+    (dropped / "0123").mkdir(exist_ok=True)
+    for home, size in ((folder, 12), (dropped / "0123", 6)):
+        (home / "both.txt").write_bytes(text_of(np.eye(size)))
+    for name, known, size in (("both.txt", "both.txt", 12), ("0123/both.txt", "both.txt", 6)):
+        config, shown = read_request({"surface": {"kind": "file", "path": name}}, places)
+        assert shown == {str(config.surface.file): (name, known)}
+        assert config.surface.build().shape == (size, size)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "10:30.txt",
+        "10.30\u202fAM\xa0.txt",
+        ".hidden",
+        "Icon\r",
+        "\ufffd.txt",
+        "x" * 251 + ".txt",
+        "a%23?.txt",
+    ],
+)
+def test_a_dropped_file_may_have_any_name_of_a_disk(server: Server, name: str) -> None:
+    heights = np.random.default_rng(len(name)).normal(size=(8, 8))
+    status, told = server.upload(quote(name, safe=""), text_of(heights))
+    assert (status, told["path"].partition("/")[2]) == (200, name)
+    surface = {"kind": "file", "path": told["path"], "periodic": "wrap", "tilt": "none"}
+    with server.page() as page:
+        shown = only(page.ran({"surface": surface, "aging": {"last": 1.0}}), "scene")
+    assert heights_of(shown) == pytest.approx(heights, abs=1e-4)
+    assert tomllib.loads(shown[0]["toml"])["surface"]["path"] == name
 
 
 def test_names_of_dropped_files_lead_nowhere_and_are_as_long_as_the_disk_takes(server: Server) -> None:
-    for name in ("..", "a%2Fb", ".hidden", "a%00b", "a%5Cb"):
+    for name in ("..", "a%2Fb", "a%00b", "a%5Cb"):
         assert server.upload(name, b"x")[0] in (400, 404, 405)
-    assert server.upload("x" * 255, b"1 2\n3 4\n")[0] == 200
     status, told = server.upload("x" * 256, b"1 2\n3 4\n")
     assert status == 400
     assert told["mistakes"][0]["text"].endswith("File name too long")
@@ -281,9 +352,16 @@ def test_the_page_may_load_nothing_from_elsewhere_and_other_files_are_not_served
 def test_other_hosts_and_pages_of_others_are_refused(server: Server) -> None:
     from websockets.exceptions import InvalidStatus
 
-    for host in ("evil.example", "127.0.0.1", "127.0.0.1:1", ""):
+    port = server.port
+    for host in (
+        "evil.example",
+        f"evil.example:{port}",
+        f"localhost.evil.example:{port}",
+        f"x@localhost:{port}",
+        "",
+    ):
         assert server.request("GET", "/", Host=host)[0] in (400, 403)
-    for origin in ("http://evil.example", "null", None, "http://127.0.0.1"):
+    for origin in ("http://evil.example", "null", None, "http://127.0.0.1", "http://127.0.0.1:1"):
         with pytest.raises(InvalidStatus) as refused, server.page(origin=origin):
             pass
         assert refused.value.response.status_code == 403
@@ -295,6 +373,23 @@ def test_other_hosts_and_pages_of_others_are_refused(server: Server) -> None:
         with posting(server, "two.npy", lines, 1) as raw:
             raw.sendall(b"a")
             assert raw.recv(100).split()[1] == status
+
+
+@pytest.mark.parametrize("own", ["localhost:9765", "127.0.0.1:1", "localhost", "[::1]:9765"])
+def test_a_page_at_another_port_of_a_tunnel_is_served(server: Server, own: str) -> None:
+    from websockets.exceptions import InvalidStatus
+
+    status, _, headers = server.request("GET", "/", Host=own)
+    assert (status, f"ws://{own};" in headers["Content-Security-Policy"]) == (200, True)
+    for origin, expected in ((f"http://{own}", 200), (server.address, 403), ("http://localhost:2", 403)):
+        status, *_ = server.request("POST", "/files/x", b"1 2\n3 4\n", Host=own, Origin=origin)
+        assert status == expected
+        with (
+            suppress(InvalidStatus) if expected == 403 else nullcontext(),
+            socket.create_connection(("127.0.0.1", server.port), timeout=30) as through,
+            server.page(at=own, origin=origin, sock=through) as page,
+        ):
+            assert (page.hello["kind"], expected) == ("hello", 200)
 
 
 @pytest.mark.slow

@@ -230,6 +230,7 @@ def test_files_of_other_programs_read_back_equal_the_law(law, aged):
     scaled = law_rows(asp.analysis.law_for("calculix", law, millimeters=True))
     assert scaled[0] == pytest.approx(rows[0] * [1e-6, 1e3], rel=1e-8)
     assert scaled[2] == pytest.approx(rows[2] * [1e-3, 1e-6, 1], rel=1e-8)
+    assert max(len(word) for word in re.findall(r"[\d.e+-]+", asp.analysis.law_for("calculix", law))) <= 20
     later = law_rows(asp.analysis.law_for("calculix", aged, age="1 h", direction="unloading"))[0]
     assert later[1:, 1] == pytest.approx(table(aged, "unloading", 1)["approach"].values, rel=1e-9)
     assert 0 < later[0, 1] < later[1, 1]
@@ -239,6 +240,52 @@ def law_rows(text):
     """Rows of numbers below each keyword that has any."""
     parts = re.split(r"^\*.*\n", text, flags=re.MULTILINE)
     return [np.array([numbers(line) for line in part.splitlines()]) for part in parts if part.strip()]
+
+
+def curve_of(text, name):
+    """Abscissas and ordinates of a function for MOOSE."""
+    found = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", text)
+    return tuple(map(numbers, found.groups()))
+
+
+def test_heat_of_a_current_comes_out_in_the_units_of_the_file(law):
+    """0.2 V on 3 mm^2, in SI: Q = g V^2 A, in W; a file in mm has V, mm^2 and mW. K carry heat likewise."""
+    current = law.assign(conductance=7e3 * law["stiffness"] / law["stiffness"].max())
+    current["conductance"].attrs["units"] = "S/m^2"
+    for name in ("conductance", "thermal_conductance"):
+        watts = table(current)[name].values * 0.2 ** (2 if name == "conductance" else 1) * 3e-6
+        for millimeters, area, power in ((False, 3e-6, 1.0), (True, 3.0, 1e3)):
+            text = asp.analysis.law_for("moose", current, millimeters=millimeters)
+            _, written = curve_of(text, f"{name}_of_pressure")
+            heat = written[1:] * 0.2 ** (2 if name == "conductance" else 1) * area
+            assert heat == pytest.approx(watts * power, rel=1e-9)
+    for name in ("stiffness", "tangential_stiffness"):  # pressure over length, whatever the units
+        if name in law:
+            factor = asp.analysis.law_for("moose", law, millimeters=True)
+            assert curve_of(factor, f"{name}_of_pressure")[1][1:] == pytest.approx(table(law)[name] * 1e-9)
+
+
+@pytest.mark.parametrize("millimeters", [False, True])
+def test_tables_of_other_programs_rise(law, millimeters):
+    def beside(share):  # the second pressure, and its approach, a share above the first
+        near = law.isel(pressure=[0, 1]).copy(deep=True)
+        for name in ("pressure", "approach"):
+            values = near[name].values.copy()
+            values[..., 1] = values[..., 0] * (1 + share)
+            near[name] = (near[name].dims, values, near[name].attrs)
+        return near
+
+    moose = asp.analysis.law_for("moose", beside(1e-10), millimeters=millimeters)
+    calculix = law_rows(asp.analysis.law_for("calculix", beside(1e-10), millimeters=millimeters))[0]
+    for x in (*curve_of(moose, "pressure_of_approach"), *calculix.T):
+        assert x[2] / x[1] - 1 == pytest.approx(1e-10, rel=1e-2)
+    for share in (1e-15, 0.0):
+        for program in ("moose", "calculix"):
+            with refuses("pressures", "closer ones"):
+                asp.analysis.law_for(program, beside(share), millimeters=millimeters)
+    folded = law.assign(approach=-law["approach"])
+    with refuses("pressures", "closer ones"):
+        asp.analysis.law_for("moose", folded, millimeters=millimeters)
 
 
 def test_formulas_of_joints_are_found_in_laws_that_are_such(law):

@@ -1,6 +1,7 @@
 """Files of users: nothing that was not there when a command began is ever removed by it."""
 
 import hashlib
+import json
 import os
 import signal
 import subprocess
@@ -12,13 +13,15 @@ import numpy as np
 import pytest
 
 import asperity as asp
+from asperity import results
+from asperity.analysis import contact_law
 from asperity.app.cli import main
 from asperity.app.cli.terminal import make_streams_safe
 from asperity.app.config.reading import config_from, read_config
 from asperity.base import files
 from asperity.base.files import content_of, expanded, standing
 from asperity.base.words import counted
-from asperity.errors import ConfigError, OutputError, TooLargeError, printable
+from asperity.errors import CheckpointError, ConfigError, InputError, OutputError, TooLargeError, printable
 from asperity.results import whole_file, whole_folder
 from tests.campaign.conftest import do_here
 from tests.cli.conftest import SMALL
@@ -210,3 +213,73 @@ def test_thin_spaces_between_thousands_are_printed():
     make_streams_safe()
     assert printable(f"{counted(1910, 'site')}\x1b") == "1\u202f910 sites\\x1b"
     assert "1\u202f910 sites".encode("ascii", "asperity") == b"1 910 sites"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "--shape", "8", "--out", "loop"),
+        ("run", "--shape", "8", "--out", "first", "--overwrite"),
+        ("run", "--shape", "8", "--out", "first/inside"),
+        ("fit", "t.csv", "--out", "loop.png"),
+        ("surface", "s.npy", "--out", "loop.png"),
+        ("sweep", "sweep.toml", "--out", "loop"),
+        ("explore", ".", "--export", "loop.html"),
+    ],
+)
+def test_links_in_a_circle_are_refused(here, capsys, words):
+    for name, target in (("loop", "loop"), ("first", "second"), ("second", "first")):
+        for ending in ("", ".png", ".html"):
+            (here / f"{name}{ending}").symlink_to(f"{target}{ending}")
+    np.savetxt("t.csv", np.c_[np.geomspace(1, 100, 9), np.linspace(1, 2, 9)], delimiter=",")
+    np.save("s.npy", np.eye(8))
+    come("sweep.toml", "surface.shape = [8]\n[sweep]\nseeds = 2\n")
+    assert main(words) == 2
+    assert "expected a path, got links in a circle" in capsys.readouterr().err
+    with pytest.raises(InputError, match="links in a circle"), whole_folder(here / "loop"):
+        pass
+
+
+def test_brackets_without_an_end_are_no_file_of_ours(here, capsys):
+    deep = "[" * 100_000
+    come("solid.toml", f"a = {deep}")
+    (here / "results").mkdir()
+    come("results/asperity.json", deep)
+    come("place", deep)
+    with pytest.raises(InputError, match=r"solid\.toml: expected a TOML file"):
+        asp.relaxation.material("solid.toml")
+    with pytest.raises(InputError, match="which holds no history"):
+        asp.results.load("results")
+    with pytest.raises(CheckpointError):
+        contact_law._kept(here / "place", "mark")
+    for flags in ((), ("--overwrite",)):
+        assert main(["run", "--shape", "8", "--out", "results", *flags]) == 2
+        assert "which contains no asperity.json" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other disks take names in UTF-8 alone")
+@pytest.mark.parametrize(
+    ("name", "figures"),
+    [
+        (b"s\xff", []),
+        ("\u00e4".encode() * 120, []),
+        pytest.param(b"s\xff", ["png"], marks=pytest.mark.slow),
+        pytest.param(b"\xe4" * 120, ["png"], marks=pytest.mark.slow),
+        pytest.param(b"10:30 9\xe2\x80\xafAM\xc2\xa0", ["png"], marks=pytest.mark.slow),
+    ],
+)
+def test_names_of_any_bytes_are_taken(here, name, figures):
+    scan, table, out = (here / os.fsdecode(name + ending) for ending in (b".npy", b".csv", b""))
+    np.save(scan, np.random.default_rng(0).normal(size=(8, 8)))
+    np.savetxt(table, np.c_[np.geomspace(1, 100, 9), np.linspace(1, 2, 9)], delimiter=",")
+    assert main(["run", "--surface", str(scan), "--figures", *(figures or [""]), "--out", str(out)]) == 0
+    for ending in figures:
+        assert main(["fit", str(table), "--out", f"{table}.{ending}"]) == 0
+        assert main(["surface", str(scan), "--out", f"{scan}.{ending}"]) == 0
+    known = read_config(out / "config.toml", {}).surface.file
+    assert known.name == os.fsdecode(name + b".npy").encode(errors="replace").decode()
+    record = json.loads(results.load(out).attrs["surface"])
+    assert record["file"] == printable(scan.name)
+    for path in (files.beside(out, ".partial"), files.beside(table, "")):
+        assert len(os.fsencode(path.name)) <= 250
+        path.touch()

@@ -222,10 +222,8 @@ def test_a_surface_in_meters():
     for surface, has_lengths in (
         (Surface(ROUGH, "1", (1.0, 1.0)), False),
         (Surface(ROUGH, "rms", (1.0, 1.0), "um"), True),
-        (Surface(ROUGH, "V", (1.0, 1.0), "um"), True),
         (Surface(ROUGH, "nm"), True),
         (Surface(ROUGH, "nm", (1.0, 1.0)), True),
-        (Surface(ROUGH, "nm", (1.0, 2.0), "V"), True),
     ):
         assert surface.has_lengths is has_lengths
         with refuses("surface"):
@@ -253,6 +251,15 @@ def test_a_surface_is_checked_when_it_is_made():
         *(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong),
         got="'1 kg' | '1' | 'um' | -1.0 | 'x' | [1.0] | (1.0,)",
     )
+    units: tuple[Any, ...] = ("1 parsec", "2 um", "kg", "V", "um^2", 3)
+    for name in ("unit", "length_unit"):
+        for unit in units:
+            with refuses(name):
+                Surface(ROUGH, **{"pixel_size": 1.0, name: unit})
+    same = {"\u00b5m": "um", "micron": "um", "\u00c5": "angstrom", "nanometer": "nm"}
+    for unit, known in same.items():
+        surface = Surface(ROUGH, unit, 1.0, unit)
+        assert (surface.unit, surface.length_unit) == (known, known)
     mirrored = partial(Surface, edges="mirror")  # type: ignore[arg-type]
     each_refuses(("edges", "'mirror'", mirrored, ROUGH), ("heights", "1", Surface, [1.0, np.nan]))
 

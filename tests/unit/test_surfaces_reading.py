@@ -1,8 +1,12 @@
 """Scans as instruments and their programs write them: read as what they are, or refused."""
 
 import importlib.util
+import math
 import os
 import struct
+import time
+import tracemalloc
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -122,6 +126,50 @@ def test_the_top_line_of_the_picture_is_row_0(name, content, unit, heights):
 
 
 @needs_library
+def test_members_of_an_archive_that_are_not_needed_are_not_read():
+    for revision in ("ISO5436 - 2000", "ISO 5436-2"):
+        write("a.x3p", files.x3p(H, revision=revision))
+        with zipfile.ZipFile("a.x3p", "a", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("more/unrelated.bin", bytes(30_000_000))
+        found("a.x3p")  # what is imported is no part of it
+        tracemalloc.start()
+        np.testing.assert_array_equal(found("a.x3p")[0].heights, H)
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert most < 10_000_000
+
+
+@needs_library
+@pytest.mark.parametrize("side", [-48e-6, 0.0, math.nan])
+def test_sizes_that_are_none_are_left_out_with_a_remark(side):
+    at = f"Width: {7e6 * side:.9g} um\nHeight: 1 um\n"
+    for name, content in (
+        ("a.x3p", files.x3p(H, dx=side)),
+        ("a.txt", files.text(H, at)),
+        ("a.asc", files.text(H, f"ncols 7\nnrows 5\ncellsize {side}\n")),
+    ):
+        surface, record = found(name, content)
+        assert surface.pixel_size is None
+        assert [remark for remark in surface.remarks if "left out the size of the pixels" in remark]
+        assert found(name, pixel_size="2 um")[0].pixel_size == (2.0, 2.0)
+        assert record["size_from"] == ""
+
+
+@pytest.mark.parametrize("separator", [" ", ","])
+def test_wide_lines_are_read_as_quickly_as_others(separator):
+    values = np.random.default_rng(0).normal(size=(100, 100))
+
+    def seconds(shape):
+        write("a.txt", files.text(values.reshape(shape), separator=separator))
+        begun = time.process_time()
+        np.testing.assert_array_equal(found("a.txt")[0].heights, values.reshape(shape))
+        return time.process_time() - begun
+
+    seconds((100, 100))
+    assert min(seconds((2, 5_000)) for _ in range(2)) < 6 * min(seconds((100, 100)) for _ in range(2))
+
+
+@needs_library
 def test_one_scan_that_another_program_wrote_both_ways():
     """Its first ten lines are five times as rough: 4.9741 nm about their plane."""
     top = 1e9 * np.loadtxt(scan("top-rough.txt"))[:10]
@@ -154,12 +202,18 @@ def test_a_value_stands_for_undefined_pixels(void):
     np.save("a.npy", holed.astype("f4"))
     scipy.io.savemat("a.mat", {"h": holed})
     hdf5("a.h5", h=(holed, {"_FillValue": void}))
+    one = np.array([void])  # as netCDF-4 has it
+    hdf5("a.nc", h=(holed, {"_FillValue": one, "scale_factor": one**0, "units": np.array([b"um"], "S2")}))
+    hdf5("b.nc", h=(holed, {"missing_value": one}))
     for name, options in (
         ("a.npy", {"undefined_value": void}),
         ("a.mat", {"undefined_value": void}),
         ("a.h5", {}),
+        ("a.nc", {}),
+        ("b.nc", {}),
     ):
         assert found(name, **options)[1]["undefined_pixels"] == 5
+    assert found("a.nc")[0].unit == "um"
 
 
 def test_nan_may_be_the_value_of_a_header():

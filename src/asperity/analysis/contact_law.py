@@ -328,7 +328,7 @@ def _kept(path: Path | None, mark: str) -> list[Row]:
         return []
     try:
         return list(json.loads(path.read_text(encoding="utf-8"))[mark])
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         message: dict[str, Any] = {
             "expected": "a checkpoint of this law",
             "advice": "another path, or remove the file",

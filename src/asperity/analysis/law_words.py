@@ -23,6 +23,9 @@ FILES: dict[Program, str] = {"calculix": "calculix.inp", "moose": "moose.i"}
 _MOST_ROWS = 200
 """Rows of a table of CalculiX 2.20."""
 
+_APART = 1e-12
+"""Relative distance that 13 digits tell; more need more than the 20 letters of a number in CalculiX."""
+
 _OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
 
 
@@ -48,7 +51,7 @@ def law_for(
     direction
         Rising pressure, or falling from the largest.
     millimeters
-        Write N, mm, s, MPa in place of SI.
+        Write N, mm, s, MPa, and conductances in mW/(mm^2 K) and mS/mm^2, in place of SI.
 
     Returns
     -------
@@ -64,7 +67,8 @@ def law_for(
     checks.choice("program", program, get_args(Program))
     table = _one_age(dataset, age, direction)
     unit = 1e-3 if millimeters else 1.0
-    factors = {"Pa": unit**2, "m": 1 / unit, "Pa/m": unit**3, "W/m^2/K": unit, "S/m^2": unit**2}
+    # Heat of a current is in mW where potentials are in V and currents in mA.
+    factors = {"Pa": unit**2, "m": 1 / unit, "Pa/m": unit**3, "W/m^2/K": unit, "S/m^2": unit}
     columns = {
         name: np.append(0.0, table[name].values * factors[str(table[name].attrs["units"])])
         for name in ("pressure", "approach", *_OF_PRESSURE)
@@ -72,8 +76,10 @@ def law_for(
     }
     if direction == "unloading":
         columns["approach"][0] = columns["approach"][1] - columns["pressure"][1] / columns["stiffness"][1]
+    if any((np.diff(columns[of]) <= _APART * columns[of][1:]).any() for of in ("pressure", "approach")):
+        raise InputError("pressures", expected="rising approaches", got="closer ones", advice="fewer")
     head = f"asperity {dataset.attrs['asperity_version']}: law of a rough contact, {direction}, age "
-    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa, mW' if millimeters else 'SI units'}"
+    head += f"{written(float(table['time']), 's')}, in {'N, mm, s, MPa, mW, V, mA' if millimeters else 'SI'}"
     prefix = "" if direction == "loading" else f"{direction}_"  # an input may include both files
     return (_calculix if program == "calculix" else _moose)(columns, head, prefix)
 
@@ -111,7 +117,7 @@ def _calculix(columns: dict[str, Field], head: str, prefix: str) -> str:
         "** In surface-to-surface contact CalculiX 2.20 passes no pressure by a table.",
         f"*SURFACE INTERACTION, NAME={name}",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR",
-        *(f"{p:.10g}, {a:.10g}" for p, a in zip(pressure, approach, strict=True)),
+        *(f"{p:.13g}, {a:.13g}" for p, a in zip(pressure, approach, strict=True)),
     ]
     if "thermal_conductance" in columns:
         lines += [
@@ -119,10 +125,10 @@ def _calculix(columns: dict[str, Field], head: str, prefix: str) -> str:
             "** not of a table: use this where the load is known, with TYPE=SURFACE TO SURFACE.",
             f"*SURFACE INTERACTION, NAME={name}_HEAT",
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-            f"{pressure[-1] / approach[-1]:.10g}",
+            f"{pressure[-1] / approach[-1]:.13g}",
             "*GAP CONDUCTANCE",
             *(
-                f"{h:.10g}, {p:.10g}, 0"
+                f"{h:.13g}, {p:.13g}, 0"
                 for h, p in zip(columns["thermal_conductance"], pressure, strict=True)
             ),
         ]
@@ -137,7 +143,7 @@ def _moose(columns: dict[str, Field], head: str, prefix: str) -> str:
     }
     for name, axes in tables.items():
         first = int("hydraulic" in name)  # without pressure the gap is not 0
-        x, y = (" ".join(f"{value:.10g}" for value in axis[first:]) for axis in axes)
+        x, y = (" ".join(f"{value:.13g}" for value in axis[first:]) for axis in axes)
         lines += [f"  [{name}]", "    type = PiecewiseLinear", f"    x = '{x}'", f"    y = '{y}'", "  []"]
     return "\n".join([*lines, "[]"]) + "\n"
 

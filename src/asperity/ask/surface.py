@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 
 from asperity.ask.section import Section, SectionError, arguments_of, keys_of_maker
-from asperity.base.files import content_of, expanded
+from asperity.base.files import content_of, expanded, without_links
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
 from asperity.errors import InputError
@@ -71,7 +71,7 @@ class SurfaceSection(Section):
 
     def anywhere(self) -> Self:
         """The same, with an absolute path of its file."""
-        return self if self.file is None else self.but(path=str(self.file.resolve()))
+        return self if self.file is None else self.but(path=str(without_links(self.file)))
 
     @property
     def scan(self) -> Self:

@@ -36,6 +36,14 @@ def expanded(path: str | Path) -> Path:
     return Path(os.path.expanduser(path))  # noqa: PTH111  (which leaves the home of nobody as it is)
 
 
+def without_links(path: Path) -> Path:
+    """A path without links; `InputError` for links that lead nowhere but to each other."""
+    place = Path(os.path.realpath(path))
+    if any(part.is_symlink() for part in (place, *place.parents)):
+        raise InputError(str(path), expected="a path", got="links in a circle")
+    return place
+
+
 def content_of(path: Path) -> bytes:
     """Read a file, or a pipe to its end, such as standard input or that of a shell.
 
@@ -93,11 +101,11 @@ def _piped(handle: int, most: int) -> bytes:
 
 def beside(path: Path, ending: str) -> Path:
     """A name in the same folder: that of the file, shortened where it is long, and an ending."""
-    name = path.name.encode()
+    name = os.fsencode(path.name)
     if len(name) > _LONGEST:
         mark = hashlib.sha256(name).hexdigest()[:8]
-        name = name[: _LONGEST - 9] + f"~{mark}".encode()
-    return path.with_name(name.decode(errors="ignore") + ending)
+        name = name[: _LONGEST - 9].decode(errors="ignore").encode() + f"~{mark}".encode()
+    return path.with_name(os.fsdecode(name) + ending)
 
 
 Format = Literal["png", "pdf", "svg"]
@@ -121,7 +129,7 @@ def marker_of(folder: Path) -> dict[str, Any]:
     """What the marker of a folder says; empty without one."""
     try:
         marker = json.loads((folder / MARKER).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return marker if isinstance(marker, dict) and isinstance(marker.get("kind"), str) else {}
 
@@ -148,7 +156,7 @@ Standing = frozenset[tuple[str, int, int, int]]
 
 def standing(path: Path) -> Standing:
     """What stands under a name; nothing for an empty folder, which may always be replaced."""
-    path, visited = path.resolve(), set()
+    path, visited = without_links(path), set()
     for entry in path.rglob("*") if path.is_dir() else [path]:
         with suppress(OSError):  # it has gone
             facts = entry.lstat()

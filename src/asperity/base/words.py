@@ -194,6 +194,7 @@ def tables_to_toml(tables: Mapping[str, Any]) -> str:
     import tomli_w
 
     text = tomli_w.dumps(tables, indent=100)  # which leaves no room for a table within a list
+    text = text.encode(errors="replace").decode()  # TOML has no word for a name that is not in UTF-8
     # It writes an entry a line. Texts have no line breaks of their own, so lists end where these stand.
     text = re.sub(r",\n *\]", "]", text)
     return re.sub(r"\[\n +", "[", re.sub(r",\n +", ", ", text))

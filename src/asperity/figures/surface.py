@@ -186,9 +186,8 @@ def draw_spectrum(axes: Axes, spectrum: PowerSpectrum, view: SurfaceView | None 
 
 def _power_unit(unit: str, length_unit: str, dimensions: int) -> str:
     """Unit of C(q): that of the heights squared, times that of the lengths, for each axis."""
-    height, length = (
-        f"({name})" if " " in name else name for name in map(style.spelled, (unit, length_unit))
-    )
+    height, length = map(style.spelled, (unit, length_unit))
+    length = f"({length})" if " " in length else length
     if unit == length_unit:
         return f"{style.spelled(unit)}{'³⁴'[dimensions - 1]}"
     across = f"{length}²" if dimensions == 2 else style.spelled(length_unit)

@@ -19,7 +19,7 @@ from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.base.words import has_unit
 from asperity.creep import LAWS, Eyring
-from asperity.errors import InputError
+from asperity.errors import InputError, printable
 from asperity.relaxation.data import Extrapolate, Measured, Modulus
 from asperity.relaxation.files import Kind, read
 from asperity.relaxation.fitting import Fit, fit
@@ -331,7 +331,7 @@ def _of_toml(path: Path, arguments: dict[str, Any]) -> tuple[Solid, Any, tuple[f
         keys = tomllib.loads(content_of(path).decode())["solid"]
         kind, draws = keys.pop("kind", "none"), keys.pop("draws", None)
         first, last = (keys.pop(f"data_{end}", None) for end in ("first", "last"))
-    except (OSError, ValueError, KeyError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, AttributeError, RecursionError) as error:
         expected = "a TOML file with the half_space of [solid]"
         got = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
         raise InputError(path.name, expected=expected, got=got) from None
@@ -354,6 +354,6 @@ def _origin(table: object, fitted: Fit) -> dict[str, object]:
     path = expanded(table) if isinstance(table, str | Path) else None
     facts: dict[str, object] = {"table": "", "table_sha256": ""}
     if path is not None:
-        facts = {"table": path.name, "table_sha256": hashlib.sha256(content_of(path)).hexdigest()}
+        facts = {"table": printable(path.name), "table_sha256": hashlib.sha256(content_of(path)).hexdigest()}
     facts |= {"kind": type(fitted.data).__name__, "points": int(fitted.data.columns[0].size)}
     return facts | ({"extrapolate": fitted.data.extrapolate} if fitted.data.extrapolate else {})

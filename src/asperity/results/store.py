@@ -18,7 +18,7 @@ from filelock import FileLock
 from zarr.codecs import ZstdCodec
 
 from asperity.base import checks, views
-from asperity.base.files import Standing, beside, expanded, kind_of, standing
+from asperity.base.files import Standing, beside, expanded, kind_of, standing, without_links
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
 
@@ -173,7 +173,7 @@ def whole_file(path: Path, *, overwrite: bool | Standing = True) -> Iterator[Pat
 @contextmanager
 def _staged(path: Path, aftermath: str = "") -> Iterator[Path]:
     """A hidden folder beside a name, locked while its writer lives; those of killed writers are removed."""
-    hidden = beside(path.resolve().with_name(f".{path.resolve().name}"), "")
+    hidden = beside(without_links(path).with_name(f".{without_links(path).name}"), "")
     try:
         hidden.parent.mkdir(parents=True, exist_ok=True)
         for remains in hidden.parent.glob(f"{glob.escape(hidden.name)}.*.partial"):
@@ -202,7 +202,7 @@ def _move_into_place(source: Path, path: Path, replaceable: Standing) -> None:
 
     `PlaceTakenError`, with the name taken beside it, if other content is there.
     """
-    target = path.resolve()
+    target = without_links(path)
     old = beside(target.with_name(f".{target.name}"), f".{uuid.uuid4().hex[:12]}.old")
     present = standing(target)
     if present and present <= replaceable and target.is_dir() and source.is_dir():

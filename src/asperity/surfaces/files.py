@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
@@ -47,6 +48,9 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
     if raw.heights.ndim == 2 and 1 in raw.heights.shape:  # a profile
         size = raw.pixel_size and raw.pixel_size[raw.heights.shape[0] == 1 :][:1]
         raw = dataclasses.replace(raw, heights=raw.heights.ravel(), pixel_size=size)
+    if raw.pixel_size and not all(0 < side < math.inf for side in raw.pixel_size):
+        remark = f"left out the size of the pixels, {' x '.join(f'{side:g}' for side in raw.pixel_size)}"
+        raw = dataclasses.replace(raw, pixel_size=None, length_unit=None, remarks=(*raw.remarks, remark))
     if undefined_value is not None:
         heights, rule = without(raw.heights, undefined_value, "undefined_value")
         raw = dataclasses.replace(raw, heights=heights, undefined_by=(*raw.undefined_by, rule))

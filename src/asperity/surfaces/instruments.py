@@ -29,6 +29,7 @@ from asperity.surfaces.raw import PICTURE, RawSurface
 
 _OURS = ("asc", "xyz", "npy", "npz", "mat", "h5")  # formats that are read without the library
 _UNSIGNED = ("nms", "hgt")  # formats without a signature: any file of a suitable size would pass
+_LONGEST_XML = 2**24  # bytes of the header of an .x3p
 _PIXELS = 0.01, 100.0  # pixels of a confocal microscope, in um
 
 
@@ -115,13 +116,11 @@ def _repaired(path: Path, begin: bytes) -> io.BytesIO | str:
         content = path.read_bytes()
         return io.BytesIO(re.sub(rb"\xc2\xb5m([\0 ])", b"\xb5m\\1\\1", content[:512]) + content[512:])
     if path.suffix.lower() == ".x3p":
-        repaired = io.BytesIO()
-        with zipfile.ZipFile(path) as old, zipfile.ZipFile(repaired, "w") as new:
-            for name in old.namelist():
-                content = old.read(name)
-                if name == "main.xml":  # another dash
-                    content = re.sub(rb"(<Revision>)[^<]*5436[^<]*<", rb"\1ISO5436 - 2000<", content)
-                new.writestr(name, content)
+        repaired = io.BytesIO(path.read_bytes())  # no member is read that the library does not read
+        with zipfile.ZipFile(repaired, "a") as archive:
+            with archive.open(archive.NameToInfo.pop("main.xml")) as xml:  # whose dash may be another one
+                main = re.sub(rb"(<Revision>)[^<]*5436[^<]*<", rb"\1ISO5436 - 2000<", xml.read(_LONGEST_XML))
+            archive.writestr("main.xml", main)
         return repaired
     return str(path)
 
@@ -136,9 +135,8 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan).T
     unit = spelled(topography.unit)
     sizes = chosen.physical_sizes
-    sized = sizes is not None and all(s is not None and 0 < s < np.inf for s in sizes)
-    downward = sizes[::-1] if sized else ()
-    pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=True)) if sized else None
+    downward = () if sizes is None or None in sizes else sizes[::-1]
+    pixel = tuple(float(s) / n for s, n in zip(downward, heights.shape, strict=False)) or None
     remarks: tuple[str, ...] = ()
     if kind == "nms" and pixel and not _PIXELS[0] <= pixel[-1] <= _PIXELS[1]:
         # The library takes the spacing for mm, which gives pixels of meters in the files there are.
@@ -150,7 +148,7 @@ def _read_channel(reader: Any, path: Path, channel: str | int | None) -> RawSurf
         reader=f"SurfaceTopography {importlib.metadata.version('SurfaceTopography')}",
         unit=unit,
         pixel_size=pixel,
-        length_unit=unit if sized and unit != "1" else None,
+        length_unit=unit if pixel and unit != "1" else None,
         channel=str(chosen.channel_id),
         channels=tuple(str(c.channel_id) for c in reader.channels if _holds_heights(c)),
         orientation=PICTURE,

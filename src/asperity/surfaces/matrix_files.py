@@ -110,11 +110,11 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
             advice = f"the name of the array of heights: channel = {next(iter(arrays))!r} (--channel)"
             raise SurfaceFileError(str(path), expected="an array of heights", got=got, advice=advice)
         chosen = _chosen(path, channel, {name: arrays[name].shape for name in listed})
-        values, attributes = _heights(arrays[chosen][...]), arrays[chosen].attrs
-        void = float(attributes.get("_FillValue", math.nan))
-        values, rule = without(values, void, "_FillValue")
-        values = values * attributes.get("scale_factor", 1.0) + attributes.get("add_offset", 0.0)
-        heights = _heights(values.T if "MATLAB_class" in attributes else values)
+        node = arrays[chosen]
+        void = float(_attribute(node, "_FillValue", _attribute(node, "missing_value", math.nan)))
+        values, rule = without(_heights(node[...]), void, "fill value")
+        values = values * _attribute(node, "scale_factor", 1.0) + _attribute(node, "add_offset", 0.0)
+        heights = _heights(values.T if "MATLAB_class" in node.attrs else values)
     return RawSurface(
         heights,
         "hdf5",
@@ -171,8 +171,13 @@ def _chosen(path: Path, channel: str | int | None, shapes: Mapping[str, tuple[in
     return choose(str(path), channel, {name: " x ".join(map(str, shape)) for name, shape in shapes.items()})
 
 
+def _attribute(node: Any, name: str, default: Any) -> Any:
+    """An attribute of one value, which netCDF-4 keeps as an array."""
+    return np.ravel(node.attrs.get(name, default))[0]
+
+
 def _text(node: Any, attribute: str) -> str:
-    value = node.attrs.get(attribute, "")
+    value = _attribute(node, attribute, "")
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.base.parameters import Quantity, Spelled, parameters_of
-from asperity.errors import SurfaceFileError
+from asperity.errors import SurfaceFileError, printable
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
 from asperity.surfaces.files import Length
@@ -249,7 +249,7 @@ def read(
     final = prepare.make_periodic(level * factor, periodic)
     if periodic == "mirror":
         filled = prepare.make_periodic(filled.astype(float), periodic) > 0
-    provenance: Provenance = {"file": file.name, "sha256": checksum, **files.record_of(raw)}
+    provenance: Provenance = {"file": printable(file.name), "sha256": checksum, **files.record_of(raw)}
     provenance |= {
         "undefined_rule": undefined,
         "undefined_pixels": int(missing.sum()),

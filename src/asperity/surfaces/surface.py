@@ -66,7 +66,10 @@ class Surface(views.InNotebooks):
         heights = check_heights(self.heights)
         heights.flags.writeable = False
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "unit", prepare.spelled(self.unit))
+        for name, others in (("unit", ("1", "rms")), ("length_unit", (None,))):
+            unit = (given := getattr(self, name)) and prepare.spelled(given)
+            checks.choice(name, unit, (*prepare.LENGTHS, *others))
+            object.__setattr__(self, name, unit)
         if self.pixel_size is not None:
             size, unit = sides_of_pixels(self.pixel_size, heights.ndim, self.length_unit)
             object.__setattr__(self, "pixel_size", size)
@@ -112,20 +115,17 @@ class Surface(views.InNotebooks):
         InputError
             The heights have no unit of length, or the pixels no size or unit of length.
         """
-        heights, spacing, lateral = f"heights in {self.unit!r}", self.pixel_size, self.length_unit
         if not prepare.is_length(self.unit):
-            named = {"1": "heights without a unit", "rms": "heights in units of their rms"}
-            got = named.get(self.unit, heights)
+            got = {"1": "heights without a unit", "rms": "heights in units of their rms"}[self.unit]
             advice = "unit = 'nm' of a Surface, or file_unit = 'nm' (--file-unit) for a file without a unit"
             advice = "another unit than 'rms'" if self.unit == "rms" else advice
             raise InputError("surface", expected="heights with a unit of length", got=got, advice=advice)
-        if spacing is None:
-            got = f"{heights}, and pixels of unknown size"
+        if (spacing := self.pixel_size) is None:
+            got = f"heights in {self.unit!r}, and pixels of unknown size"
             advice = "pixel_size and length_unit (--pixel-size)"
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
-        if (across := prepare.conversion(lateral, "m")) is None:
-            got = f"pixels of {_sides(spacing)} in " + (repr(lateral) if lateral else "no unit")
-            advice = "length_unit = 'um' (--length-unit)"
+        if (across := prepare.conversion(self.length_unit, "m")) is None:
+            got, advice = f"pixels of {_sides(spacing)} in no unit", "length_unit = 'um' (--length-unit)"
             raise InputError("surface", expected="pixels with a unit of length", got=got, advice=advice)
         return self.heights * prepare.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
 

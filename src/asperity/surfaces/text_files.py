@@ -164,6 +164,8 @@ def _roles(table: Table) -> list[tuple[str, str | None]]:
 
     Empty unless x and heights are among them; without z, y are the heights.
     """
+    if not any(table.names):
+        return []
     columns = Columns(table, _AXES)
     roles = (
         columns.roles if "z" in columns.roles else ["z" if role == "y" else role for role in columns.roles]

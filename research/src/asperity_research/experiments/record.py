@@ -167,7 +167,7 @@ def read(path: Path) -> Experiment:
         file = _File.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as error:
         raise InputError(str(path), expected="a file", got=error.strerror or str(error)) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(str(path), expected="TOML", got=str(error)) from None
     except ValidationError as error:
         raise _explained(path, error) from None

@@ -21,7 +21,7 @@ from asperity.app.runs.loops import compile_loops
 from asperity.app.runs.pipeline import unused
 from asperity.base import checks
 from asperity.base.calls import remark
-from asperity.base.files import expanded
+from asperity.base.files import expanded, without_links
 from asperity.base.version import __version__
 from asperity.errors import InputError, OutputError
 from asperity.results.store import whole_file
@@ -128,7 +128,7 @@ def sweep(
         import distributed  # noqa: F401
     for text in dict.fromkeys(text for run in plan.runs for text in unused(run.config, "a run")):
         remark(text)
-    store = Store(expanded(directory).resolve())
+    store = Store(without_links(expanded(directory)))
     try:
         store.directory.mkdir(parents=True, exist_ok=True)
         store.prepare()

@@ -129,7 +129,8 @@ def _usage(error: CycloptsError) -> str:
     if isinstance(error, UnknownOptionError):
         flag = (error.token.keyword or error.token.value).split("=")[0]
         names = [name for argument in error.argument_collection if argument.parse for name in argument.names]
-        text = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, names)}"
+        unknown = f"unknown option {flag}{_NO_SUCH_FLAG.get(flag) or _meant(flag, names)}"
+        text = f"{flag} stands after --; try it before" if flag in names else unknown
     elif isinstance(error, UnknownCommandError):
         commands = sorted(name for name in app if not name.startswith("-"))
         word = (error.unused_tokens or [""])[0]

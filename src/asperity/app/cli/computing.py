@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import os
 import sys
 import time as clock
 import webbrowser
@@ -87,7 +88,7 @@ def write_results(
 @contextmanager
 def _place_beside(out: Path, asked: str) -> Iterator[Path]:
     """The checkpoint of this computation beside the folder of results; removed when that is written."""
-    mark = hashlib.sha256(asked.encode()).hexdigest()[:8]
+    mark = hashlib.sha256(os.fsencode(asked)).hexdigest()[:8]
     place = beside(out, f".{mark}.checkpoint")
     try:
         yield place

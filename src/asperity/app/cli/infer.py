@@ -15,7 +15,7 @@ from asperity.app.cli.flags import OF_TABLES, Folder, check_unit, flag, in_flags
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
 from asperity.base.words import number
-from asperity.errors import InputError
+from asperity.errors import InputError, printable
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
@@ -119,14 +119,14 @@ def infer(
             inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint.path)
         return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
 
-    typed = shlex.join(["asperity", *sys.argv[1:]])
+    typed, source = printable(shlex.join(["asperity", *sys.argv[1:]])), printable(file.name)
     compute_into(
         "inference",
         out,
         asked,
         compute,
         report=lambda inference, **_: [("read", read), *inference_report(inference, str(file))],
-        write=functools.partial(write_inference, formats=drawn.formats(), source=file.name, command=typed),
+        write=functools.partial(write_inference, formats=drawn.formats(), source=source, command=typed),
         every=0.0,
         results=results,
         replaceable=replaceable,

@@ -5,7 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 from asperity.app.cli.options import Drawn
-from asperity.base.files import FORMATS, MARKER, Standing, marker_of, named, standing, table_beside
+from asperity.base.files import (
+    FORMATS,
+    MARKER,
+    Standing,
+    marker_of,
+    named,
+    standing,
+    table_beside,
+    without_links,
+)
 from asperity.errors import InputError, OutputError
 
 FIGURE_SUFFIXES = tuple(f".{one}" for one in FORMATS)
@@ -40,7 +49,7 @@ def check_figures(
 
 def check_free(out: Path, *, overwrite: bool) -> Standing:
     """Check, before anything is computed, that the results can be written; return what they replace."""
-    folder = out.resolve()
+    folder = without_links(out)
     if folder == Path.cwd() or folder in Path.cwd().parents:
         raise InputError("--out", expected="a folder of its own", got=out, advice="--out results")
     if out.exists() and not out.is_dir():

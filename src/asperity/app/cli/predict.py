@@ -25,7 +25,7 @@ from asperity.app.cli.flags import (
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Results
 from asperity.base.words import number
-from asperity.errors import InputError
+from asperity.errors import InputError, printable
 
 if TYPE_CHECKING:
     from asperity.app.config import RunConfig
@@ -94,7 +94,7 @@ def predict(
     loading = None if ramp is None else quantity(ramp, "s", "--ramp")
     named = {f"[{section}] {key}": flag_of(section, key) for section, keys in flags.items() for key in keys}
     named |= {name: flag(name) for name in _ARGUMENTS} | ({"protocol": "--leg"} if leg else {})
-    typed = shlex.join(["asperity", *sys.argv[1:]])
+    typed = printable(shlex.join(["asperity", *sys.argv[1:]]))
     with in_flags(named):
         compute_into(
             "prediction",

@@ -110,13 +110,11 @@ def read_tables(path: str | Path) -> dict[str, Any]:
     except UnicodeDecodeError:
         hint = "; for a surface, try --file"
         raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
-    except ValueError as error:  # TOML's own, a number of thousands of digits, or a name with NUL
+    except (ValueError, RecursionError) as error:  # TOML's own, or a name with NUL
         clear = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
-        reason = str(error) if clear else "a number has too many digits"
+        reason = str(error) if clear else "too many digits, or brackets within each other"
         hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
         raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
-    except RecursionError:
-        raise ConfigError([f"{path}: not a TOML file: too many brackets within each other"]) from None
     except OSError as error:
         hint = (
             "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'

@@ -44,9 +44,9 @@ def inside(root: Path, name: str) -> Path:
     pure = PurePosixPath(name)
     if "\0" not in name and "\\" not in name and not pure.is_absolute() and ".." not in pure.parts:
         with contextlib.suppress(UnicodeEncodeError):  # no disk has such a name
-            resolved = (root / pure).resolve()
-            if resolved.is_relative_to(root.resolve()):
-                return resolved
+            place = files.without_links(root / pure)
+            if place.is_relative_to(root.resolve()):
+                return place
     raise InputError("path", expected="a name in the folder that is shown", got=printable(name))
 
 

@@ -22,6 +22,7 @@ from asperity.app.config import RunConfig, to_tables
 from asperity.app.explore.mistakes import Shown, failed, mistake
 from asperity.app.explore.scene import Recording
 from asperity.ask.run import FILES
+from asperity.base.files import standing
 
 _UNWATCHED = 10.0
 """Seconds until an unwatched run is stopped: a page that is loaded again finds it before."""
@@ -164,9 +165,7 @@ async def _killed(process: Process) -> None:
 
 
 def _name_of(config: RunConfig) -> str:
-    tables, states = to_tables(config), []
-    for name in filter(None, (tables[section].get(key) for section, key in FILES.items())):
-        with contextlib.suppress(OSError):
-            facts = Path(name).stat()
-            states.append((facts.st_mtime_ns, facts.st_size))
+    tables = to_tables(config)
+    names = filter(None, (tables[section].get(key) for section, key in FILES.items()))
+    states = [sorted(standing(Path(name))) for name in names]
     return hashlib.sha256(json.dumps([tables, states], sort_keys=True).encode()).hexdigest()[:24]

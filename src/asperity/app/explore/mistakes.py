@@ -15,8 +15,8 @@ _FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
 _LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
 
 Mistake = dict[str, str]
-Shown = dict[str, str]
-"""Names that the page shows in place of absolute paths."""
+Shown = dict[str, tuple[str, str]]
+"""By absolute path of a file, its names in the form of the page and in texts for the user."""
 
 
 def without_flags(text: str) -> str:
@@ -36,7 +36,7 @@ def failed(mistakes: list[Mistake]) -> dict[str, Any]:
 
 def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
     """List the mistakes of an error in one line each, with their keys, such as ``contact.load``, or none."""
-    for path, name in (shown or {}).items():
+    for path, (_, name) in (shown or {}).items():
         if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
             where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
             return mistake(brief(str(error).replace(path, name)), where)

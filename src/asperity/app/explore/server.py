@@ -1,17 +1,20 @@
 """The server of the page: on this machine alone, for pages of its own alone.
 
-A browser lets any page send requests to 127.0.0.1. So the host that a request names must be this server
+A browser lets any page send requests to 127.0.0.1. So the host that a request names must be this machine
 (another name may have been pointed here), and what changes something must come from our own page (Origin).
+The port that it names is that of the browser's machine, of which a tunnel makes another one here.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import json
 import logging
 import math
 import mimetypes
+import re
 import socket
 import tempfile
 import webbrowser
@@ -22,6 +25,7 @@ from typing import Any
 
 import uvicorn
 from starlette.applications import Starlette
+from starlette.datastructures import Headers
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
@@ -32,11 +36,12 @@ from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
 from asperity.app.explore.export import exported_page
-from asperity.app.explore.folders import Opened, entries, inside, open_entry
+from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
 from asperity.app.explore.mistakes import Shown, failed, mistake, mistakes_of
 from asperity.app.explore.scene import Arrays, Cursor, Header, Recording, pack
 from asperity.ask.run import FILES
+from asperity.base.files import without_links
 from asperity.errors import ConfigError, InputError, brief
 
 HOST = "127.0.0.1"
@@ -52,6 +57,8 @@ _LONGEST_CHECK, _LONGEST_UPLOAD = 30.0, 600.0
 _LARGEST_FILE, _LARGEST_FILES = 200_000_000, 1_000_000_000
 """Most bytes of one uploaded file, and of all."""
 
+_OWN_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d{1,5})?", re.IGNORECASE)
+
 _LARGEST_REQUEST = 2**20
 """Bytes of a message of a page."""
 
@@ -63,10 +70,10 @@ _POLICY = (
 
 
 class Places:
-    """The folder that is shown, and the files that were dropped on the page."""
+    """The folder that is shown, and the dropped files, each in a folder named by the hash of its content."""
 
     def __init__(self, root: Path | None, uploads: Path) -> None:
-        self.root, self.uploads = root, uploads
+        self.root, self.uploads = root, uploads.resolve()
         self._named: set[Path] = set()
 
     def allow(self, config: RunConfig | None) -> None:
@@ -79,15 +86,11 @@ class Places:
 
         `InputError` if it lies elsewhere.
         """
-        path, homes = Path(name), [home for home in (self.root, self.uploads) if home is not None]
-        if path.is_absolute():
-            place = path.resolve()
-            allowed = place in self._named or any(place.is_relative_to(home.resolve()) for home in homes)
-            choices = [place] if allowed else []
-        else:
-            choices = [inside(home, name) for home in homes]
-        if file := next((one for one in choices if one.is_file()), None):
-            return file
+        homes = [home.resolve() for home in (self.root, self.uploads) if home is not None]
+        with contextlib.suppress(ValueError):  # a name that no disk has, or links in a circle
+            for place in (without_links(home / name) for home in homes):
+                if place.is_file() and (place in self._named or any(map(place.is_relative_to, homes))):
+                    return place
         expected = "a file that was dropped on the page, or lies in the folder that is shown"
         raise InputError("path", expected=expected, got=name, advice="dropping it on the page")
 
@@ -114,11 +117,11 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
         table = contents.get(section)
         if isinstance(table, dict) and isinstance(name := table.get(key), str):
             try:
-                table[key] = str(places.find(name))
+                place = places.find(name)
             except InputError as error:
-                reason = str(error).removeprefix("path: ")
-                raise ConfigError([f"[{section}] {key}: {reason}"]) from None
-            shown[table[key]] = name
+                raise ConfigError([str(error.about(f"[{section}] {key}"))]) from None
+            table[key] = str(place)
+            shown[table[key]] = name, place.name if place.is_relative_to(places.uploads) else name
     solid = contents.get("solid")
     if isinstance(solid, dict) and solid.get("apparatus") == "inf":
         solid["apparatus"] = math.inf
@@ -297,13 +300,12 @@ class Server:
         return Response(exported_page([], title="Asperity"), media_type="text/html")
 
     async def _take_file(self, request: Request) -> Response:
-        name = request.path_params["name"]
-        uploads = self.places.uploads
-        if name in (".", "..") or name.startswith(".") or not name.isprintable() or set(name) & set("/\\:"):
+        name, uploads = request.path_params["name"], self.places.uploads
+        if name in (".", "..") or set(name) & set("/\\\0"):
             return _refused(f"expected the name of a file, got {name!r}", 400)
-        size = 0
+        size, digest = 0, hashlib.sha256()
         try:
-            kept = sum(one.stat().st_size for one in uploads.iterdir() if one.is_file())
+            kept = sum(one.stat().st_size for one in uploads.glob("[!.]*/*"))
             # A name of its own: that of the file may be as long as the disk allows.
             with tempfile.TemporaryDirectory(prefix=".", dir=uploads) as folder:
                 part = Path(folder) / "part"
@@ -312,15 +314,18 @@ class Server:
                         async for chunk in request.stream():
                             size += len(chunk)
                             if size > _LARGEST_FILE or kept + size > _LARGEST_FILES:
-                                text = f"{name}: expected at most {_LARGEST_FILE // 1_000_000} MB, got more"
-                                return _refused(text, 413)
+                                text = f"{name}: expected {_LARGEST_FILE // 10**6} MB at most"
+                                return _refused(f"{text}, {_LARGEST_FILES // 10**6} MB of all files", 413)
                             stream.write(chunk)
-                part.replace(uploads / name)
+                            digest.update(chunk)
+                place = uploads / digest.hexdigest()[:16] / name
+                place.parent.mkdir(exist_ok=True)
+                part.replace(place)
         except ClientDisconnect:
             return _refused(f"{name}: the connection ended before the file did", 400)
         except OSError as error:
             return _refused(f"{brief(name, 80)}: {error.strerror or 'the file did not come to its end'}", 400)
-        return JSONResponse({"path": name})
+        return JSONResponse({"path": place.relative_to(uploads).as_posix()})
 
 
 def _refused(text: str, status: int) -> Response:
@@ -337,22 +342,20 @@ def _title(config: RunConfig) -> str:
 class OwnPagesOnly:
     """Refuse requests that name another host or come from another page, and tell browsers to be strict."""
 
-    def __init__(self, app: ASGIApp, port: int) -> None:
+    def __init__(self, app: ASGIApp) -> None:
         self._app = app
-        self._hosts = {f"{name}:{port}" for name in ("localhost", HOST, "[::1]")}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check a request, and hand it on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        given = [(name, one.decode("latin-1")) for name, one in scope["headers"]]
-        hosts, origins = ([one for name, one in given if name == wanted] for wanted in (b"host", b"origin"))
+        hosts, origins = map(Headers(scope=scope).getlist, ("host", "origin"))
         host = hosts[0] if len(hosts) == 1 else ""  # one of each: of two nobody can say which counts
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         own = origins == [f"http://{host}"] or (not origins and not changes)
-        if host not in self._hosts or not own:
-            text = "asperity explore serves its own page alone"
+        if not _OWN_HOST.fullmatch(host) or not own:
+            text = "asperity explore serves its own page alone, at localhost or 127.0.0.1"
             refusal = WebSocketClose(1008) if scope["type"] == "websocket" else Response(text, 403)
             await refusal(scope, receive, send)
             return
@@ -402,12 +405,10 @@ def serve(root: Path | None, *, port: int | None, tell: Callable[[str], None], b
     The port is a free one by default; the address is told, and opened in a browser if wanted.
     """
     listening = free_socket(port)
-    number = listening.getsockname()[1]
-    address = f"http://{HOST}:{number}/"
+    address = f"http://{HOST}:{listening.getsockname()[1]}/"
     with tempfile.TemporaryDirectory(prefix="asperity-") as uploads:
-        app = OwnPagesOnly(Server(root, Path(uploads)).app, number)
         settings = uvicorn.Config(
-            app,
+            OwnPagesOnly(Server(root, Path(uploads)).app),
             log_level="error",
             lifespan="on",
             ws="websockets-sansio",

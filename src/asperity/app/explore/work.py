@@ -15,13 +15,14 @@ from time import perf_counter
 
 from asperity.aging import Frame
 from asperity.analysis.rows import words_of
-from asperity.app.config import RunConfig
+from asperity.app.config import RunConfig, to_toml
 from asperity.app.config.python import to_python
 from asperity.app.explore.mistakes import Shown, failed, mistakes_of
 from asperity.app.explore.scene import Header, Recording, ending, mapped, of_frame, started
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.loops import compile_loops
 from asperity.app.runs.words import run_rows
+from asperity.ask.run import FILES
 
 Tell = Callable[[str, object], None]
 """Sends what kind of message it is, and its content."""
@@ -47,6 +48,14 @@ def work() -> None:
             tell("end", _computed(tell, *run))
 
 
+def _renamed(config: RunConfig, shown: Shown, which: int) -> RunConfig:
+    """A configuration whose files have their names in the form of the page (0), or in texts (1)."""
+    parts = {section: getattr(config, section) for section in FILES}
+    names = {one: shown.get(getattr(part, FILES[one], "")) for one, part in parts.items()}
+    update = {one: parts[one].but(**{FILES[one]: of[which]}) for one, of in names.items() if of}
+    return config.but(**update)
+
+
 class _Teller(Progress):
     """Tells how far a run has come."""
 
@@ -66,14 +75,12 @@ class _Teller(Progress):
 
     def reached(self, frame: Frame) -> None:
         if self._recording.scene is None:
-            config, output, surface = self._config, self._asked.output, self._config.surface
-            if (path := str(surface.file)) in self._shown:  # by the name that the user knows
-                surface = surface.but(path=self._shown[path])
-            written = config.but(output=output, surface=surface)
-            facts = {"last_time": config.end, "python": to_python(written, list(self._times))}
-            self._recording.begin(started(frame, config), written, self._title, **facts)
+            written = self._config.but(output=self._asked.output)
+            page, user = (_renamed(written, self._shown, which) for which in (0, 1))
+            texts = {"toml": to_toml(user), "python": to_python(user, list(self._times))}
+            self._recording.begin(started(frame, written), page, self._title, last_time=written.end, **texts)
             scene: Header = self._recording.scene or {}
-            moments = [*scene["switches"], *(output.maps_at or ())]
+            moments = [*scene["switches"], *(written.output.maps_at or ())]
             self._mapped = mapped(self._times, moments, frame.contact.heights.size)
             self._tell("scene", (scene, self._recording.heights))
         row, new_map = of_frame(frame)
