@@ -258,7 +258,7 @@ def test_a_surface_is_checked_when_it_is_made():
                 Surface(ROUGH, **{"pixel_size": 1.0, name: unit})
     same = {"\u00b5m": "um", "micron": "um", "\u00c5": "angstrom", "nanometer": "nm"}
     for unit, known in same.items():
-        surface = Surface(ROUGH, unit, 1.0, unit)
+        surface = Surface(ROUGH, unit, 1.0, unit)  # type: ignore[arg-type]
         assert (surface.unit, surface.length_unit) == (known, known)
     mirrored = partial(Surface, edges="mirror")  # type: ignore[arg-type]
     each_refuses(("edges", "'mirror'", mirrored, ROUGH), ("heights", "1", Surface, [1.0, np.nan]))
