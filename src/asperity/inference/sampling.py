@@ -28,7 +28,7 @@ from scipy.optimize import brentq, least_squares
 
 from asperity.base import checks
 from asperity.base.checks import Floats
-from asperity.base.machine import unhurried
+from asperity.base.machine import end_with_parent, unhurried
 from asperity.errors import ConvergenceError, InputError
 from asperity.inference.models import Model
 from asperity.results.checkpoint import Checkpoint, Keeper
@@ -250,8 +250,8 @@ def sample(
         for n in range(ENSEMBLES if kept else 0)
     ]
     r_hat, worth, begun = math.inf, 0.0, 0.0
-    spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
-    with spawned() if workers > 1 else nullcontext() as pool:
+    pooled = min(workers, ENSEMBLES), get_context("spawn"), end_with_parent
+    with ProcessPoolExecutor(*pooled) if workers > 1 else nullcontext() as pool:
         for turn in range(first, first + _MOST_ROUNDS):
             if turn > first or not ensembles:  # else a checkpoint has this round, which may be the last
                 before: Sequence[_Ensemble | None] = ensembles or [None] * ENSEMBLES

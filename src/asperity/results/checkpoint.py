@@ -83,7 +83,7 @@ class Keeper:
         if self.path is None:
             return
         with whole_file(self.path) as part, part.open("wb") as file:
-            np.savez(file, mark=self.mark, facts=json.dumps(facts, default=vars), **arrays or {})
+            np.savez(file, mark=self.mark, facts=json.dumps(facts, default=vars).encode(), **arrays or {})
         self.written = clock.monotonic()
 
     def read(self) -> tuple[Any, dict[str, NDArray[Any]]] | None:
@@ -93,17 +93,14 @@ class Keeper:
         """
         if self.path is None or not self.path.exists():
             return None
-        wanted = {
-            "expected": "a checkpoint of this computation",
-            "advice": "another path, or remove the file",
-        }
+        expected, advice = "a checkpoint of this computation", "another path, or remove the file"
         try:
             # The archive is opened first, because for other content np.load knows older formats.
             with self.path.open("rb") as file, zipfile.ZipFile(file):
                 file.seek(0)
                 archive = np.load(file, allow_pickle=False)
                 arrays = {name: archive[name] for name in archive.files}
-            mark, facts = str(arrays.pop("mark")), json.loads(str(arrays.pop("facts")))
+            mark, facts = str(arrays.pop("mark")), json.loads(arrays.pop("facts").item())
         except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
             got = f"{self.path}: {reason_of(error)}"
             raise CheckpointError("checkpoint", expected=expected, got=got, advice=advice) from error
