@@ -442,7 +442,11 @@ def _judged(rivals: list[Rival], stated: Model | None, *, informed: bool) -> tup
         at, misfit = best_fit(problem)
         if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
-            advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
+            every = range(len(at))
+            tight = min(every, key=lambda place: problem.improved(at, every, beyond=(place,))[0])
+            name, prior = [*stated.priors.items()][tight]
+            usual = f"by the default ones it misses by {rms(before):.3g}"
+            advice = f"a wider one of {name} than {prior} ({usual})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
 
     def fails(misfit: Floats) -> bool:

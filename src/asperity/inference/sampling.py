@@ -272,7 +272,8 @@ def sample(
             least = walkers * -(-rounds // 2)  # the later half, without effects of the start
             chains = np.stack([ensemble.kept[-least:] for ensemble in ensembles])
             r_hat, worth = _agreement(chains, walkers)
-            report(f"chains: R-hat {r_hat:.3f} (below {agreement}), {worth:.0f} samples (least {effective})")
+            enough = f"{worth:.0f} samples, to reach {effective}"
+            report(f"chains: R-hat {r_hat:.3f}, to fall below {agreement}; {enough}")
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(
