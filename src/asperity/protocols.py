@@ -247,7 +247,7 @@ class Ramp(Change):
     Parameters
     ----------
     duration
-        Time > 0.
+        Time >= 0; 0 is a `Step`.
     load, pressure, separation, approach
         One of these at the end: the load, > 0 without adhesion; the load over nominal area; the separation,
         for which the rigid body moves by the difference from the mean of u0 at the beginning; or the approach
@@ -256,7 +256,7 @@ class Ramp(Change):
         As in `Hold`.
     """
 
-    duration: _Duration
+    duration: Annotated[float, Ge(0), Quantity("how long it lasts; 0 is a step", "s")]
     example = "Ramp(10.0, load=400.0)"
 
     load: _Load = None

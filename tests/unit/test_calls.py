@@ -230,3 +230,16 @@ def test_a_key_of_an_instrument_is_checked_before_anything_is_read():
 def test_every_argument_of_a_material_is_known_where_predictions_are_asked_for():
     names = {*inspect.signature(asp.relaxation.material).parameters} - {"source", "per_decade"}
     assert all("relaxation.material" in calls._MOVED[name] for name in names)
+
+
+def test_what_vanishes_is_zero_also_where_numpy_has_it_raise():
+    data = asp.relaxation.Relaxation(np.geomspace(1e-6, 1e9, 40), np.linspace(3.0, 1.0, 40))
+    solid = SOLIDS.spring_lattice(k0=1.0, k1=3.0)
+    zener = functools.partial(asp.relaxation.fractional_zener, instantaneous=2.0, relaxed=0.5, exponent=0.5)
+    with np.errstate(under="raise"):
+        fitted = asp.relaxation.fit(data)
+        series = zener(time=4.0, first=0.5, last=64.0)
+        aged = asp.age(asp.press(PAIR, solid, load=1.0), [1e6])
+    assert fitted.series == asp.relaxation.fit(data).series
+    assert series == zener(time=4.0, first=0.5, last=64.0)
+    assert aged.dataset.identical(asp.age(asp.press(PAIR, solid, load=1.0), [1e6]).dataset)

@@ -96,6 +96,8 @@ def given(
             flag = flag_of(section, key.name)
             if units and key.unit:
                 check_unit(flag, written, key.unit, help_text=key.description)
+            if key.what in ("pair", "pairs"):
+                written = _paired(written)
             for pair in written if units and any(key.units) else ():
                 _check_pair(flag, pair, key)
             sections.setdefault(section, {})[key.name] = _read(written, key.what)
@@ -115,14 +117,19 @@ def given(
 def _check_leg(leg: Mapping[str, Any]) -> None:
     """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
     from asperity.base.parameters import parameters_of
-    from asperity.protocols import KINDS
+    from asperity.protocols import KINDS, in_words
 
     for inner in leg.get("legs", ()):
         _check_leg(inner)
     parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-    for name in filter(parameters.__contains__, leg):
+    units = {name: parameters[name].quantity.unit for name in filter(parameters.__contains__, leg)}
+    plain = {
+        name: f"{leg[name]:g}{unit}" for name, unit in units.items() if isinstance(leg[name], int | float)
+    }
+    typed = in_words([leg | plain])
+    for name in units:
         if unit := parameters[name].quantity.unit:
-            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit)
+            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit, advice=f'--leg "{typed}"')
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -158,16 +165,29 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
 
 
-def check_unit(flag: str, written: str | list[str], unit: str, *, help_text: str = "") -> None:
-    """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one."""
+def check_unit(
+    flag: str, written: str | list[str], unit: str, *, help_text: str = "", advice: str = ""
+) -> None:
+    """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one.
+
+    Only 0 needs no unit, other than of temperature.
+    """
     usual = re.search(r"such as \W?[\d.]+ *([a-zA-Z][\w^/ ]*)", help_text)
     words = [written] if isinstance(written, str) else []
     for word in written if isinstance(written, list) else []:
         words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
     for one in words:
-        if isinstance(number(one), float | int):
-            advice = f'{flag} "{one} {usual[1] if usual else unit}"'
-            raise InputError(flag, expected="a number with its unit", got=one, advice=advice)
+        if isinstance(plain := number(one), float | int) and (plain != 0 or unit == "K"):
+            example = f'{flag} "{one} {usual[1] if usual else unit}"'
+            raise InputError(flag, expected="a number with its unit", got=one, advice=advice or example)
+
+
+def _paired(written: Iterable[str]) -> list[str]:
+    """Pairs, each typed as one word or as two."""
+    words = iter(written)
+    return [
+        word if re.search(r"[\s,]", word.strip()) else f"{word} {next(words, '')}".strip() for word in words
+    ]
 
 
 def _check_pair(flag: str, pair: str, key: Key) -> None:
@@ -297,7 +317,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
         negative=(),
-        consume_multiple=key.several and not paired,
+        consume_multiple=key.several,
         show_default=False,
         show_choices=False,
         # as in -40degC; a list would take the flags behind it for more of it

@@ -124,6 +124,6 @@ def _settings(material: Path | None, flags: dict[str, dict[str, object]]) -> Run
     try:
         return read_config(file_of_run(material, flags), flags)
     except ConfigError as error:  # the table is no flag here
-        foreign = re.compile("^--relaxation: (?!expected)|; try adhesion.*")
+        foreign = re.compile("^--relaxation: (?!expected)|, or adhesion.*")
         lines = (foreign.sub("", line).replace("--relaxation", "material") for line in error.problems)
         raise ConfigError(list(lines)) from None

@@ -312,7 +312,10 @@ class RunConfig(Section):
         ]
         for where, load in pressing:
             if load is not None and (load < 0 or (load == 0 and where != "[contact] load")):
-                advice = "adhesion = 'dugdale' (--adhesion dugdale) for loads that pull"
+                pulls = "adhesion = 'dugdale' (--adhesion dugdale) for loads that pull"
+                advice = (
+                    f"{-load:g}, which presses, or {pulls}" if load else "a small one, which lifts the body"
+                )
                 raise ValueError(f"{where}: expected more than 0, got {load:g}; try {advice}")
         return self
 

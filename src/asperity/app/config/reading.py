@@ -15,7 +15,7 @@ from asperity.app.config.mistakes import Sections, spelled
 from asperity.app.config.models import FILES, KINDS, RunConfig
 from asperity.app.config.surfaces import MeasuredSurface
 from asperity.base.files import content_of, expanded
-from asperity.base.words import number, tables_to_toml
+from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, InputError
 
 _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
@@ -105,10 +105,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
         raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
     except OSError as error:
-        hint = (
-            "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'
-        )
-        raise ConfigError([f"{path}: {error.strerror}{hint}"]) from None
+        raise ConfigError([f"{path}: {error.strerror}"]) from None
     for section, key in FILES.items():
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):
