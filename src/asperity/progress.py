@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 _EVERY = 0.1
 """Seconds between changes of a bar in a notebook."""
 
-_LINE_EVERY = 5.0
-"""Seconds after which a line is due within a decade."""
+LINE_EVERY = 10.0
+"""Seconds between two plain lines, unless more is to be said."""
 
 
 def listener(
@@ -112,8 +112,8 @@ class _Lines(Progress):
     def reached(self, frame: Frame) -> None:
         # The epsilon puts 10^k, however rounded, at the start of its decade.
         decade = math.floor(math.log10(frame.time) + 1e-9) if frame.time > 0 else -math.inf
-        is_due = clock.monotonic() - self._said > _LINE_EVERY
-        if frame.time == 0 or decade > self._decade or is_due:
+        is_late = clock.monotonic() - self._said > LINE_EVERY
+        if frame.time == 0 or decade > self._decade or is_late:
             self._decade = decade
             self._say(f"  t = {frame.time:<8.4g} {_area(frame)}")
 

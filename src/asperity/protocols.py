@@ -433,11 +433,9 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     if isinstance(protocol, Leg):
         protocol = [protocol]
     advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
-    if not isinstance(protocol, Sequence) or len(protocol) == 0:
-        raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
-    if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
-        got = repr(others[0])
-        raise InputError("protocol", expected="legs, such as Hold or Ramp", got=got, advice=advice)
+    several = protocol if isinstance(protocol, Sequence) and len(protocol) else [protocol]
+    if others := [leg for leg in several if not isinstance(leg, Leg)]:
+        raise InputError("protocol", expected="a list of legs", got=repr(others[0]), advice=advice)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:

@@ -145,19 +145,17 @@ def _check(
         advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
         raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None
     for word in filter(given.__contains__, names):
-        parameter = signature.parameters[word]
-        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
-            continue
-        annotated = SimpleNamespace(__annotations__={word: parameter.annotation})
+        annotation = signature.parameters[word].annotation
+        annotated = SimpleNamespace(__annotations__={word: annotation})
         with suppress(NameError):  # of a name that only the type checker imports
             hint = get_type_hints(annotated, vars(sys.modules[function.__module__]))[word]
             if not _fits(given[word], hint):
                 words = [repr(kind) for kind in kinds_of(hint) if isinstance(kind, str)]
-                expected = f"one of {', '.join(words)}" if words else str(parameter.annotation)
+                expected = f"one of {', '.join(words)}" if words else str(annotation)
                 raise InputError(word, expected=expected, got=checks.shown(given[word])) from met
 
 
-def _fits(value: object, hint: Any) -> bool:
+def _fits(value: Any, hint: Any) -> bool:
     """Whether a value is of a type, as far as it tells; arrays are checked where they are used."""
     import numpy as np
 
@@ -169,9 +167,7 @@ def _fits(value: object, hint: Any) -> bool:
     if kind in (int, float, complex):
         is_number = hasattr(value, "__float__") or has_unit(value)
         return is_number and not (isinstance(value, int) and abs(value) >= 2**63)
-    if kind is np.ndarray:
-        return True
     if kind in (Sequence, list, tuple):
         several = hasattr(value, "__iter__") and not isinstance(value, str | Mapping)
         return several and all(any(_fits(item, part) for part in parts) for item in value)
-    return not isinstance(kind, type) or isinstance(value, kind)
+    return kind in (Any, np.ndarray) or not isinstance(kind, type) or isinstance(value, kind)

@@ -445,8 +445,7 @@ def _judged(rivals: list[Rival], stated: Model | None, *, informed: bool) -> tup
             every = range(len(at))
             tight = min(every, key=lambda place: problem.improved(at, every, beyond=(place,))[0])
             name, prior = [*stated.priors.items()][tight]
-            usual = f"by the default ones it misses by {rms(before):.3g}"
-            advice = f"a wider one of {name} than {prior} ({usual})"
+            advice = f"a wider one of {name} than {prior} (default ones miss by {rms(before):.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
 
     def fails(misfit: Floats) -> bool:

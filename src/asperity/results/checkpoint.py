@@ -83,10 +83,10 @@ class Keeper:
         if self.path is None:
             return
         with whole_file(self.path) as part, part.open("wb") as file:
-            np.savez(file, mark=self.mark, facts=json.dumps(facts, default=vars).encode(), **arrays or {})
+            np.savez(file, mark=self.mark, facts=json.dumps(facts, default=vars).encode(), **arrays or {})  # type: ignore[arg-type]
         self.written = clock.monotonic()
 
-    def read(self) -> tuple[Any, dict[str, NDArray[Any]]] | None:
+    def read(self) -> tuple[Any, dict[str, Any]] | None:
         """Facts and arrays of the checkpoint, if there is one.
 
         `CheckpointError` if the file is no checkpoint, or that of another computation.
@@ -100,14 +100,12 @@ class Keeper:
                 file.seek(0)
                 archive = np.load(file, allow_pickle=False)
                 arrays = {name: archive[name] for name in archive.files}
-            mark, facts = str(arrays.pop("mark")), json.loads(arrays.pop("facts").item())
+            if str(arrays.pop("mark")) != self.mark:
+                raise ValueError("of another computation")
+            return json.loads(arrays.pop("facts").item()), arrays
         except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
             got = f"{self.path}: {reason_of(error)}"
             raise CheckpointError("checkpoint", expected=expected, got=got, advice=advice) from error
-        if mark != self.mark:
-            got = f"{self.path}, of another one"
-            raise CheckpointError("checkpoint", expected=expected, got=got, advice=advice)
-        return facts, arrays
 
 
 @dataclass(frozen=True, eq=False)

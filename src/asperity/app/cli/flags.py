@@ -122,14 +122,12 @@ def _check_leg(leg: Mapping[str, Any]) -> None:
     for inner in leg.get("legs", ()):
         _check_leg(inner)
     parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-    units = {name: parameters[name].quantity.unit for name in filter(parameters.__contains__, leg)}
-    plain = {
-        name: f"{leg[name]:g}{unit}" for name, unit in units.items() if isinstance(leg[name], int | float)
-    }
-    typed = in_words([leg | plain])
-    for name in units:
-        if unit := parameters[name].quantity.unit:
-            check_unit(f"--leg {leg['kind']}: {name}", str(leg[name]), unit, advice=f'--leg "{typed}"')
+    bare = [name for name in leg if name in parameters and isinstance(leg[name] or "", int | float)]
+    plain = {name: unit for name in bare if (unit := parameters[name].quantity.unit)}
+    for name in plain:
+        typed = in_words([{**leg, **{key: f"{leg[key]:g}{unit}" for key, unit in plain.items()}}])
+        place, expected = f"--leg {leg['kind']}: {name}", "a number with its unit"
+        raise InputError(place, expected=expected, got=leg[name], advice=f'--leg "{typed}"')
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -165,9 +163,7 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
 
 
-def check_unit(
-    flag: str, written: str | list[str], unit: str, *, help_text: str = "", advice: str = ""
-) -> None:
+def check_unit(flag: str, written: str | list[str], unit: str, *, help_text: str = "") -> None:
     """Refuse numbers alone, or among others; the advice has the unit of the help's example, if it has one.
 
     Only 0 needs no unit, other than of temperature.
@@ -178,16 +174,14 @@ def check_unit(
         words += [word] if has_unit(word) or has_decimal_comma(word) else re.split(r"[\s,]+", word)
     for one in words:
         if isinstance(plain := number(one), float | int) and (plain != 0 or unit == "K"):
-            example = f'{flag} "{one} {usual[1] if usual else unit}"'
-            raise InputError(flag, expected="a number with its unit", got=one, advice=advice or example)
+            advice = f'{flag} "{one} {usual[1] if usual else unit}"'
+            raise InputError(flag, expected="a number with its unit", got=one, advice=advice)
 
 
 def _paired(written: Iterable[str]) -> list[str]:
     """Pairs, each typed as one word or as two."""
-    words = iter(written)
-    return [
-        word if re.search(r"[\s,]", word.strip()) else f"{word} {next(words, '')}".strip() for word in words
-    ]
+    words = map(str.strip, written)
+    return [word if re.search(r"[\s,]", word) else f"{word} {next(words, '')}".strip() for word in words]
 
 
 def _check_pair(flag: str, pair: str, key: Key) -> None:
