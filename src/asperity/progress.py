@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _EVERY = 0.1
 """Seconds between changes of a bar in a notebook."""
 
+LINE_EVERY = 10.0
+"""Seconds between two plain lines, unless more is to be said."""
+
 
 def listener(
     progress: Progress | Callable[[Frame], None] | bool | None,
@@ -97,7 +100,7 @@ class _Call(Progress):
 class _Lines(Progress):
     """Plain lines, for logs."""
 
-    _decade = -math.inf
+    _decade = _said = -math.inf
 
     def stage(self, name: str, times: Sequence[float] = ()) -> None:
         span = f" to t = {times[-1]:g}" if times else ""
@@ -109,12 +112,14 @@ class _Lines(Progress):
     def reached(self, frame: Frame) -> None:
         # The epsilon puts 10^k, however rounded, at the start of its decade.
         decade = math.floor(math.log10(frame.time) + 1e-9) if frame.time > 0 else -math.inf
-        if frame.time == 0 or decade > self._decade:
+        is_late = clock.monotonic() - self._said > LINE_EVERY
+        if frame.time == 0 or decade > self._decade or is_late:
             self._decade = decade
             self._say(f"  t = {frame.time:<8.4g} {_area(frame)}")
 
     def _say(self, text: str) -> None:
         print(printable(text), file=sys.stderr, flush=True)
+        self._said = clock.monotonic()
 
 
 class _OnTerminal(Progress):

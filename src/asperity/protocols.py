@@ -247,7 +247,7 @@ class Ramp(Change):
     Parameters
     ----------
     duration
-        Time > 0.
+        Time >= 0; 0 is a `Step`.
     load, pressure, separation, approach
         One of these at the end: the load, > 0 without adhesion; the load over nominal area; the separation,
         for which the rigid body moves by the difference from the mean of u0 at the beginning; or the approach
@@ -256,7 +256,7 @@ class Ramp(Change):
         As in `Hold`.
     """
 
-    duration: _Duration
+    duration: Annotated[float, Ge(0), Quantity("how long it lasts; 0 is a step", "s")]
     example = "Ramp(10.0, load=400.0)"
 
     load: _Load = None
@@ -433,11 +433,9 @@ def legs_of(protocol: Sequence[Leg] | Leg) -> Iterator[Leg]:
     if isinstance(protocol, Leg):
         protocol = [protocol]
     advice = "[asperity.protocols.Hold(10.0), asperity.protocols.Step(load=160.0)]"
-    if not isinstance(protocol, Sequence) or len(protocol) == 0:
-        raise InputError("protocol", expected="a list of legs", got=repr(protocol), advice=advice)
-    if others := [leg for leg in protocol if not isinstance(leg, Leg)]:
-        got = repr(others[0])
-        raise InputError("protocol", expected="legs, such as Hold or Ramp", got=got, advice=advice)
+    several = protocol if isinstance(protocol, Sequence) and len(protocol) else [protocol]
+    if others := [leg for leg in several if not isinstance(leg, Leg)]:
+        raise InputError("protocol", expected="a list of legs", got=repr(others[0]), advice=advice)
     total = sum(leg.count * len(leg.legs) if isinstance(leg, Repeat) else 1 for leg in protocol)
     _check_length(total, f"{total:,}")
     for leg in protocol:

@@ -268,18 +268,16 @@ def age(
     entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
     rows: list[Row] = []
     snapshots: list[Snapshot] = []
-    keeper, resume = None, None
-    if checkpoint is not None:
-        settings = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-        fields = np.append(kept, 0.0) if 0 in wanted else kept
-        run = fingerprint_of(contact, schedule, recorded, fields, tolerance, method, exact, carried)
-        keeper = Keeper(settings, run)
-        if (place := keeper.read()) is not None:
-            resume, rows, snapshots = place.midway, place.rows, place.snapshots
+    fields, resume = np.append(kept, 0.0) if 0 in wanted else kept, None
+    run = contact, schedule, recorded, fields, tolerance, method, exact, carried
+    keeper = Keeper(checkpoint, b"" if checkpoint is None else fingerprint_of(*run))
+    if (found := keeper.read()) is not None:
+        place = Place.unpacked(*found)
+        resume, rows, snapshots = place.midway, place.rows, place.snapshots
 
     def keep_place(midway: Callable[[], LegMidway]) -> None:
-        if keeper is not None and keeper.is_due():
-            keeper.write(Place(midway(), rows, snapshots))
+        if keeper.is_due():
+            keeper.write(*Place(midway(), rows, snapshots).packed())
 
     final, parted = contact, False
     with listener(progress) as shown:

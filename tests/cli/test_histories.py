@@ -1,5 +1,6 @@
 """Histories from flags and files: ``asperity run --leg ...`` and ``[[protocol]]``."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -8,11 +9,13 @@ import pytest
 
 from asperity import age, press, results
 from asperity.app.cli import main
+from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import read_config
 from asperity.app.config.legs import legs_from_words
 from asperity.app.config.python import to_python
 from asperity.app.runs.pipeline import recorded_times
 from asperity.base.words import tables_to_toml
+from asperity.errors import ConfigError, InputError
 from asperity.protocols import Hold, Ramp, Repeat, Slide, Step
 from asperity.solids import spring_lattice
 from asperity.surfaces import gaussian
@@ -124,3 +127,53 @@ def test_sliding_and_friction_from_flags(tmp_path, says):
     found: dict[str, Any] = {}
     exec(program, found)
     np.testing.assert_array_equal(found["friction"]["friction"], data["friction"])
+
+
+def test_repeat_last_repeats_so_many_legs_in_any_case():
+    lines = ["Ramp 1s pressure=1MPa", "STEP pressure=2MPa", "hold 3s"]
+    for last in ("repeat 3 last 2", "Repeat 3 last=2", "repeat 3 last = 2"):
+        first, repeated = legs_from_words([*lines, last])
+        assert first == {"kind": "ramp", "duration": "1s", "pressure": "1MPa"}
+        inner = [{"kind": "step", "pressure": "2MPa"}, {"kind": "hold", "duration": "3s"}]
+        assert repeated == {"kind": "repeat", "count": 3, "legs": inner}
+    assert legs_from_words([*lines, "repeat 3 last 3"]) == legs_from_words([*lines, "repeat 3"])
+    for wrong in ("0", "4", "1.5", "x"):
+        with pytest.raises(ConfigError, match="last"):
+            legs_from_words([*lines, f"repeat 3 last={wrong}"])
+
+
+@pytest.mark.parametrize(
+    "leg",
+    ["ramp 0s load=100", "step load=3", "slide distance=8 velocity=5", "hold 3", "ramp 2 pressure=1MPa"],
+)
+def test_advice_on_the_unit_of_a_leg_is_taken(leg):
+    with pytest.raises(InputError, match="number with its unit") as raised:
+        given(None, leg=[leg], units=True)
+    typed = re.fullmatch('--leg "(.*)"', raised.value.advice)
+    assert typed is not None
+    (taken,) = given(None, leg=[typed[1]], units=True)["protocol"]["legs"]
+    assert {key: quantity_of(value) for key, value in taken.items()} == {
+        key: quantity_of(value) for key, value in legs_from_words([leg])[0].items()
+    }
+
+
+def quantity_of(value):
+    """The number of a text with a unit in SI."""
+    match = re.match(r"([\d.]+)[a-zA-Z]", str(value))
+    return float(match[1]) if match and str(value) != "1MPa" else value
+
+
+def test_zero_needs_no_unit():
+    assert given(None, leg=["ramp 0 load=1N", "step pressure=0"], units=True)["protocol"]["legs"] == [
+        {"kind": "ramp", "duration": 0, "load": "1N"},
+        {"kind": "step", "pressure": 0},
+    ]
+
+
+def test_pairs_are_one_word_or_two():
+    flags = flags_for("solid")
+    for written in (["0.7 1s", "0.2,10s"], ["0.7", "1s", "0.2", "10s"], ["0.7", "1s", "0.2 10s"]):
+        assert given(flags(solid_branches=written), units=True)["solid"]["branches"] == [
+            [0.7, "1s"],
+            [0.2, "10s"],
+        ]

@@ -7,11 +7,13 @@ import subprocess
 import sys
 from contextlib import suppress
 
+import numpy as np
 import pytest
 
 from asperity.app.cli import main
 from asperity.base.files import MARKER, mark
 from tests.cli.conftest import SMALL, process
+from tests.surfaces import uncorrelated
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals and limits")
 
@@ -86,6 +88,29 @@ def test_a_long_run_that_is_killed_goes_on_to_the_same_result(tmp_path):
     for name in ("aging.csv", "config.toml"):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "undisturbed" / name).read_bytes()
     assert {path.name for path in tmp_path.iterdir()} == {"out", "undisturbed"}
+
+
+def test_a_disk_that_fills_up_keeps_the_checkpoint_and_says_so(tmp_path):
+    np.save(tmp_path / "scan.npy", uncorrelated(32))
+    flags = (
+        "--file-unit",
+        "nm",
+        "--pixel-size",
+        "1um",
+        "--young",
+        "3GPa",
+        "--pressures",
+        "0.1MPa",
+        "0.12MPa",
+    )
+    # The checkpoint fits into this limit of any file, and the picture does not.
+    running = process(
+        "law", "--surface", tmp_path / "scan.npy", *flags, "--out", tmp_path / "out", before=limited(20_000)
+    )
+    _, error = running.communicate(timeout=60)
+    (place,) = tmp_path.glob("out.*.checkpoint")
+    said = f"could not write {tmp_path / 'out'}: File too large; nothing was left there"
+    assert error.splitlines()[-1] == f"asperity: {said}; the same command resumes from {place}"
 
 
 @pytest.mark.slow
@@ -197,3 +222,15 @@ def test_on_a_terminal_there_is_a_bar(tmp_path):
     assert running.returncode == 0
     assert b"\x1b[" in shown
     assert b"aging" in shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("command", "at"), [("infer", "from the priors"), ("sweep", "runs on 2 workers")])
+def test_the_workers_of_a_killed_command_end(tmp_path, command, at):
+    (tmp_path / "infer").write_text("t,A\n" + "".join(f"{2**n},{10 + n}\n" for n in range(12)))
+    (tmp_path / "sweep").write_text("surface.shape = [256, 256]\nsweep.seeds = 50\n")
+    words = (command, tmp_path / command, "--workers", "2", "--out", tmp_path / "out")
+    with process(*words, before=stopping(signal.SIGKILL, at)) as running:
+        running.wait(timeout=200)
+        running.communicate(timeout=20)  # ends when nobody has the output any more
+    assert running.returncode == -signal.SIGKILL

@@ -6,14 +6,18 @@ import asyncio
 import io
 import math
 import os
+import pickle
 import shutil
 import socket
+import subprocess
+import sys
 import time as clock
 import tomllib
 from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext, suppress
 from pathlib import Path
+from subprocess import PIPE
 from types import SimpleNamespace
 from typing import Any
 from urllib.parse import quote
@@ -485,6 +489,21 @@ def test_a_run_goes_to_another_process_when_the_one_that_waited_has_ended() -> N
         return job.recording.end
 
     assert outcome_of(ended())["kind"] == "done"
+
+
+@pytest.mark.slow
+def test_a_computing_process_ends_with_the_server_that_was_killed() -> None:
+    from asperity.app.explore.jobs import _WORK
+
+    with subprocess.Popen([sys.executable, "-c", _WORK], stdin=PIPE, stdout=PIPE) as computing:
+        assert computing.stdin is not None
+        assert computing.stdout is not None
+        pickle.dump((config_from(LARGE, {}, None), {}, ""), computing.stdin)
+        computing.stdin.flush()
+        while b"taken" not in computing.stdout.read1():
+            pass
+        computing.stdin.close()  # as the system does when the server is killed
+        assert computing.wait(timeout=20) == 1
 
 
 def test_a_page_that_leaves_late_stops_no_later_run_of_the_same_name(

@@ -383,7 +383,7 @@ def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypat
     resumed = asp.law(RELAXING, surface(ROUGH), **how)
     assert done == [8e6, 4e6, 2e6, 2e6, 1e6]
     assert resumed.identical(asp.law(RELAXING, surface(ROUGH), **asked))
-    with refuses("checkpoint", "of something else", kind=CheckpointError):
+    with refuses("checkpoint", "of another computation", kind=CheckpointError):
         asp.law(RELAXING, surface(rough(4)), **how)
 
 

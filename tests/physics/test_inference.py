@@ -568,7 +568,9 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
     for _ in range(3):  # the third time with the whole weight of the data
         with pytest.raises(ConvergenceError, match="ensembles"):
             sample(Problem(T, value, error, made), report=rounds.append, **how)
-    assert "R-hat" in rounds[-1]
+    assert re.fullmatch(
+        r"chains: R-hat [\d.]+, to fall below 1.01; \d+ samples, to reach 1000000", rounds[-1]
+    )
 
 
 def test_priors_are_what_they_say():
@@ -577,3 +579,19 @@ def test_priors_are_what_they_say():
         assert np.quantile(one.at(one.drawn(random, 20_000)), level) == pytest.approx(10, rel=0.05)
     for one in (Prior("uniform", 1, 2, "N"), Prior("normal", -1, 2), Prior("log_normal", 3, 1.5, "s")):
         assert Prior.of("x", one.table, one.unit) == one
+
+
+def test_a_soft_cell_has_the_modulus_of_hertz_and_a_prior_that_excludes_it_is_named():
+    time, load, radius, modulus = np.geomspace(0.1, 1e4, 15), 1e-9, 5e-6, 300.0
+    compliance = (1.4 - 0.4 * np.exp(-time / 100)) / modulus  # one branch
+    depth = (0.75 * load * compliance / math.sqrt(radius)) ** (2 / 3)
+    table = {"load": ("0.99 nN", "1.01 nN"), "radius": ("4.95 um", "5.05 um")}
+    how: dict[str, Any] = {"branches": 1, "absolute": True, "quantity": "depth"}
+    made = of_name("ball", time, depth, priors=table, **how)
+    at, _ = rivals.best_fit(Problem(time, depth, 0.01 * depth, made))
+    assert made.priors["modulus"].at(at[[*made.priors].index("modulus")]) == pytest.approx(
+        modulus, rel=0.015
+    )  # ranges of load and radius
+    for name, ends in (("modulus", ("1 kPa", "1e12 Pa")), ("time_1", ("1e4 s", "1e5 s"))):
+        with refuses("priors", advice=f"a wider one of {name} than"):
+            asp.infer(time, depth, 0.01 * depth, model="ball", **how, priors=table | {name: ends})

@@ -17,9 +17,10 @@ from asperity.errors import CallError, InputError, Remark
 from tests.refusals import refuses
 
 SOLIDS, SURFACES, THEORY = asp.solids, asp.surfaces, asp.theory
-PAIR = np.array([1.0, 3.0])
+PAIR, CURVE = np.array([1.0, 3.0]), [1.0, 2.0, 3.0, 5.0, 8.0, 13.0]
 FILM: dict[str, Any] = {"poisson": 0.3, "thickness": "1 um"}
 STIFF = SOLIDS.half_space(young="3 GPa", poisson=0.3)
+PRESSED = asp.press(PAIR, SOLIDS.spring_lattice(k0=1.0, k1=3.0), load=1.0)
 BASE: dict[str, Any] = {"base_modulus": "200 GPa", "base_poisson": 0.3}
 
 
@@ -46,6 +47,28 @@ def test_a_mistaken_argument_is_answered(call, given, name, got):
         call(**given)
     assert isinstance(raised.value, InputError)
     assert isinstance(raised.value, TypeError)
+
+
+WRONG_TYPES = [
+    ("path", "None", asp.results.load, {"path": None}),
+    ("path", "-1", asp.surfaces.read, {"path": -1}),
+    ("undefined", "ndarray", asp.surfaces.read, {"path": "x.csv", "undefined": PAIR}),
+    ("checkpoint", "False", asp.age, {"contact": PRESSED, "times": [1.0], "checkpoint": False}),
+    ("hold", "ndarray", asp.age, {"contact": PRESSED, "times": [1.0], "hold": PAIR}),
+    ("progress", "'yes'", asp.age, {"contact": PRESSED, "times": [1.0], "progress": "yes"}),
+    ("edges", "ndarray", SURFACES.Surface, {"heights": PAIR, "edges": PAIR}),
+    ("unit", "ndarray", SURFACES.gaussian, {"shape": 8, "unit": PAIR}),
+    ("bonded", "None", SOLIDS.layer, FILM | {"modulus": 1.0, "bonded": None}),
+    ("heights", "None", THEORY.winkler_area, {"load_per_site": 0.5, "k1": 3.0, "heights": None}),
+    ("laws", "[]", asp.fits.measured_growth, {"time": CURVE, "value": CURVE, "laws": []}),
+    ("laws", "'logarithm'", asp.fits.measured_growth, {"time": CURVE, "value": CURVE, "laws": "logarithm"}),
+]
+
+
+@pytest.mark.parametrize(("name", "got", "call", "given"), WRONG_TYPES)
+def test_an_argument_of_another_type_is_refused_by_its_name(name, got, call, given):
+    with refuses(name, got):
+        call(**given)
 
 
 def test_what_goes_wrong_within_a_call_stays_what_it_is():
@@ -207,3 +230,16 @@ def test_a_key_of_an_instrument_is_checked_before_anything_is_read():
 def test_every_argument_of_a_material_is_known_where_predictions_are_asked_for():
     names = {*inspect.signature(asp.relaxation.material).parameters} - {"source", "per_decade"}
     assert all("relaxation.material" in calls._MOVED[name] for name in names)
+
+
+def test_what_vanishes_is_zero_also_where_numpy_has_it_raise():
+    data = asp.relaxation.Relaxation(np.geomspace(1e-6, 1e9, 40), np.linspace(3.0, 1.0, 40))
+    solid = SOLIDS.spring_lattice(k0=1.0, k1=3.0)
+    zener = functools.partial(asp.relaxation.fractional_zener, instantaneous=2.0, relaxed=0.5, exponent=0.5)
+    with np.errstate(under="raise"):
+        fitted = asp.relaxation.fit(data)
+        series = zener(time=4.0, first=0.5, last=64.0)
+        aged = asp.age(asp.press(PAIR, solid, load=1.0), [1e6])
+    assert fitted.series == asp.relaxation.fit(data).series
+    assert series == zener(time=4.0, first=0.5, last=64.0)
+    assert aged.dataset.identical(asp.age(asp.press(PAIR, solid, load=1.0), [1e6]).dataset)

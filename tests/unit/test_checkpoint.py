@@ -1,6 +1,7 @@
 """A run that was stopped anywhere goes on to the identical result."""
 
 import io
+import zipfile
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,6 +14,8 @@ from asperity.aging import creep
 from asperity.aging.frames import Midway
 from asperity.contact import ActiveSet, Multigrid
 from asperity.errors import CheckpointError, OutputError
+from asperity.inference.models import of_name
+from asperity.inference.sampling import Problem, sample
 from asperity.results import Checkpoint
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated
@@ -160,6 +163,41 @@ def test_a_file_that_is_no_checkpoint_is_refused(here):
         with refuses("checkpoint", kind=CheckpointError):
             asp.age(CONTACT, TIMES, checkpoint="place.npz")
         assert (here / "place.npz").read_bytes() == content
+
+
+def infer(place):
+    error = np.full(TIMES.size, 0.02)
+    made = of_name("power", TIMES, TIMES**0.1, priors=None, branches=1, absolute=False)
+    how: dict[str, Any] = {"seed": 0, "walkers": 50, "effective": 50, "agreement": 1.2}
+    return sample(Problem(TIMES, TIMES**0.1, error, made), **how, checkpoint=place).z
+
+
+def law(place):
+    scan = asp.surfaces.Surface(uncorrelated(16), unit="nm", pixel_size="1 um")
+    found = asp.law(asp.solids.half_space(modulus="3 GPa"), scan, pressures=[1e5, 2e5], checkpoint=place)
+    return found["approach"].values
+
+
+def age(place):
+    return asp.age(CONTACT, TIMES, fields_at=[1.0], checkpoint=place).dataset["u"].values
+
+
+@pytest.mark.parametrize("compute", [age, law, infer])
+def test_a_changed_number_is_refused(here, compute):
+    place = here / "place"
+    whole = compute(Checkpoint(place, every=0.0))
+    written = place.read_bytes()
+    np.testing.assert_array_equal(compute(place), whole)
+    with zipfile.ZipFile(place) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    assert {"mark.npy", "facts.npy"} <= set(contents)
+    for content in contents.values():
+        changed = bytearray(written)
+        changed[written.index(content) + len(content) - 4] ^= 1  # the last letter, or a digit of a number
+        place.write_bytes(changed)
+        with refuses("checkpoint", "CRC", kind=CheckpointError):
+            compute(place)
+        assert place.read_bytes() == changed
 
 
 def test_a_place_where_nothing_can_be_written(here):

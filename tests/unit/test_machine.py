@@ -123,3 +123,28 @@ process.join()
 {tell}"""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.stdout.split() == ["True", "False"], done.stderr
+
+
+@pytest.mark.parametrize("result", ["time.sleep(300)", "bytes(10**7)"])  # one that computes, one that writes
+def test_workers_end_with_the_process_that_began_them(tmp_path, result):
+    script = tmp_path / "script.py"
+    script.write_text(f"""
+import os, signal, sys, time
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from asperity.base.machine import end_with_parent
+
+def work(_):
+    os.write(1, b"working")
+    return {result}
+
+if __name__ == "__main__":
+    with ProcessPoolExecutor(2, get_context("spawn"), end_with_parent) as pool:
+        pool.map(work, range(8))
+        os.read(0, 1)
+""")
+    with subprocess.Popen([sys.executable, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as asking:
+        assert asking.stdout is not None
+        assert asking.stdout.read(7) == b"working"
+        asking.kill()
+        asking.communicate(timeout=20)  # ends when nobody has the output any more

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import sys
 from types import SimpleNamespace
 from typing import Any
@@ -32,6 +33,13 @@ def test_in_a_log_there_is_a_line_for_each_decade(capsys: pytest.CaptureFixture[
     without = age(CONTACT, TIMES)
     assert capsys.readouterr() == ("", "")
     assert with_bar.dataset.identical(without.dataset)
+
+
+def test_in_a_log_there_is_a_line_every_few_seconds_within_a_decade(monkeypatch, capsys):
+    seconds = itertools.count(step=6.0)
+    monkeypatch.setattr("asperity.progress.clock", SimpleNamespace(monotonic=lambda: next(seconds)))
+    age(CONTACT, [1.0, 2.0, 3.0, 4.0], progress=True)
+    assert [line.split()[2] for line in capsys.readouterr().err.splitlines()[1:]] == ["0", "1", "3"]
 
 
 def test_on_a_terminal_there_is_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:

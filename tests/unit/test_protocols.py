@@ -202,3 +202,15 @@ def test_without_a_protocol_a_history_is_one_hold():
     assert (row.kind, row.begin, row.end) == ("hold", 0.0, 2.0)
     assert row.area == (data["area"].values[0], data["area"].values[-1])
     assert leg_table(asp.age(CONTACT, [0.0]).dataset) == []
+
+
+def test_a_ramp_that_takes_no_time_is_a_step():
+    contact = asp.press(uncorrelated(16), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=10.0)
+    for target in ({"load": 20.0}, {"separation": 0.9 * contact.separation}):
+        ramped, stepped = (
+            asp.age(contact, [1.0], protocol=[leg, Hold(1.0)])
+            for leg in (Ramp(0.0, **target), Step(**target))
+        )
+        np.testing.assert_array_equal(ramped.final.u, stepped.final.u)
+        np.testing.assert_array_equal(ramped["load"].values, stepped["load"].values)
+    each_refuses(("duration", "-1.0", Ramp, -1.0, 20.0), ("duration", "0", Hold, 0))

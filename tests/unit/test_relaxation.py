@@ -244,6 +244,8 @@ def test_wrong_numbers_are_refused_in_one_line():
         ("temperature", lambda: arrhenius(80e3, -5, 300)),
         ("temperature", lambda: wlf(17.44, 51.6, 321.0, 373.0)),
         ("temperature", lambda: wlf(17.44, 51.6, 322.0, 373.0)),
+        ("temperature", lambda: wlf(17.44, 51.6, 373.0 - 51.6 + 1e-13, 373.0)),
+        ("temperature", lambda: arrhenius(80e3, 900.0, 20.0)),
         ("exponent", lambda: power(exponent=1.0, first=0.1, last=10.0)),
         ("last", lambda: power(first=10.0, last=1.0)),
         ("last", lambda: power(first=1e-30, last=1e30)),
@@ -256,7 +258,9 @@ def test_wrong_numbers_are_refused_in_one_line():
         *calls,
         got=(
             "1.1 together | 0.0 | inf | (0.1, 1.0, 2.0) | 0.1 | '0.1' | shape (2,) | -1.0 | "
-            "2.0 before 1.0 | 1 loads | -1.0 | (2.0, 1.0) | shape (2,) | 0.0 | -5 | 321 K | 10 | 1.0 | "
+            "2.0 before 1.0 | 1 loads | -1.0 | (2.0, 1.0) | shape (2,) | 0.0 | -5 | 321 K"
+            " | above 1e100 (nothing relaxes) at 322 K | above 1e100 (nothing relaxes) at 321.4 K"
+            " | below 1e-100 (all has relaxed) at 900 K | 1.0 | "
             "1.0 | 60.0 | 1e-09 | 5.0 | 0 | 1.5"
         ),
     )

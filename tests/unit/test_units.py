@@ -92,6 +92,23 @@ def test_other_texts_are_refused() -> None:
     assert factor("GPa", "1/Pa") is None
 
 
+@pytest.mark.parametrize(
+    ("written", "unit", "meant"),
+    [
+        ("1mpa", "Pa", 1e6),
+        ("3 GPA", "Pa", 3e9),
+        ("2 UM", "m", 2e-6),
+        ("5 Mn", "N", 5e-3),
+        ("3 HZ", "Hz", 3.0),
+    ],
+)
+def test_a_unit_in_another_case_is_refused_with_the_one_that_is_meant(written, unit, meant) -> None:
+    with refuses("quantity", written) as raised:
+        quantity(written, unit)
+    advised, reason = raised.value.advice.split(", ")
+    assert (quantity(advised, unit), reason) == (pytest.approx(meant), "as case matters")
+
+
 def test_solids_take_units() -> None:
     thin: dict[str, Any] = {"modulus": 3e9, "poisson": 0.3, "thickness": 4e-6}
     written: dict[str, Any] = {"modulus": "3 GPa", "poisson": 0.3, "thickness": "4 µm"}

@@ -28,7 +28,6 @@ those of the tiles have.
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import math
@@ -59,12 +58,11 @@ from asperity.carried.response import unit_response
 from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.remarks import Resolved, remarks_on_bodies, remarks_on_contacts, resolution_of
-from asperity.errors import CheckpointError, InputError
+from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
-from asperity.results import Checkpoint
+from asperity.results.checkpoint import Checkpoint, Keeper
 from asperity.results.dataset import attributes_of_solid
-from asperity.results.store import whole_file
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
@@ -173,10 +171,9 @@ def law(
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
-    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan, __version__
-    mark = hashlib.sha256(repr(asked).encode() + heights.tobytes()).hexdigest()
-    path = Path(checkpoint.path if isinstance(checkpoint, Checkpoint) else checkpoint) if checkpoint else None
-    rows = _kept(path, mark)
+    asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
+    keeper = Keeper(checkpoint, repr(asked).encode() + heights.tobytes())
+    rows: list[Row] = (keeper.read() or ([],))[0]
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
     with listener(progress) as listening:
         # The largest comes first, so that full contact or yield is refused early.
@@ -189,9 +186,7 @@ def law(
             contact = pressed(scan, body, pressure=step)
             row_of = partial(_row, rough=heights, carried=carried)
             rows += _held(contact, scan, step, ages, lower, rtol, row_of)
-            if path is not None:
-                with whole_file(path) as part:
-                    part.write_text(json.dumps({mark: rows}), encoding="utf-8")
+            keeper.write(rows)
     rows.sort(key=itemgetter("pressure", "time"))
     held = [Resolved(**row["seen"]) for row in rows if row["direction"] == "loading"]
     for text in (*remarks_on_bodies(scan, body), *remarks_on_contacts(scan, body, held, "rows")):
@@ -320,20 +315,6 @@ def _hydraulic(gap: Field) -> Row:
         mean = math.exp(brentq(lambda log: float(np.tanh((logarithms - log) / 2).mean()), -700.0, 0.0))
     bounds = {"hydraulic_gap": mean, "hydraulic_gap_least": least, "hydraulic_gap_most": most}
     return {name: widest * value ** (1 / 3) for name, value in bounds.items()}
-
-
-def _kept(path: Path | None, mark: str) -> list[Row]:
-    """Rows of finished pressures, from a checkpoint if it exists."""
-    if path is None or not path.exists():
-        return []
-    try:
-        return list(json.loads(path.read_text(encoding="utf-8"))[mark])
-    except (OSError, ValueError, TypeError, KeyError, RecursionError):
-        message: dict[str, Any] = {
-            "expected": "a checkpoint of this law",
-            "advice": "another path, or remove the file",
-        }
-        raise CheckpointError("checkpoint", got=f"{path}, of something else", **message) from None
 
 
 def _dataset(rows: list[Row], rough: Field) -> xr.Dataset:

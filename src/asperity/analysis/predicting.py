@@ -209,8 +209,8 @@ def predicted(
         return age(pressed(surface, solid, **at_first), at, protocol=protocol, rtol=rtol, **how)
 
     def drawn(other: Solid, stage: str) -> xr.Dataset:
-        progress.stage(stage)
-        return followed(scan, other, times, carried=carried).dataset
+        progress.stage(stage, times=times.tolist())
+        return followed(scan, other, times, carried=carried, progress=progress.reached).dataset
 
     try:
         contact = pressed(scan, solid, **at_first)

@@ -195,7 +195,8 @@ class Prediction(views.InNotebooks, views.Pictured):
     def legs(self) -> str:
         """The history of the load in words; empty for a constant load."""
         legs = [] if self.growth is not None else protocol_of(self.dataset)
-        return ", ".join(leg.words(_said) for leg in legs)
+        begin = f"from {_said('load', float(self.dataset['load'][0]))}"
+        return ", ".join([begin, *(leg.words(_said) for leg in legs)]) if legs else ""
 
     @property
     def loaded(self) -> int:

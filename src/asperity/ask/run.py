@@ -326,7 +326,12 @@ class RunConfig:
         ]
         for path, load in pressing:
             if load is not None and (load < 0 or (load == 0 and path != ("contact", "load"))):
-                facts: dict[str, Any] = {"cure": {"adhesion": "dugdale"}, "advice": "a load above 0"}
+                facts: dict[str, Any] = {
+                    "cure": {"adhesion": "dugdale"},
+                    "advice": f"{-load:g}, which presses",
+                }
+                if not load:
+                    facts = {"advice": "a small one, which lifts the body"}
                 name, got = str(path[-1]), f"{load:g}"
                 raise SectionError([InputError(name, expected="more than 0", got=got, path=path, **facts)])
 

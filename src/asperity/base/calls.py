@@ -6,13 +6,13 @@ import functools
 import inspect
 import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from types import FrameType, FunctionType
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from types import FrameType, FunctionType, SimpleNamespace, UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from asperity.base.words import MEANT, closest, reason_of, shortened
-from asperity.errors import CallError, InputError, Remark
+from asperity.base.words import MEANT, closest, has_unit, reason_of, shortened
+from asperity.errors import AsperityError, CallError, InputError, Remark
 
 _OF_MATERIALS = (
     *("kind", "columns", "units", "noise", "branches", "extrapolate", "modulus", "young", "poisson"),
@@ -107,24 +107,34 @@ def _answering(member: Any) -> Any:
     def call(*args: Any, **kwargs: Any) -> Any:
         if kwargs.get("rng") is not None and "seed" in kwargs:
             raise InputError("seed and rng", expected="one of them", got="both")
+        import numpy as np
+
         try:
-            return member(*args, **kwargs)
-        except TypeError:
-            _check(member, args, kwargs)
+            with np.errstate(under="ignore"):  # what vanishes is 0, also where a user has it raise
+                return member(*args, **kwargs)
+        except Exception as error:
+            if not isinstance(error, AsperityError):
+                _check(member, args, kwargs, error)
             raise
 
     call.answers = True  # type: ignore[attr-defined]
     return call
 
 
-def _check(function: Callable[..., Any], args: tuple[Any, ...], keywords: dict[str, Any]) -> None:
+def _check(
+    function: Callable[..., Any], args: tuple[Any, ...], keywords: dict[str, Any], met: Exception
+) -> None:
+    """Blame what a call met on an argument that does not exist, is missing, or is of another type."""
+    from asperity.base import checks  # takes long, as NumPy does
+    from asperity.base.parameters import kinds_of
+
     signature = inspect.signature(function)
     names = [name for name in signature.parameters if name not in ("self", "cls")]
     by_name = [each.name for each in signature.parameters.values() if each.kind is each.KEYWORD_ONLY]
     *_, owner, name = f".{function.__qualname__}".split(".")
     name, listed = owner if name == "__init__" else name, shortened(", ".join(names), 120)
     try:
-        signature.bind(*args, **keywords)
+        given = signature.bind(*args, **keywords).arguments
     except TypeError as error:
         if word := next((word for word in keywords if word not in names), None):
             meant = MEANT.get(word) if MEANT.get(word) in names else closest(word, names)
@@ -134,3 +144,30 @@ def _check(function: Callable[..., Any], args: tuple[Any, ...], keywords: dict[s
             raise CallError(name, expected=f"one of {listed}", got=repr(word), advice=advice) from None
         advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
         raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None
+    for word in filter(given.__contains__, names):
+        annotation = signature.parameters[word].annotation
+        annotated = SimpleNamespace(__annotations__={word: annotation})
+        with suppress(NameError):  # of a name that only the type checker imports
+            hint = get_type_hints(annotated, vars(sys.modules[function.__module__]))[word]
+            if not _fits(given[word], hint):
+                words = [repr(kind) for kind in kinds_of(hint) if isinstance(kind, str)]
+                expected = f"one of {', '.join(words)}" if words else str(annotation)
+                raise InputError(word, expected=expected, got=checks.shown(given[word])) from met
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value is of a type, as far as it tells; arrays are checked where they are used."""
+    import numpy as np
+
+    kind, parts = get_origin(hint) or hint, get_args(hint)
+    if kind in (Union, UnionType):
+        return any(_fits(value, part) for part in parts)
+    if kind is Literal:
+        return isinstance(value, str | int) and value in parts
+    if kind in (int, float, complex):
+        is_number = hasattr(value, "__float__") or has_unit(value)
+        return is_number and not (isinstance(value, int) and abs(value) >= 2**63)
+    if kind in (Sequence, list, tuple):
+        several = hasattr(value, "__iter__") and not isinstance(value, str | Mapping)
+        return several and all(any(_fits(item, part) for part in parts) for item in value)
+    return kind in (Any, np.ndarray) or not isinstance(kind, type) or isinstance(value, kind)

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -48,6 +48,29 @@ def unhurried() -> Iterator[None]:
     finally:
         for number in came[:1]:
             signal.raise_signal(number)
+
+
+def end_with(asking: Callable[[], object]) -> None:
+    """End this process when a call returns that waits as long as the process lives that wants the results.
+
+    Whoever is killed cannot end the others, and who writes to a pipe that nobody reads waits forever.
+    """
+
+    def end() -> None:
+        try:
+            asking()
+        finally:
+            os._exit(1)
+
+    threading.Thread(target=end, daemon=True).start()
+
+
+def end_with_parent() -> None:
+    """End this process, which `multiprocessing` began, with the one that began it."""
+    from multiprocessing import parent_process
+
+    if (parent := parent_process()) is not None:
+        end_with(parent.join)
 
 
 def available() -> int:

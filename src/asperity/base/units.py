@@ -136,7 +136,11 @@ def quantity(value: object, unit: str, name: str = "quantity") -> float:
 
 def _no_quantity(name: str, text: str, unit: str) -> InputError:
     kind, example = _EXAMPLES.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
-    return InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(text))
+    match = _NUMBER.fullmatch(text)
+    cased = [word for word in _USUAL if match and match[2] and word.lower() == match[2].lower()]
+    meant = next((word for word in cased if factor(word, unit) is not None), "")
+    advice = f"{match[1]} {meant}, as case matters" if match and meant else ""
+    return InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(text), advice=advice)
 
 
 def usual_unit(unit: str) -> str:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -161,6 +161,7 @@ PUBLISHED = Accuracy()
 """That of published states."""
 
 
+@runtime_checkable
 class ContactSolver(Protocol):
     """What a solver offers."""
 

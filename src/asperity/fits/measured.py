@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -91,6 +91,8 @@ def measured_growth(
     first, last = (None if t is None else checks.number(n, t) for n, t in (("first", first), ("last", last)))
     if series.x.size > 2:  # messages of the fits would call the values areas
         refuse_decline(series, name)
+    if not laws or not set(laws) <= set(get_args(Law)):
+        raise InputError("laws", expected=f"some of {', '.join(get_args(Law))}", got=checks.shown(laws))
     fits, comparison, notes = _fits(series, laws)
     zeros = int(np.searchsorted(series.x, 0.0, side="right"))
     later = series.where(series.x > 0)

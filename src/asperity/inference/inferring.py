@@ -20,7 +20,6 @@ from scipy.stats import chi2
 from asperity.base import checks, units, views
 from asperity.base.calls import remark
 from asperity.base.checks import Floats
-from asperity.base.files import expanded
 from asperity.errors import LARGEST, InputError
 from asperity.fits.comparison import neighbors
 from asperity.fits.curve import Series, refuse_decline
@@ -40,6 +39,7 @@ from asperity.inference.rivals import (
 from asperity.inference.sampling import Draws, Problem, libraries, sample
 from asperity.inference.verdicts import WORDS, Candidate, Combination, Posterior, Verdict, distinguishable
 from asperity.progress import Progress, listener
+from asperity.results import Checkpoint
 
 _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 """Probability of a misfit below which it is remarked; gain in chi-squared above which priors are refused."""
@@ -254,7 +254,7 @@ def infer(
     effective: int = 1000,
     workers: int = 1,
     progress: Progress | bool | None = None,
-    checkpoint: str | Path | None = None,
+    checkpoint: str | Path | Checkpoint | None = None,
 ) -> Inference:
     """Infer the parameters of a model from a curve of area or friction, with a verdict on each.
 
@@ -343,7 +343,7 @@ def infer(
             walkers=walkers,
             effective=effective,
             workers=workers,
-            checkpoint=None if checkpoint is None else expanded(checkpoint),
+            checkpoint=checkpoint,
             report=listening.stage,
         )
         listening.stage("sampling the other acceptable models")
@@ -442,7 +442,10 @@ def _judged(rivals: list[Rival], stated: Model | None, *, informed: bool) -> tup
         at, misfit = best_fit(problem)
         if problem.improved(at, ())[0] - before @ before > _MUCH_BETTER:
             got = f"a best fit that misses by {rms(misfit):.3g} standard errors, rms"
-            advice = f"wider ones (by the default ones it misses by {rms(before):.3g})"
+            every = range(len(at))
+            tight = min(every, key=lambda place: problem.improved(at, every, beyond=(place,))[0])
+            name, prior = [*stated.priors.items()][tight]
+            advice = f"a wider one of {name} than {prior} (default ones miss by {rms(before):.3g})"
             raise InputError("priors", expected="some that allow the data", got=got, advice=advice)
 
     def fails(misfit: Floats) -> bool:

@@ -156,9 +156,11 @@ def of_name(
     return replace(built, priors=ranges, ramp=ramp, scaled=not absolute)
 
 
+_MODULUS = Prior("log_uniform", 1.0, 1e12, "Pa")  # softest gels to stiffer than diamond
+
 _BODY = {
     "load": Prior("log_uniform", 1e-6, 1e6, "N"),
-    "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+    "modulus": _MODULUS,
     "rms_slope": Prior("log_uniform", 1e-3, 10.0),
     "area_factor": Prior("uniform", 1.6, 2.2),
 }
@@ -166,7 +168,7 @@ _BODY = {
 
 _BALL = {
     "load": Prior("log_uniform", 1e-11, 1e6, "N"),
-    "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+    "modulus": _MODULUS,
     "radius": Prior("log_uniform", 1e-9, 1.0, "m"),
 }
 OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
@@ -320,7 +322,7 @@ def eyring(first: float, last: float, _: int) -> Model:
         "stress": Prior("log_uniform", 1e4, 1e10, "Pa"),
         "rate": Prior("log_uniform", 1e-50, 1e-3, "m/s"),
         "length": Prior("log_uniform", 1e-9, 1e-3, "m"),
-        "modulus": Prior("log_uniform", 1e3, 1e12, "Pa"),
+        "modulus": _MODULUS,
     }
     at = functools.partial
     return Model(

@@ -12,7 +12,6 @@ agree, by the rank-normalized R-hat and the effective number of draws (A. Vehtar
 from __future__ import annotations
 
 import functools
-import hashlib
 import json
 import math
 import warnings
@@ -29,11 +28,10 @@ from scipy.optimize import brentq, least_squares
 
 from asperity.base import checks
 from asperity.base.checks import Floats
-from asperity.base.machine import unhurried
-from asperity.base.words import reason_of
-from asperity.errors import CheckpointError, ConvergenceError, InputError
+from asperity.base.machine import end_with_parent, unhurried
+from asperity.errors import ConvergenceError, InputError
 from asperity.inference.models import Model
-from asperity.results.store import whole_file
+from asperity.results.checkpoint import Checkpoint, Keeper
 
 ENSEMBLES = 4
 _MOST_ROUNDS = 100
@@ -233,7 +231,7 @@ def sample(
     steps: int = 40,
     draws: int = 1000,
     workers: int = 1,
-    checkpoint: Path | None = None,
+    checkpoint: str | Path | Checkpoint | None = None,
     report: Callable[[str], object] = str,
 ) -> Draws:
     """Sample until ensembles agree, by R-hat, and have so many `effective` draws.
@@ -245,11 +243,15 @@ def sample(
     asked = [problem.model.name, *map(str, problem.model.priors.items()), seed, walkers, steps]
     some = problem.misfit(problem.of_prior(np.random.default_rng(0), 4))  # depends on function and ramp
     data = np.concatenate([problem.time, problem.value, problem.error, some.ravel()]).tobytes()
-    mark = hashlib.sha256(data + json.dumps(asked).encode()).hexdigest()
-    ensembles, first = _resumed(checkpoint, mark)
+    keeper = Keeper(checkpoint, data + json.dumps(asked).encode())
+    first, kept = keeper.read() or (0, {})
+    ensembles = [
+        _Ensemble(*(kept[f"{name}_{n}"] for name in _Ensemble._fields))
+        for n in range(ENSEMBLES if kept else 0)
+    ]
     r_hat, worth, begun = math.inf, 0.0, 0.0
-    spawned = functools.partial(ProcessPoolExecutor, min(workers, ENSEMBLES), get_context("spawn"))
-    with spawned() if workers > 1 else nullcontext() as pool:
+    pooled = min(workers, ENSEMBLES), get_context("spawn"), end_with_parent
+    with ProcessPoolExecutor(*pooled) if workers > 1 else nullcontext() as pool:
         for turn in range(first, first + _MOST_ROUNDS):
             if turn > first or not ensembles:  # else a checkpoint has this round, which may be the last
                 before: Sequence[_Ensemble | None] = ensembles or [None] * ENSEMBLES
@@ -257,7 +259,8 @@ def sample(
                 with unhurried():  # processes begin here
                     advanced = pool.map(_advanced, tasks) if pool else map(_advanced, tasks)
                 ensembles = list(advanced)
-                _keep(checkpoint, mark, turn, ensembles)
+                fields = [each._asdict().items() for each in ensembles]
+                keeper.write(turn, {f"{name}_{n}": x for n, each in enumerate(fields) for name, x in each})
             if (weight := min(ensemble.weight for ensemble in ensembles)) < 1:
                 begun = begun or weight
                 way = 1 - math.log(weight) / math.log(begun) if begun < 1 else 1.0
@@ -269,7 +272,8 @@ def sample(
             least = walkers * -(-rounds // 2)  # the later half, without effects of the start
             chains = np.stack([ensemble.kept[-least:] for ensemble in ensembles])
             r_hat, worth = _agreement(chains, walkers)
-            report(f"chains: R-hat {r_hat:.3f} (below {agreement}), {worth:.0f} samples (least {effective})")
+            enough = f"{worth:.0f} samples, to reach {effective}"
+            report(f"chains: R-hat {r_hat:.3f}, to fall below {agreement}; {enough}")
             if r_hat < agreement and worth >= effective:
                 return Draws(_thinned(problem, chains, draws, seed), r_hat, worth)
     raise ConvergenceError(
@@ -277,33 +281,6 @@ def sample(
         f"effective samples, got R-hat {r_hat:.3f} and {worth:.0f}; try more walkers, "
         "narrower priors, or fewer parameters"
     )
-
-
-def _keep(checkpoint: Path | None, mark: str, turn: int, ensembles: Sequence[_Ensemble]) -> None:
-    arrays = {f"{name}_{n}": x for n, each in enumerate(ensembles) for name, x in each._asdict().items()}
-    if checkpoint is not None:
-        with whole_file(checkpoint) as path, path.open("wb") as stream:
-            np.savez(stream, mark=mark, done=turn, **arrays)
-
-
-def _resumed(checkpoint: Path | None, mark: str) -> tuple[list[_Ensemble], int]:
-    """The ensembles of a checkpoint, if there is one, and their round."""
-    if checkpoint is None or not checkpoint.exists():
-        return [], 0
-    try:
-        with checkpoint.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-            same, turn = str(arrays["mark"]) == mark, int(arrays["done"])
-            ensembles = [
-                _Ensemble(*(arrays[f"{name}_{n}"] for name in _Ensemble._fields)) for n in range(ENSEMBLES)
-            ]
-    except Exception as error:  # damaged archives and headers raise errors of many classes
-        expected = "a checkpoint of an inference"
-        got = f"{checkpoint}: {reason_of(error)}"
-        raise CheckpointError("checkpoint", expected=expected, got=got, advice="removing it") from None
-    if not same:
-        expected = "a checkpoint of the same data, model, priors and seed"
-        raise CheckpointError("checkpoint", expected=expected, got=f"{checkpoint}", advice="another file")
-    return ensembles, turn
 
 
 def _advanced(task: tuple[Problem, _Ensemble | None, int, list[int], int]) -> _Ensemble:

@@ -93,7 +93,7 @@ class _Data(views.Brief):
         """Refuse columns that are not of one length, positive, and against rising times."""
         (x, *names), (along, _) = self.names(), self.columns
         if along.size < FEWEST:
-            raise InputError(x, expected=f"{FEWEST} points or more", got=along.size)
+            raise InputError(x, expected=f"a table of {FEWEST} rows or more", got=along.size)
         for name in (x, *names):
             values, zero = getattr(self, name), name == "loss"
             if values.shape != along.shape:

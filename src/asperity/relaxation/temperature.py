@@ -68,7 +68,7 @@ def _kelvin(name: str, value: float) -> float:
 
 def _power_of_e(exponent: float, temperature: float) -> float:
     if abs(exponent) > math.log(LARGEST):
-        decades = exponent / math.log(10)
-        got = f"one of 10^{decades:.0f} at {temperature:g} K"
+        what = "above 1e100 (nothing relaxes)" if exponent > 0 else "below 1e-100 (all has relaxed)"
+        got = f"one {what} at {temperature:g} K"
         raise InputError("temperature", expected="a shift factor from 1e-100 to 1e100", got=got)
     return math.exp(exponent)

@@ -1,9 +1,10 @@
-"""Checkpoint of a long run: a killed run resumes and ends at the identical result."""
+"""Checkpoint of a long computation: a killed one resumes and ends at the identical result."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import time as clock
 import zipfile
 from collections.abc import Mapping
@@ -35,12 +36,12 @@ from asperity.results.store import whole_file
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """File in which a run keeps its place, and how often.
+    """File in which a computation keeps its place, and how often.
 
     Parameters
     ----------
     path
-        The file; it appears under its name only when it is complete, and stays after the run.
+        The file; it appears under its name only when it is complete, and stays after the computation.
     every
         Least number of seconds between two writes.
     """
@@ -52,62 +53,102 @@ class Checkpoint:
         object.__setattr__(self, "every", checks.number("every", self.every, least=0))
 
 
-@dataclass(frozen=True, eq=False)
-class Place:
-    """Content of a checkpoint: the march, and the records so far."""
-
-    midway: LegMidway
-    rows: list[Row]
-    snapshots: list[Snapshot]
-
-
 class Keeper:
-    """Writes and reads the checkpoint of one run."""
+    """Writes and reads the checkpoint of one computation: facts as JSON and arrays, each with a checksum.
 
-    def __init__(self, checkpoint: Checkpoint, fingerprint: str) -> None:
-        self.path = expanded(checkpoint.path)
-        self.every = checkpoint.every
-        self.fingerprint = fingerprint
+    Parameters
+    ----------
+    checkpoint
+        The file, or None to keep nothing.
+    asked
+        Bytes that differ from those of any other computation.
+    """
+
+    def __init__(self, checkpoint: str | Path | Checkpoint | None, asked: bytes) -> None:
+        settings = Checkpoint(checkpoint) if isinstance(checkpoint, str | Path) else checkpoint
+        self.path = None if settings is None else expanded(settings.path)
+        self.every = math.inf if settings is None else settings.every
+        self.mark = hashlib.sha256(__version__.encode() + asked).hexdigest()
         self.written = clock.monotonic()
 
     def is_due(self) -> bool:
         """Whether it is time to write again."""
         return clock.monotonic() - self.written >= self.every
 
-    def write(self, place: Place) -> None:
+    def write(self, facts: object, arrays: Mapping[str, NDArray[Any]] | None = None) -> None:
         """Write atomically: a kill at any moment leaves the old or the new checkpoint.
 
         `OutputError` if the disk refused; an earlier checkpoint is untouched.
         """
-        arrays = _packed(place, self.fingerprint)
+        if self.path is None:
+            return
         with whole_file(self.path) as part, part.open("wb") as file:
-            np.savez(file, **arrays)  # type: ignore[arg-type]
+            np.savez(file, mark=self.mark, facts=json.dumps(facts, default=vars).encode(), **arrays or {})  # type: ignore[arg-type]
         self.written = clock.monotonic()
 
-    def read(self) -> Place | None:
-        """Read the checkpoint, if there is one.
+    def read(self) -> tuple[Any, dict[str, Any]] | None:
+        """Facts and arrays of the checkpoint, if there is one.
 
-        `CheckpointError` if the file is no checkpoint, or that of a run with other parameters.
+        `CheckpointError` if the file is no checkpoint, or that of another computation.
         """
-        if not self.path.exists():
+        if self.path is None or not self.path.exists():
             return None
-        wanted: dict[str, Any] = {
-            "expected": "a checkpoint of this run",
-            "advice": "another path, or remove the file",
-        }
+        expected, advice = "a checkpoint of this computation", "another path, or remove the file"
         try:
+            # The archive is opened first, because for other content np.load knows older formats.
             with self.path.open("rb") as file, zipfile.ZipFile(file):
                 file.seek(0)
                 archive = np.load(file, allow_pickle=False)
                 arrays = {name: archive[name] for name in archive.files}
-            facts = json.loads(str(arrays["facts"]))
-            stranger = facts["fingerprint"] != self.fingerprint
+            if str(arrays.pop("mark")) != self.mark:
+                raise ValueError("of another computation")
+            return json.loads(arrays.pop("facts").item()), arrays
         except Exception as error:  # of an archive, of headers, of JSON: a damaged byte leads anywhere
-            raise CheckpointError("checkpoint", got=f"{self.path}: {reason_of(error)}", **wanted) from error
-        if stranger:
-            got = f"{self.path}, of a run with other parameters"
-            raise CheckpointError("checkpoint", got=got, **wanted)
-        return _unpacked(facts, arrays)
+            got = f"{self.path}: {reason_of(error)}"
+            raise CheckpointError("checkpoint", expected=expected, got=got, advice=advice) from error
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """What the checkpoint of a run keeps: the march, and the records so far."""
+
+    midway: LegMidway
+    rows: list[Row]
+    snapshots: list[Snapshot]
+
+    def packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+        """Facts and arrays for `Keeper.write`."""
+        march, midway = self.midway, self.midway.midway
+        facts = {
+            "control": march.control.name,
+            "here": vars(march) | {"midway": vars(midway) | {"resume_state": None}},
+            "rows": self.rows,
+            "snapshots": [vars(snapshot) | {"fields": None} for snapshot in self.snapshots],
+        }
+        arrays = {f"place_{name}": array for name, array in midway.resume_state.items()}
+        for name in self.snapshots[0].fields if self.snapshots else ():
+            arrays[f"kept_{name}"] = np.stack([snapshot.fields[name] for snapshot in self.snapshots])
+        return facts, arrays
+
+    @classmethod
+    def unpacked(cls, facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
+        """The place that `packed` made facts and arrays of."""
+        kept, place = (
+            {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
+            for kind in ("kept_", "place_")
+        )
+        snapshots = [
+            Snapshot(**snapshot | {"fields": {name: fields[index] for name, fields in kept.items()}})
+            for index, snapshot in enumerate(facts["snapshots"])
+        ]
+        march = facts["here"]
+        area = march["midway"]["area"]
+        midway = march["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
+        parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
+        midway |= {name: part(**midway[name]) for name, part in parts.items()}
+        kind = Load if facts["control"] == Load.name else Separation
+        restored = {"control": kind(**march["control"]), "midway": Midway(**midway)}
+        return cls(LegMidway(**march | restored), facts["rows"], snapshots)
 
 
 def fingerprint_of(
@@ -119,11 +160,11 @@ def fingerprint_of(
     solver: ContactSolver,
     exact: bool,
     carried: Carried | None = None,
-) -> str:
+) -> bytes:
     """Hash of all inputs of a history."""
     solid = start.solid
     laws = () if solid.springs else tuple(vars(solid.on(start.lattice.embedding)).values())
-    facts: list[object] = [__version__, start.control, start.lattice, schedule]
+    facts: list[object] = [start.control, start.lattice, schedule]
     facts += [solid.springs, rtol, solver, exact]
     if carried is not None:
         facts.append(carried)
@@ -134,39 +175,4 @@ def fingerprint_of(
     for array in (start.heights, start.u, start.anchors, *laws, times, fields_at):
         digest.update(f"{array.shape} {array.dtype}".encode())
         digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()
-
-
-def _packed(place: Place, fingerprint: str) -> dict[str, NDArray[Any]]:
-    march, midway = place.midway, place.midway.midway
-    facts = {
-        "fingerprint": fingerprint,
-        "control": march.control.name,
-        "here": vars(march) | {"midway": vars(midway) | {"resume_state": None}},
-        "rows": place.rows,
-        "snapshots": [vars(snapshot) | {"fields": None} for snapshot in place.snapshots],
-    }
-    arrays = {"facts": np.array(json.dumps(facts, default=vars))}
-    arrays |= {f"place_{name}": array for name, array in midway.resume_state.items()}
-    for name in place.snapshots[0].fields if place.snapshots else ():
-        arrays[f"kept_{name}"] = np.stack([snapshot.fields[name] for snapshot in place.snapshots])
-    return arrays
-
-
-def _unpacked(facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Place:
-    kept, place = (
-        {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
-        for kind in ("kept_", "place_")
-    )
-    snapshots = [
-        Snapshot(**snapshot | {"fields": {name: fields[index] for name, fields in kept.items()}})
-        for index, snapshot in enumerate(facts["snapshots"])
-    ]
-    march = facts["here"]
-    area = march["midway"]["area"]
-    midway = march["midway"] | {"resume_state": place, "area": area and ConstantArea(**area)}
-    parts: dict[str, Any] = {"controller": Controller, "origin": Origin, "counts": Counts}
-    midway |= {name: part(**midway[name]) for name, part in parts.items()}
-    kind = Load if facts["control"] == Load.name else Separation
-    restored = {"control": kind(**march["control"]), "midway": Midway(**midway)}
-    return Place(LegMidway(**march | restored), facts["rows"], snapshots)
+    return digest.digest()

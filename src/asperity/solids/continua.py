@@ -244,8 +244,8 @@ def layer(
 
 def checked_apparatus(stiffness: float | str | None) -> float | None:
     """Stiffness of an apparatus, which may be infinite, or None without one."""
-    if stiffness is None or stiffness == math.inf:
-        return None if stiffness is None else math.inf
+    if stiffness is None or (isinstance(stiffness, float) and stiffness == math.inf):
+        return stiffness
     expected = "a stiffness above 0, or math.inf"
     return units.number("apparatus", stiffness, "N/m", above=0, expected=expected)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,7 @@ from asperity.errors import ConvergenceError, InputError
 _LOG_ROOT_TWO_PI = 0.5 * np.log(2 * np.pi)
 
 
+@runtime_checkable
 class HeightLaw(Protocol):
     """What the dilute theory asks of a law of heights. Arrays of any shape; scalars in, NumPy float out."""
 

@@ -23,9 +23,7 @@ from asperity.base.files import kind_of
 from asperity.base.machine import available
 from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
-
-_LINE_EVERY = 10.0
-"""Seconds between two plain lines of progress."""
+from asperity.progress import LINE_EVERY
 
 _SHOWN_FAILURES = 10
 
@@ -134,7 +132,7 @@ class _Lines:
             self.over_at_start = over
         if over <= self.over_at_start + 1:
             self.begin, self.over_at_begin = moment, over
-        if self.calls <= 2 or over == now.total or moment - self.last >= _LINE_EVERY:
+        if self.calls <= 2 or over == now.total or moment - self.last >= LINE_EVERY:
             self.last = moment
             fresh = over - self.over_at_begin
             remaining = (now.total - over) * (moment - self.begin) / fresh if fresh else None

@@ -19,6 +19,7 @@ from asperity.app.cli.options import Results
 from asperity.app.cli.report import Row, aligned
 from asperity.base.calls import remarks_made, showing
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
+from asperity.errors import ConvergenceError, OutputError
 from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import PlaceTakenError, whole_folder, write_into
@@ -98,6 +99,10 @@ def _place_beside(out: Path, asked: str) -> Iterator[Path]:
     except PlaceTakenError:  # the results are complete
         place.unlink(missing_ok=True)
         raise
+    except (OutputError, ConvergenceError) as error:
+        if not place.exists():
+            raise
+        raise type(error)(f"{error}; the same command resumes from {place}") from error
     place.unlink(missing_ok=True)
 
 

@@ -94,6 +94,8 @@ def given(
     sections: dict[str, dict[str, object]] = {}
     for name, (section, key) in flags.keys.items() if flags is not None else ():
         if (written := getattr(flags, name)) is not None:
+            if key.what in ("pair", "pairs"):
+                written = _paired(written)
             value = _read(written, key.what)
             if units:
                 check_unit(flag_of(section, key.name), value, *(key.units or (key.unit,)))
@@ -114,13 +116,17 @@ def given(
 def _check_leg(leg: Mapping[str, Any]) -> None:
     """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
     from asperity.base.parameters import parameters_of
-    from asperity.protocols import KINDS
+    from asperity.protocols import KINDS, in_words
 
     for inner in leg.get("legs", ()):
         _check_leg(inner)
     parameters = parameters_of(KINDS[leg["kind"]]) if leg["kind"] in KINDS else {}
-    for name in filter(parameters.__contains__, leg):
-        check_unit(f"--leg {leg['kind']}: {name}", leg[name], parameters[name].unit)
+    bare = [name for name in leg if name in parameters and isinstance(leg[name] or "", int | float)]
+    plain = {name: unit for name in bare if (unit := parameters[name].unit)}
+    for name in plain:
+        typed = in_words([{**leg, **{key: f"{leg[key]:g}{unit}" for key, unit in plain.items()}}])
+        place, expected = f"--leg {leg['kind']}: {name}", "a number with its unit"
+        raise InputError(place, expected=expected, got=leg[name], advice=f'--leg "{typed}"')
 
 
 def file_of_run(material: Path | None, flags: dict[str, dict[str, object]]) -> Path | None:
@@ -158,15 +164,24 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
 
 
 def check_unit(flag: str, value: object, *units: str) -> None:
-    """Refuse a number alone, or in a list, or in a pair in a list, that has a unit and came without."""
+    """Refuse a number alone, or in a list, or in a pair in a list, that has a unit and came without.
+
+    Only 0 needs no unit, other than of temperature.
+    """
     from asperity.base.units import usual_unit
 
     for one in value if isinstance(value, list) else [value]:
         parts = list(zip(one if isinstance(one, list) else [one], units, strict=False))
-        if any(unit and isinstance(part, float | int) for part, unit in parts):
+        if any(unit and isinstance(part, float | int) and (part or unit == "K") for part, unit in parts):
             words = (f"{part} {usual_unit(unit) if unit else ''}".strip() for part, unit in parts)
             advice, got = f'{flag} "{" ".join(words)}"', " ".join(str(part) for part, _ in parts)
             raise InputError(flag, expected="a number with its unit", got=got, advice=advice)
+
+
+def _paired(written: Iterable[str]) -> list[str]:
+    """Pairs, each typed as one word or as two."""
+    words = map(str.strip, written)
+    return [word if re.search(r"[\s,]", word) else f"{word} {next(words, '')}".strip() for word in words]
 
 
 def _read(written: bool | str | list[str], sort: What) -> object:
@@ -271,7 +286,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),
         negative=(),
-        consume_multiple=key.several and not paired,
+        consume_multiple=key.several,
         show_default=False,
         show_choices=False,
         # as in -40degC; a list would take the flags behind it for more of it

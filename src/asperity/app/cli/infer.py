@@ -116,7 +116,7 @@ def infer(
     def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
         places = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
         with in_flags(_FLAGS | places):
-            inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint.path)
+            inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint)
         return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
 
     typed, source = printable(shlex.join(["asperity", *sys.argv[1:]])), printable(file.name)

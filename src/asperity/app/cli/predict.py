@@ -74,8 +74,8 @@ def predict(
         instantly]
     leg
         In place of --ramp a leg of the history of the load, once for each leg: "ramp 2.4s pressure=1MPa",
-        "hold 1000s", "step pressure=250kPa", "repeat 3" (the legs before it). A first ramp begins at
-        --pressure or --load, by default 0.
+        "hold 1000s", "step pressure=250kPa", "repeat 3" (all legs before it), "repeat 3 last 2" (two of
+        them). A first ramp begins at --pressure or --load, by default 0.
     resolution_study
         Predict also without the shortest waves of the scan, to see what a finer scan would change.
     """

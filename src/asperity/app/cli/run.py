@@ -43,7 +43,7 @@ def run(
     leg
         A leg of the history of the load or the separation, once for each leg: "hold 10",
         "ramp 5 load=400", "step load=160", "hold 100 hold=area", "slide distance=20 velocity=0.1",
-        "repeat 3" (the legs before it).
+        "repeat 3" (all legs before it), "repeat 3 last 2" (two of them).
         [default: one hold]
     """
     from asperity.app.config.reading import read_config, to_toml

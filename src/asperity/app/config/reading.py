@@ -14,7 +14,7 @@ from asperity.ask.run import FILES, RunConfig
 from asperity.ask.section import KINDS, Section, SectionError
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.files import content_of, expanded
-from asperity.base.words import number, tables_to_toml
+from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, InputError
 
 _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
@@ -116,10 +116,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
         raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
     except OSError as error:
-        hint = (
-            "" if isinstance(number(str(path)), str) else '; a pair of numbers is one word: --branch "0.3 10"'
-        )
-        raise ConfigError([f"{path}: {error.strerror}{hint}"]) from None
+        raise ConfigError([f"{path}: {error.strerror}"]) from None
     for section, key in FILES.items():
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):

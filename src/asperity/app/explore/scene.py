@@ -59,7 +59,7 @@ _GROWN = (
 _MEAN = "load over real contact area"
 _FOUND = (
     Quantity("mean_pressure", "pressure", _MEAN, label="mean pressure in contact"),
-    Quantity("friction", "1", _RELATIVE, label="friction coefficient relative to first"),
+    Quantity("friction", "1", _RELATIVE, label="contact area over load, relative to first"),
     Quantity("decade_growth", "1", _GROWN, label="growth per decade"),
 )
 _MADE = {one.name: one for one in _FOUND}

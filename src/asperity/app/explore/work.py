@@ -1,7 +1,7 @@
 """The process that computes: runs come through its input, and how far each has come goes to its output.
 
-It imports and compiles everything once, and then takes one run after the other until its input ends. Whoever
-does not want a run any more kills it.
+It imports and compiles everything once, and then takes one run after the other. It ends with its input.
+Whoever does not want a run any more kills it.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import sys
 from collections.abc import Callable, Sequence
+from queue import SimpleQueue
 from time import perf_counter
 
 from asperity.aging import Frame
@@ -23,6 +23,7 @@ from asperity.app.runs import Progress, execute
 from asperity.app.runs.loops import compile_loops
 from asperity.app.runs.words import run_rows
 from asperity.ask.run import FILES
+from asperity.base.machine import end_with
 
 Tell = Callable[[str, object], None]
 """Sends what kind of message it is, and its content."""
@@ -40,10 +41,18 @@ def work() -> None:
         answers.write(len(message).to_bytes(8, "little") + message)
         answers.flush()
 
-    with contextlib.suppress(EOFError, BrokenPipeError):
+    runs: SimpleQueue[tuple[RunConfig, Shown, str]] = SimpleQueue()
+
+    def listen() -> None:
+        with open(0, "rb", closefd=False) as asked:
+            while True:
+                runs.put(pickle.load(asked))
+
+    end_with(listen)
+    with contextlib.suppress(BrokenPipeError):
         compile_loops(lambda text: tell("stage", text), lambda _: None)
         while True:
-            run = pickle.load(sys.stdin.buffer)
+            run = runs.get()
             tell("taken", None)
             tell("end", _computed(tell, *run))
 
