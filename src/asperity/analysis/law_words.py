@@ -23,7 +23,8 @@ FILES: dict[Program, str] = {"calculix": "calculix.inp", "moose": "moose.i"}
 _MOST_ROWS = 200
 """Rows of a table of CalculiX 2.20."""
 
-_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
+_GAPS = ("hydraulic_gap_y", "hydraulic_gap_x")
+_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", *_GAPS)
 
 
 def law_for(
