@@ -2,19 +2,22 @@
 
 A band-limited surface (Hurst exponent 0.8, shortest wave of 1/16 of the side) is sampled exactly on
 lattices of 2 to 32 sites per shortest wave, pressed by the same half-space under the same pressure, and aged.
-The second table is of the lattice of springs: how much one surface of n x n sites tells of all of them.
-Prints the tables of docs/units.md; `--quick` leaves out the largest lattices.
+The last table is of the lattice of springs: how much one surface of n x n sites tells of all of them. The
+first is of power laws in time: errors of J, which is t^n / (G1 Gamma(1 + n) Gamma(1 - n)), and of areas.
+Prints the tables of docs/units.md; `--quick` leaves out the largest lattices, and most exponents.
 """
 
 import numpy as np
 import running
 from running import head, line
+from scipy.special import gamma
 
 import asperity as asp
 
 SIDE, WAVES = 1.0, 16  # length of a side; shortest wave is a sixteenth of it
 BRANCHES = [(0.1, 10.0**power) for power in (0, 1, 2)]
 SITES = (2, 4, 8, 16, 32)  # per shortest wave
+EXPONENTS = (0.05, 0.5, 0.95, 0.1, 0.2, 0.3, 0.7, 0.9)
 SIDES = (32, 64, 128, 256, 512)  # of the lattice of springs
 
 
@@ -62,8 +65,26 @@ def spread(side, seeds=8):
     return mean, scatter / mean
 
 
+def of_a_power(exponent, accuracy):
+    """Largest errors, over six decades, of J by Prony series, and of a rough half-space's area under it."""
+    series = asp.relaxation.power_law(
+        modulus=1.0, exponent=exponent, time=1.0, first=1.0, last=1e6, accuracy=accuracy
+    )
+    times = np.geomspace(1.0, 1e6, 400)
+    ratio = series.compliance_at(times) * gamma(1 + exponent) * gamma(1 - exponent) / times**exponent
+    heights = asp.surfaces.spectral((128, 128), roll_off=32.0, cutoff=8.0, rms_height=1.0, seed=2)
+    solid = asp.solids.half_space(modulus=1.0)
+    exact, *areas = [asp.press(heights, solid, load=1500.0 * one).area for one in (1.0, *ratio[[0, 66, 200]])]
+    return np.abs(ratio - 1).max(), np.abs(np.array(areas) / exact - 1).max()
+
+
 def tables(quick=False):
-    """The lines of both tables."""
+    """The lines of the tables."""
+    yield from head("n", "1 %: J", "area", "0.1 %: J", "area")
+    for exponent in sorted(EXPONENTS[: 3 if quick else None]):
+        errors = (*of_a_power(exponent, 1e-2), *of_a_power(exponent, 1e-3))
+        yield line(exponent, *(f"{error:.2%}" for error in errors))
+    yield ""
     yield from head("pixels", "lattice", "raw", "corrected", "p / E\\*", "growth", "corrected")
     for sites in SITES[: 3 if quick else None]:
         *fractions, largest, grown, corrected = row(sites)

@@ -48,6 +48,40 @@ def test_a_ball_is_pressed_as_hertz_has_it():
     assert np.abs(misses[:, 3:]).max() < 1e-4
 
 
+@pytest.mark.parametrize("ratio", [1, 3, 1 / 3, 5, 1 / 5])
+@pytest.mark.parametrize("body", ["ball", "cone"])
+def test_the_corrected_area_does_not_depend_on_the_shape_of_pixels(body, ratio):
+    """Hertz' ball and Sneddon's cone: a radius is 24 sides of a square pixel of the same area."""
+    sides, misses = (ratio**-0.5, ratio**0.5), []
+    for i in range(9):
+        a = 24 * (1 + i / 90)
+        y, x = (
+            (np.arange(int(2.6 * a / side) + 4) - int(1.3 * a / side) - shift) * side
+            for side, shift in zip(sides, (0.618 * i % 1, 0.382 * i % 1), strict=True)
+        )
+        r = np.hypot(y[:, None], x)
+        heights, load = (
+            (-0.01 * r, np.pi * a**2 * 0.01 / 2) if body == "cone" else (-(r**2) / 4800, a**3 / 1800)
+        )
+        scan = asp.surfaces.Surface(heights, unit="m", pixel_size=sides, length_unit="m", edges="free")
+        contact = asp.press(scan, asp.solids.half_space(modulus=1.0), load=load)
+        misses.append(contact.contact_area_corrected / (np.pi * a**2) - 1)
+    assert abs(np.mean(misses)) < 5e-3
+
+
+def test_a_rough_surface_on_oblong_pixels_has_the_area_of_square_ones():
+    heights = asp.surfaces.spectral((256, 256), roll_off=128, cutoff=16, rms_slope=0.1, seed=3)
+    areas = []
+    for down, across in ((2, 2), (1, 4), (4, 1)):
+        part = heights[::down, ::across].copy()
+        scan = asp.surfaces.Surface(
+            part, unit="m", pixel_size=(down, across), length_unit="m", edges="periodic"
+        )
+        contact = asp.press(scan, asp.solids.half_space(modulus=1.0), pressure=0.005)
+        areas.append(contact.contact_area_corrected)
+    assert areas[1:] == pytest.approx([areas[0]] * 2, rel=0.01)
+
+
 def ellipse(load, flat, steep):
     """Half axes, largest pressure and approach: K. L. Johnson, Contact Mechanics, Eqs. (4.24) to (4.28)."""
 

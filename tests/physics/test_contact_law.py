@@ -13,7 +13,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.stats import t as student
 
 import asperity as asp
-from asperity.analysis.contact_law import _hydraulic
+from asperity.analysis import flow
 from asperity.errors import CheckpointError
 from tests.refusals import refuses
 
@@ -131,7 +131,7 @@ def test_a_relaxing_solid_has_the_elastic_law_at_a_larger_pressure(aged):
     assert creep > 1.5
     pressures = aged["pressure"].values
     elastic = table(asp.law(ELASTIC, surface(ROUGH), pressures=creep * pressures))
-    for name in ("approach", "stiffness", "contact_fraction", "hydraulic_gap"):
+    for name in ("approach", "stiffness", "contact_fraction", "hydraulic_gap_x"):
         assert table(aged, time=1)[name].values == pytest.approx(elastic[name].values, rel=1e-6)
 
 
@@ -146,41 +146,66 @@ def test_unloading_is_apart_where_something_crept_or_yielded(law, aged):
     assert table(aged, "unloading")["approach"].values == pytest.approx(table(aged)["approach"].values)
 
 
-def test_the_hydraulic_gap_lies_between_bounds_and_near_the_flow(law):
+def test_hydraulic_gaps_are_those_of_the_flow_along_each_axis():
     """Reynolds' equation on the pixels of a gap, by finite volumes, between two sides; others are walls."""
 
-    def conductivity(gap):
+    def conductivity(gap, aspect=1.0):
         cubes, number = gap**3, np.arange(gap.size).reshape(gap.shape)
         rows: list[Any] = []
         columns: list[Any] = []
         values: list[Any] = []
-        for here, there in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
-            k = 2 * cubes[here] * cubes[there] / (cubes[here] + cubes[there])
+        for here, there, sides in (
+            (np.s_[:-1], np.s_[1:], 1 / aspect),
+            (np.s_[:, :-1], np.s_[:, 1:], aspect),
+        ):
+            k = 2 * sides * cubes[here] * cubes[there] / (cubes[here] + cubes[there])
             i, j = number[here].ravel(), number[there].ravel()
             rows, columns = [*rows, i, j, i, j], [*columns, j, i, i, j]
             values += [-k.ravel(), -k.ravel(), k.ravel(), k.ravel()]
         ends = np.zeros(gap.shape), np.zeros(gap.shape)
         for side, column in ((ends[0], 0), (ends[1], -1)):
-            side[:, column] = 2 * cubes[:, column]
+            side[:, column] = 2 * aspect * cubes[:, column]
         rows, columns = [*rows, number.ravel()], [*columns, number.ravel()]
         values.append((ends[0] + ends[1]).ravel())
         places = np.concatenate(rows), np.concatenate(columns)
         matrix = scipy.sparse.csr_array((np.concatenate(values), places))
         pressure = scipy.sparse.linalg.spsolve(matrix, ends[0].ravel())
-        return float(pressure @ ends[1].ravel()) * gap.shape[1] / gap.shape[0]
+        return float(pressure @ ends[1].ravel()) * gap.shape[1] / gap.shape[0] / aspect
 
-    for pressure in (1e6, 5e6):
-        gap = np.maximum(asp.press(surface(ROUGH), ELASTIC, pressure=pressure).gap, 1e-11)
-        flows = [conductivity(gap) ** (1 / 3), conductivity(gap.T) ** (1 / 3)]
-        found = _hydraulic(gap)
-        assert found["hydraulic_gap_least"] < min(flows)
-        assert max(flows) < found["hydraulic_gap_most"]
-        assert found["hydraulic_gap"] == pytest.approx(np.mean(flows), rel=0.15)
-    smooth = _hydraulic(np.full((4, 5), 2e-6))
-    assert [*smooth.values()] == pytest.approx([2e-6] * 3)
-    # One site more is open than closed, by a gap of e: 100 b = 2 e^3 / (e^3 + b) for small cubes b.
-    nearly = np.repeat([1.0, 1e-8, 0.0], [50, 1, 49]).reshape(10, 10)
-    assert _hydraulic(nearly)["hydraulic_gap"] == pytest.approx(2e-26 ** (1 / 6), rel=1e-3)
+    grooves = np.repeat(ROUGH[:, ::8], 8, axis=1)  # along x, of a length of 8 pixels
+    for heights, pressure in ((ROUGH, 1e6), (ROUGH, 5e6), (grooves, 5e6)):
+        contact = asp.press(surface(heights), ELASTIC, pressure=pressure)
+        found = table(asp.law(ELASTIC, surface(heights), pressures=[pressure, 1.01 * pressure]))
+        gap = np.maximum(contact.gap, 1e-12)  # of contacts, where nothing flows
+        for axis, along in (("x", gap), ("y", gap.T)):
+            assert found[f"hydraulic_gap_{axis}"][0] == pytest.approx(
+                conductivity(along) ** (1 / 3), rel=1e-4
+            )
+            twice = np.repeat(along, 2, axis=0)  # halves of pixels: wide ones
+            assert flow.hydraulic_gap(twice, 0.5) == pytest.approx(
+                conductivity(twice, 0.5) ** (1 / 3), rel=1e-4
+            )
+
+
+@pytest.mark.parametrize("aspect", [1.0, 3.0])
+def test_hydraulic_gaps_of_channels_and_steps(aspect):
+    channels = np.tile([[1.0], [2.0], [3.0], [0.0]], 6)
+    assert flow.hydraulic_gap(channels, aspect) == pytest.approx(9 ** (1 / 3))  # mean of 1, 8, 27, 0
+    assert flow.hydraulic_gap(channels.T, aspect) == 0
+    harmonic = 3 / (1 + 1 / 8 + 1 / 27)
+    assert flow.hydraulic_gap(channels[:3].T, aspect) == pytest.approx(harmonic ** (1 / 3))
+    diagonal = np.eye(5)  # corners do not conduct, and neither does a lake
+    assert flow.hydraulic_gap(diagonal, aspect) == 0
+    assert flow.hydraulic_gap(np.full((401, 150), 2.0), aspect) == pytest.approx(2)
+
+
+def test_the_hydraulic_gap_of_a_large_scan_is_that_of_its_pixels(monkeypatch):
+    scan = surface(rough(sites=256, roll_off=64.0, cutoff=8.0))
+    for contact in asp.press(scan, ELASTIC, pressure=[10e6, 30e6]):
+        coarse = flow.hydraulic_gap(contact.gap, 1.0)
+        with monkeypatch.context() as patch:
+            patch.setattr(flow, "_MOST", contact.gap.size)
+            assert coarse == pytest.approx(flow.hydraulic_gap(contact.gap, 1.0), rel=0.05)
 
 
 def test_bands_are_those_of_tiles_left_out_one_by_one():

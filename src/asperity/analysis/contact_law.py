@@ -12,14 +12,6 @@ edges <u> is its position. The position of a layer is <u> less its even compress
 means are over the sites of the body. Where
 nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
 
-The gap g bounds the flow between the surfaces (cubic law). The lower bound closes the channels against each
-other, and the upper one joins them without loss,
-
-    < 1 / < g^-3 >_along >_across  <=  b^3  <=  1 / < 1 / < g^3 >_across >_along.
-
-Between them b is that of an effective medium, < (g^3 - b^3) / (g^3 + b^3) > = 0 (D. A. G. Bruggeman, Ann.
-Phys. 416, 636 (1935), DOI 10.1002/andp.19354160705).
-
 Bands are of the mean over scans of this size: each of 16 tiles is left out in turn
 (`asperity.analysis.bands`). The others bear another pressure; the change of the law from that to this one is
 taken off. The approach varies as the highest point of a scan: by Gumbel's distribution, of the width that
@@ -42,12 +34,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 from scipy.stats import gumbel_r
 
 from asperity.aging.frames import Frame
 from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
+from asperity.analysis.flow import hydraulic_gap
 from asperity.analysis.scan import written
 from asperity.base import checks, units
 from asperity.base.calls import remark
@@ -77,9 +69,8 @@ OF_LAWS = {
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),
     "contact_fraction": ("1", "real contact area over nominal area"),
     "mean_gap": ("m", "mean gap"),
-    "hydraulic_gap": ("m", "hydraulic gap of an effective medium"),
-    "hydraulic_gap_least": ("m", "lower bound of the hydraulic gap"),
-    "hydraulic_gap_most": ("m", "upper bound of the hydraulic gap"),
+    "hydraulic_gap_y": ("m", "hydraulic gap of a flow along y"),
+    "hydraulic_gap_x": ("m", "hydraulic gap of a flow along x"),
     "largest_pressure": ("Pa", "largest contact pressure"),
 }
 """Unit and meaning of the columns of a law, in their order; some have a band, ``_low`` and ``_high``."""
@@ -272,7 +263,11 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
     maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force}
     maps["gap"] = np.where(body, gap, 0.0)
     sums = in_tiles(np.stack([*maps.values()])).tolist()
-    return row | _hydraulic(gap) | {"tiles": dict(zip(maps, sums, strict=True))}
+    aspect = contact.lattice.spacing[0] / contact.lattice.spacing[1]
+    # Where the body ends, no pressure is known that a flow would begin from.
+    row["hydraulic_gap_y"] = hydraulic_gap(gap.T, 1 / aspect) if body.all() else math.nan
+    row["hydraulic_gap_x"] = hydraulic_gap(gap, aspect) if body.all() else math.nan
+    return row | {"tiles": dict(zip(maps, sums, strict=True))}
 
 
 def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
@@ -297,24 +292,6 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
         f"{name}_{end}": values[n] for name, values in ends.items() for n, end in enumerate(("low", "high"))
     }
     return rows.assign(**names)
-
-
-def _hydraulic(gap: Field) -> Row:
-    """Gaps of smooth plates with the same flow: of an effective medium, and its bounds."""
-    on_body = gap[np.isfinite(gap)]
-    widest, least, most = float(on_body.max()), math.nan, math.nan
-    cubes = (np.maximum(on_body, 0.0) / widest) ** 3
-    with np.errstate(divide="ignore"):
-        if on_body.size == gap.size:  # else no channel runs across the scan
-            plane = cubes.reshape(gap.shape)
-            least = min(float((1 / (1 / plane).mean(axis=along)).mean()) for along in (0, 1))
-            most = max(float(1 / (1 / plane.mean(axis=across)).mean()) for across in (0, 1))
-        logarithms = np.log(cubes)
-    mean = 0.0
-    if np.count_nonzero(cubes) > cubes.size / 2:  # (g^3 - b^3) / (g^3 + b^3) = tanh(ln(g^3 / b^3) / 2)
-        mean = math.exp(brentq(lambda log: float(np.tanh((logarithms - log) / 2).mean()), -700.0, 0.0))
-    bounds = {"hydraulic_gap": mean, "hydraulic_gap_least": least, "hydraulic_gap_most": most}
-    return {name: widest * value ** (1 / 3) for name, value in bounds.items()}
 
 
 def _dataset(rows: list[Row], rough: Field) -> xr.Dataset:

@@ -26,7 +26,8 @@ _MOST_ROWS = 200
 _APART = 1e-12
 """Relative distance that 13 digits tell; more need more than the 20 letters of a number in CalculiX."""
 
-_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", "hydraulic_gap")
+_GAPS = ("hydraulic_gap_y", "hydraulic_gap_x")
+_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", *_GAPS)
 
 
 def law_for(
