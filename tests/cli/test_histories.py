@@ -149,9 +149,10 @@ def test_repeat_last_repeats_so_many_legs_in_any_case():
 def test_advice_on_the_unit_of_a_leg_is_taken(leg):
     with pytest.raises(InputError, match="number with its unit") as raised:
         given(None, leg=[leg], units=True)
-    typed = re.fullmatch('--leg "(.*)"', raised.value.advice)
+    typed = re.fullmatch('--leg "(.*)"', str(raised.value.advice))
     assert typed is not None
-    (taken,) = given(None, leg=[typed[1]], units=True)["protocol"]["legs"]
+    legs: Any = given(None, leg=[typed[1]], units=True)["protocol"]["legs"]
+    (taken,) = legs
     assert {key: quantity_of(value) for key, value in taken.items()} == {
         key: quantity_of(value) for key, value in legs_from_words([leg])[0].items()
     }
@@ -171,7 +172,7 @@ def test_zero_needs_no_unit():
 
 
 def test_pairs_are_one_word_or_two():
-    flags = flags_for("solid")
+    flags: Any = flags_for("solid")
     for written in (["0.7 1s", "0.2,10s"], ["0.7", "1s", "0.2", "10s"], ["0.7", "1s", "0.2 10s"]):
         assert given(flags(solid_branches=written), units=True)["solid"]["branches"] == [
             [0.7, "1s"],

@@ -500,7 +500,7 @@ def test_a_computing_process_ends_with_the_server_that_was_killed() -> None:
         assert computing.stdout is not None
         pickle.dump((config_from(LARGE, {}, None), {}, ""), computing.stdin)
         computing.stdin.flush()
-        while b"taken" not in computing.stdout.read1():
+        while b"taken" not in computing.stdout.read1():  # type: ignore[attr-defined]
             pass
         computing.stdin.close()  # as the system does when the server is killed
         assert computing.wait(timeout=20) == 1

@@ -173,7 +173,7 @@ def infer(place):
 
 
 def law(place):
-    scan = asp.surfaces.Surface(uncorrelated(16), unit="nm", pixel_size="1 um")
+    scan = asp.surfaces.Surface(uncorrelated(16), unit="nm", pixel_size=(1.0, 1.0), length_unit="um")
     found = asp.law(asp.solids.half_space(modulus="3 GPa"), scan, pressures=[1e5, 2e5], checkpoint=place)
     return found["approach"].values
 

@@ -14,7 +14,6 @@ import pytest
 
 import asperity as asp
 from asperity import results
-from asperity.analysis import contact_law
 from asperity.app.cli import main
 from asperity.app.cli.terminal import make_streams_safe
 from asperity.app.config.reading import config_from, read_config
@@ -23,6 +22,7 @@ from asperity.base.files import content_of, expanded, standing
 from asperity.base.words import counted
 from asperity.errors import CheckpointError, ConfigError, InputError, OutputError, TooLargeError, printable
 from asperity.results import whole_file, whole_folder
+from asperity.results.checkpoint import Keeper
 from tests.campaign.conftest import do_here
 from tests.cli.conftest import SMALL
 from tests.refusals import each_refuses
@@ -251,7 +251,7 @@ def test_brackets_without_an_end_are_no_file_of_ours(here, capsys):
     with pytest.raises(InputError, match="which holds no history"):
         asp.results.load("results")
     with pytest.raises(CheckpointError):
-        contact_law._kept(here / "place", "mark")
+        Keeper(here / "place", b"asked").read()
     for flags in ((), ("--overwrite",)):
         assert main(["run", "--shape", "8", "--out", "results", *flags]) == 2
         assert "which contains no asperity.json" in capsys.readouterr().err

@@ -105,8 +105,10 @@ def test_other_texts_are_refused() -> None:
 def test_a_unit_in_another_case_is_refused_with_the_one_that_is_meant(written, unit, meant) -> None:
     with refuses("quantity", written) as raised:
         quantity(written, unit)
-    advised, reason = raised.value.advice.split(", ")
-    assert (quantity(advised, unit), reason) == (pytest.approx(meant), "as case matters")
+    error: Any = raised.value
+    advised, reason = error.advice.split(", ")
+    assert quantity(advised, unit) == pytest.approx(meant)
+    assert reason == "as case matters"
 
 
 def test_solids_take_units() -> None:

@@ -54,7 +54,7 @@ def hydraulic_gap(gap: Field, aspect: float) -> float:
     balance = sums.tocsr()[joined]
     into, out = -balance[:, [count, count + 1]].toarray().T
     flow = float(out @ spsolve(balance[:, joined].tocsc(), into))
-    return widest * (flow * columns / rows / aspect) ** (1 / 3)
+    return float(widest * (flow * columns / rows / aspect) ** (1 / 3))
 
 
 def _series(one: Field, other: Field) -> Field:
