@@ -367,6 +367,25 @@ def test_a_contact_remembers_from_where_it_came():
     assert back.load < forth.load == 0.0
 
 
+@pytest.mark.parametrize("held", ["load", "separation"])
+def test_a_first_press_with_free_edges_is_the_approach(held):
+    """No site that pulls lifts another, so the sequence from no attraction ends at the first equilibrium."""
+    solid = half_space(modulus=1.0, adhesion=asp.solids.Dugdale(work=0.1, range=1.0))
+    for seed in range(2):
+        heights = asp.surfaces.spectral((32, 32), roll_off=16, cutoff=6, rms_height=1.0, seed=seed)
+        rough = Surface(heights, edges="free")
+        top = float(heights.max())
+        steps = np.linspace(1, 40, 14) if held == "load" else np.linspace(top + 2, top - 1.5, 14)
+        contact = asp.press(rough, solid, **{held: steps[0]})
+        for step in steps[1:]:
+            contact = asp.press(contact, **{held: step})
+        at_once = asp.press(rough, solid, **{held: steps[-1]})
+        attracted = np.count_nonzero(contact.gap < 1)
+        assert attracted > contact.area > 20
+        np.testing.assert_array_equal(at_once.gap < 1, contact.gap < 1)
+        assert at_once.load == pytest.approx(contact.load, rel=1e-7)
+
+
 @dataclass(frozen=True)
 class Fading(asp.solids.Adhesion):
     """A law of somebody's own: the traction falls like an exponential of the gap."""

@@ -1,6 +1,8 @@
 """Elastic half-spaces against an independent operator, Hertz, Westergaard, Johnson and Persson."""
 
+import math
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -236,3 +238,23 @@ def test_heights_of_mean_zero_touch_everywhere_from_the_load_that_flattens_them_
     assert contact.load == pytest.approx(flattening * (1 + above) * heights.size, rel=1e-12)
     less = asp.press(heights, asp.solids.half_space(modulus=1.0), pressure=flattening * (1 - 1e-3))
     assert less.area < heights.size
+
+
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 3.0)])
+@pytest.mark.parametrize("load", [1.0, 100.0, 800.0])
+@pytest.mark.parametrize("film", [False, True])
+def test_a_rigid_apparatus_is_a_spring_of_known_stiffness(load, spacing, film):
+    """Held where that spring is as short as the load makes it, the surface is that under the load."""
+    heights = asp.surfaces.spectral((48, 48), roll_off=24.0, cutoff=4.0, rms_height=1.0, seed=2)
+    rough = asp.surfaces.Surface(heights, unit="m", pixel_size=spacing, length_unit="m", edges="periodic")
+    kind: Any = asp.solids.half_space
+    of: dict[str, Any] = {"modulus": 1.0}
+    if film:
+        kind = asp.solids.coated_half_space
+        of |= {"poisson": 0.3, "thickness": 5.0, "base_modulus": 4.0, "base_poisson": 0.3}
+    free = asp.press(rough, kind(**of), load=load)
+    stiffest = float(free.solid.on(free.lattice).permanent.max())
+    place = free.separation - load / (1e4 * stiffest * heights.size)
+    held = asp.press(rough, kind(**of, apparatus=math.inf), separation=place)
+    assert held.load == pytest.approx(load, rel=1e-9)
+    np.testing.assert_array_equal(held.in_contact, free.in_contact)

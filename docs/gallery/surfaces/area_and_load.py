@@ -47,7 +47,9 @@ lower.set(xlabel=r"$p / (E^* h')$", ylabel=r"$(A/A_0)\; E^* h' / p$", ylim=(0, N
 lower.legend()
 
 # %%
-# The verdict under a light load, where Persson's theory is too low, and the load of full contact.
+# The verdict: up to 12 % of contact Persson's theory is 26 to 30 % too low (means of four surfaces each, for
+# three roll-offs and cutoffs and two Hurst exponents), at 30 % of contact 17 to 20 %. Then the load of full
+# contact.
 
 kappa = fraction / reduced
 print(f"kappa = {kappa[0]:.2f} at {fraction[0]:.1%} contact, Persson {theory[0] / reduced[0]:.2f}")
@@ -61,4 +63,5 @@ print(f"full contact at p = {full / slope:.2f} E* h'")
 assert asp.press(rough, solid, pressure=1.001 * full).area == rough.size
 assert asp.press(rough, solid, pressure=0.999 * full).area < rough.size
 np.testing.assert_allclose(fraction[reduced > 1], theory[reduced > 1], atol=0.02)
-assert 1.6 < kappa[0] < 2.5
+light = fraction < 0.12
+assert ((theory[light] / fraction[light] > 0.70) & (theory[light] / fraction[light] < 0.74)).all()

@@ -7,6 +7,7 @@ walls. What touches is closed.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -19,42 +20,34 @@ from asperity.lattice import Field
 _MOST = 2**15
 """Pixels above which four become one, as time grows faster than their number."""
 
-_CLOSED = 1e-14
-"""Cube of a gap over the widest one up to which it is closed: the flow through less is rounding."""
-
-_FREE = 1e30
-"""Conductivity of the sides, beside at most 1 of a pixel."""
-
 
 def hydraulic_gap(gap: Field, aspect: float) -> float:
     """Gap of smooth plates with the same flow along the last axis, in the unit of the gap, shape (n, m).
 
     `aspect` is the length of a pixel along the first axis over that along the last.
     """
-    widest = float(gap.max())
-    cubes = (gap / widest) ** 3
-    along = across = np.where(cubes > _CLOSED, cubes, 0.0)
+    cubes = (gap / gap.max()) ** 3
+    along = across = np.where(cubes > 1e-14, cubes, 0.0)  # the flow through narrower gaps is rounding
     while along.size > _MOST:
         along, across = _halved(along), _halved(across.T).T
-    (rows, columns), count, sides = along.shape, along.size, ((0, 0), (1, 1))
-    number = np.pad(
-        np.arange(count).reshape(along.shape), sides, constant_values=((0, 0), (count, count + 1))
-    )
-    along, across = np.pad(along, sides, constant_values=_FREE), np.pad(across, sides)
+    # The sides are two more pixels, 0 and 1, that conduct beyond measure: half a pixel remains to each.
+    sides, size = ((0, 0), (1, 1)), along.size + 2
+    number = np.pad(np.arange(2, size).reshape(along.shape), sides, constant_values=((0, 0), (0, 1)))
+    across, along = np.pad(across, sides), np.pad(along, sides, constant_values=1e30)
     next_to = aspect * _series(along[:, :-1], along[:, 1:])
     below = _series(across[:-1], across[1:]) / aspect
     ends = tuple(np.append(number[:, part], number[part]) for part in (slice(-1), slice(1, None)))
-    graph = coo_array((np.append(next_to, below), ends), shape=(count + 2, count + 2)).tocsc()
+    graph = coo_array((np.append(next_to, below), ends), shape=(size, size)).tocsr()
     graph.eliminate_zeros()
     _, piece = connected_components(graph, directed=False)
-    if piece[count] != piece[count + 1]:
+    if piece[0] != piece[1]:
         return 0.0
-    joined = np.flatnonzero(piece[:count] == piece[count])
-    sums: Any = laplacian(graph + graph.T)
-    balance = sums.tocsr()[joined]
-    into, out = -balance[:, [count, count + 1]].toarray().T
-    flow = float(out @ spsolve(balance[:, joined].tocsc(), into))
-    return float(widest * (flow * columns / rows / aspect) ** (1 / 3))
+    joined = np.flatnonzero(piece == piece[0])[2:]
+    balance: Any = laplacian(graph + graph.T)
+    balance = balance.tocsr()[joined]
+    into, out = -balance[:, [0, 1]].toarray().T
+    flow = out @ spsolve(balance[:, joined].tocsc(), into)
+    return float(gap.max()) * math.cbrt(flow * (number.shape[1] - 2) / len(number) / aspect)
 
 
 def _series(one: Field, other: Field) -> Field:

@@ -197,10 +197,8 @@ class Contact(Bodies, views.InNotebooks):
         It is meant for half-spaces; on a layer that is thin beside its contacts, `contact_area` is nearer. On
         a line nothing is subtracted.
         """
-        if self.lattice.dimension == 1:
-            return self.contact_area
         sides = rim_sides(self.in_contact, self.lattice, np.isfinite(self.heights))
-        return (self.area - RIM * sides) * self.lattice.cell
+        return (self.area - (self.lattice.dimension - 1) * RIM * sides) * self.lattice.cell
 
     @cached_property
     def gap(self) -> Field:

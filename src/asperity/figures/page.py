@@ -35,7 +35,7 @@ _GROWTH = (
 )
 _LIGHT = (
     "the area of light contacts grows so. Dashed: Persson's theory for a random surface of the same rms "
-    "slope [7], about a fifth below simulations of light contacts [8]: compare how it grows."
+    "slope [7], about a quarter below simulations of light contacts [8]: compare how it grows."
 )
 _CAPTIONS = {
     "history": "Load and real contact area, leg by leg, with the 95 % band of the area.",

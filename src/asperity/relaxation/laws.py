@@ -178,8 +178,7 @@ def _approximate(
         times = log_times(min(fastest / 300, through), 100 * last / accuracy, density, through)
         per_decade = max(10, 4 * density)
         t, s = _grid(first, last, per_decade), _grid(1 / last, 1 / fastest, per_decade)
-        if math.isfinite(start):
-            s = np.append(s, math.inf)
+        s = np.append(s, [math.inf] * math.isfinite(start))
         columns = np.vstack([np.exp(-t[:, None] / times), 1 / (1 + 1 / (s[:, None] * times))])
         values = np.append(law(t), transform(s))
         shares = positive_weights(columns, values - permanent, values)
