@@ -30,7 +30,18 @@ from asperity.protocols import Leg, described
 FILES = {"surface": "path", "solid": "relaxation", "output": "measured"}
 """Keys that name files, by their sections."""
 
+_USUAL_LOAD = "By default 0.005 (k0 + k1) x rms height x sites; on a continuum see the pressure."
+_USUAL_PRESSURE = "By default, on a continuum, 0.005 E* x rms slope."
+_USUAL_FIRST = (
+    "By default that of the relaxation table, else 0.1 of the shortest relaxation time, else 0.001."
+)
+_USUAL_LAST = (
+    "By default that of the relaxation table, else 10 times the longest relaxation time, else 1e+06."
+)
 _Time = Annotated[float, Ge(0), Le(1e30), Quantity("time", "s")]
+_Span = Annotated[float | None, Gt(0), Le(1e30)]
+_Share = Annotated[float | None, Ge(0), Le(1)]
+_Size = Annotated[float | None, Gt(0)]
 
 
 class Contact(Section):
@@ -40,21 +51,14 @@ class Contact(Section):
 
     load: Annotated[
         float | None,
-        Quantity(
-            "Normal load; 0 before a ramp; may be negative with adhesion. "
-            "By default 0.005 (k0 + k1) x rms height x sites; on a continuum see the pressure",
-            "N",
-        ),
+        Quantity("normal load", "N", more="; 0 before a ramp, below 0 with adhesion. " + _USUAL_LOAD),
     ] = None
     pressure: Annotated[
         float | None,
-        Quantity(
-            "Load over nominal area, in place of the load. By default, on a continuum, 0.005 E* x rms slope",
-            "Pa",
-        ),
+        Quantity("load over nominal area", "Pa", more=", in place of the load. " + _USUAL_PRESSURE),
     ] = None
     separation: Annotated[
-        float | None, Quantity("Mean height of the undeformed solid, in place of the load", "m")
+        float | None, Quantity("mean height of the undeformed solid", "m", more=", in place of the load.")
     ] = None
 
     def check(self) -> None:
@@ -69,35 +73,19 @@ class Aging(Section):
 
     section = "aging"
 
-    first: Annotated[
-        float | None,
-        *(Gt(0), Le(1e30)),
-        Quantity(
-            "First time to record. By default that of the relaxation table, else a tenth of the "
-            "shortest relaxation time, else 0.001",
-            "s",
-        ),
-    ] = None
-    last: Annotated[
-        float | None,
-        *(Gt(0), Le(1e30)),
-        Quantity(
-            "Last time to record. By default that of the relaxation table, else ten times the "
-            "longest relaxation time, else 1e+06",
-            "s",
-        ),
-    ] = None
-    per_decade: Annotated[int, Ge(1), Le(1000), Quantity("Times to record in each decade")] = 4
+    first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST)] = None
+    last: Annotated[_Span, Quantity("last time to record", "s", more=". " + _USUAL_LAST)] = None
+    per_decade: Annotated[int, Ge(1), Le(1000), Quantity("times to record in each decade")] = 4
     times: Annotated[
         Sequence[_Time] | None,
         Len(1),
-        Quantity("List of times to record, in place of first, last and times per decade"),
+        Quantity("list of times to record", more=", in place of first, last and times per decade."),
     ] = None
     hold: Annotated[
         Literal["load", "separation"] | None,
-        Quantity("Quantity that stays constant while the contact ages. By default the one that pressed it"),
+        Quantity("quantity that stays constant", more=". By default the one that pressed it."),
     ] = None
-    rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("Relative tolerance of the time steps")] = 2e-3
+    rtol: Annotated[float, Ge(1e-6), Le(0.1), Quantity("relative tolerance of the time steps")] = 2e-3
 
     def check(self) -> None:
         """Refuse listed times beside a span, and times that do not increase."""
@@ -165,33 +153,27 @@ class Output(Section):
 
     maps_at: Annotated[
         Sequence[_Time] | None,
-        Quantity("Times at which the contact is stored and drawn. By default 0 and five others"),
+        Quantity("times at which the contact is stored and drawn", more=". By default 0 and five others."),
     ] = None
-    figures: Annotated[Sequence[Format] | None, Quantity('Formats of the figures; "" for none')] = ("png",)
+    figures: Annotated[Sequence[Format] | None, Quantity('formats of the figures; "" for none')] = ("png",)
     measured: Annotated[
         str | None,
         Quantity(
-            "Table of a measured contact area against time, with units: the figure of the area shows it, and "
-            "the ratio measured / computed"
+            "table of a measured contact area against time, with units",
+            more=": the figure of the area shows it, and the ratio measured / computed.",
         ),
     ] = None
     pixel: Annotated[
-        float | None,
-        Gt(0),
-        Quantity(
-            "Pixel of a microscope through which the maps are seen; in sites if there are no units", "m"
-        ),
+        _Size, Quantity("pixel of a microscope through which the maps are seen", "m", more=", or in sites.")
     ] = None
     blur: Annotated[
-        float | None,
-        Gt(0),
-        Quantity("Full width at half maximum of its point spread function, likewise", "m"),
+        _Size, Quantity("full width at half maximum of its point spread function", "m", more=", likewise.")
     ] = None
     threshold: Annotated[
-        float | None,
-        *(Ge(0), Le(1)),
+        _Share,
         Quantity(
-            "Fraction of contact above which a pixel counts as contact. By default the fractions are added"
+            "fraction of contact above which a pixel counts as contact",
+            more=". By default the fractions are added.",
         ),
     ] = None
 

@@ -7,10 +7,9 @@ argument of the library, or of an annotated field of the section's class.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, Self
 
-from asperity.base.checks import shown
 from asperity.base.parameters import Parameter, parameters_of
 from asperity.base.words import MEANT, closest
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name, Words
@@ -167,14 +166,6 @@ def unknown_key(
     return InputError(key, said=said, advice=advice, path=path)
 
 
-def mistakes_of(make: Callable[[], Any]) -> Iterator[InputError]:
-    """Mistakes of a section that is made."""
-    try:
-        make()
-    except SectionError as error:
-        yield from error.mistakes
-
-
 def keys_of_maker(make: Callable[..., Any]) -> Keys:
     """Keys of a section: the annotated arguments of the function that makes a surface or a solid."""
     return {one.quantity.key or name: one.as_key for name, one in parameters_of(make).items()}
@@ -191,17 +182,3 @@ def arguments_of(make: Callable[..., Any], section: Section) -> dict[str, Any]:
             value = value[0] if len(value) == 1 else tuple(value)
         arguments[name] = not value if isinstance(value, bool) and parameter.quantity.key else value
     return arguments
-
-
-__all__ = [
-    "KINDS",
-    "Keys",
-    "Section",
-    "SectionError",
-    "arguments_of",
-    "keys_of_maker",
-    "mistakes_of",
-    "read_keys",
-    "shown",
-    "unknown_key",
-]
