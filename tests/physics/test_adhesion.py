@@ -323,8 +323,8 @@ def test_a_run_killed_before_bodies_part_goes_on_to_the_same_end(tmp_path, monke
     for last in (steps - 10, steps):
         written = iter(range(1, last))
 
-        def killed(keeper, place, left=written):
-            write(keeper, place)
+        def killed(keeper, *kept, left=written):
+            write(keeper, *kept)
             if next(left, None) is None:
                 raise InterruptedError
 
