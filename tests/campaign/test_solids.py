@@ -126,7 +126,7 @@ def test_what_a_history_holds_can_be_swept(tmp_path):
     for load in (3.0, 6.0):
         there = data.sel({"protocol.1.load": load, "k1": 3.0, "seed": 1})
         as_alone(there, Hold(1.0), Step(load=load), Hold(2.0))
-    assert json.loads(data.attrs["protocol"])[0] == {"kind": "hold", "duration": 1.0, "mobility": 1.0}
+    assert json.loads(data.attrs["protocol"])[0] == {"kind": "hold", "duration": 1.0}
 
 
 def test_durations_can_be_swept_and_each_run_keeps_its_times(tmp_path):

@@ -179,7 +179,7 @@ def test_version_and_help_that_fills_its_lines(asperity, says):
     text = " ".join(asperity("run", "--help")[1].replace("│", " ").split())
     for shown in (
         *("200 200]", "--rms FLOAT Rms height. For gaussian, exponential. [default: 1]", "--pressure FLOAT"),
-        "ten times the longest relaxation time, else 1e+06.",
+        "10 times the longest relaxation time, else 1e+06.",
     ):
         assert shown in text
     assert "--pressure QUANTITY" in asperity("predict", "--help")[1]

@@ -137,7 +137,7 @@ doors = [
 ]
 doors = [
     [one.surface.width, one.surface.amplitude, *map(vars(one.solid.laws["adhesion"]).get, ("range", "work"))]
-    + [one.legs[0].duration, one.legs[0].far, one.surface.build().heights.max() * 1e-6]
+    + [one.protocol[0].duration, one.protocol[0].far, one.surface.build().heights.max() * 1e-6]
     for one in doors
 ]
 wax, shove = own.Wax(work="5 mJ/m^2", range="0.3 um"), own.Shove("1 min", far="20 um")

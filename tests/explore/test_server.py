@@ -201,8 +201,8 @@ NESTED = {"protocol": [{"kind": "repeat", "count": 2, "legs": [{"kind": "step"}]
 TABLE = {"solid": {"kind": "half_space", "modulus": 1.0, "relaxation": "/etc/hosts"}}
 MISTAKES: list[tuple[object, str, str]] = [
     ({"contact": {"load": -1}}, "contact.load", "expected more than 0, got -1; try adhesion"),
-    (NESTED, "protocol[0].legs[0]", "expected load, pressure, separation or approach"),
-    ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; did you mean 'k0'?"),
+    (NESTED, "protocol[0].legs[0]", "load, pressure, separation and approach: expected exactly one of them"),
+    ({"solid": {"k_0": 1.0}}, "solid.k_0", "no such key; try k0"),
     ({"contact": {"separation": 100.0}}, "contact.separation", "at which the solids touch"),  # found late
     ({"surface": {"shape": [10**6, 10**6]}}, "", "fits into the memory"),
     (3, "", "expected the sections of a configuration"),

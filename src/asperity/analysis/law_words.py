@@ -99,8 +99,8 @@ def place_of(age: float | str | None, times: ArrayLike) -> int:
     near = np.flatnonzero(np.isclose(ages, wanted, rtol=1e-6, atol=0))
     if near.size != 1:
         expected = f"one of the ages of the law, {', '.join(written(value, 's') for value in ages.tolist())}"
-        advice = f'age="{written(float(ages[-1]), "s")}"'
-        raise InputError("age", expected=expected, got="none" if age is None else age, advice=advice)
+        cure = {"age": written(float(ages[-1]), "s")}
+        raise InputError("age", expected=expected, got="none" if age is None else age, cure=cure)
     return int(near[0])
 
 

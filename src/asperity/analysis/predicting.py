@@ -315,8 +315,8 @@ def _times_within(
     latest = end if material.fit is None else material.fit.data.span[1]
     for name, time, usual in (("first", first, begin), ("last", last, latest)):
         if time is None and usual in (0, math.inf):
-            expected, advice = "a time, as there is no table", 'first="1 ms", last="10 days"'
-            raise InputError(name, expected=expected, got="none", advice=advice)
+            expected, cure = "a time, as there is no table", {"first": "1 ms", "last": "10 days"}
+            raise InputError(name, expected=expected, got="none", cure=cure)
     stop = latest if last is None else positive_quantity("last", last, "s")
     check_ramp(ramp, stop)
     start = max(begin, ramp) if first is None else positive_quantity("first", first, "s")
@@ -333,28 +333,31 @@ def _check_known(material: Material, **times: float) -> None:
     begin, end = material.span
     for name, time in times.items():
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
-            source, advice = "the table spans", "a table of more decades"
-            if material.fit is None:
-                source, advice = "the data span", "extrapolate='model'"
-            elif time > end:
-                advice = "extrapolate='plateau'"
+            source, word = (
+                ("the data span", "model") if material.fit is None else ("the table spans", "plateau")
+            )
+            facts: dict[str, Any] = {"cure": {"extrapolate": word}}
+            if word == "plateau" and time <= end:
+                facts = {"advice": "a table of more decades"}
             expected = f"a time that {source}, {begin:.3g} s to {end:.3g} s"
-            raise InputError(name, expected=expected, got=f"{time:.4g} s", advice=advice)
+            raise InputError(name, expected=expected, got=f"{time:.4g} s", **facts)
 
 
 def check_ramp(ramp: float, last: float) -> None:
     """Refuse a ramp that ends after the last time."""
     if ramp >= last:
         expected = f"less than the last time, {last:.4g} s"
-        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", advice=f'last="{10 * ramp:g} s"')
+        raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", cure={"last": f"{10 * ramp:g} s"})
 
 
 def check_span(name: str, first: float, last: float) -> None:
     """Refuse times that span less than a decade, too little for growth per decade."""
     if last < 10 * first * (1 - 1e-9):
         expected = "times that span a decade or more"
-        advice = f'last="{10 * first:g} s"' if name.endswith("last") else "later times"
-        raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", advice=advice)
+        facts: dict[str, Any] = {"cure": {"last": f"{10 * first:g} s"}}
+        if not name.endswith("last"):
+            facts = {"advice": "later times"}
+        raise InputError(name, expected=expected, got=f"{first:.4g} s to {last:.4g} s", **facts)
 
 
 def no_half_space(name: str, kind: str) -> InputError:

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.base.words import closest
+from asperity.base.words import closest, has_decimal_comma
 from asperity.errors import LARGEST, InputError, MissingExtraError
 
 Floats = NDArray[np.float64]
@@ -359,6 +359,8 @@ def _has_unit(value: object) -> bool:
 
 
 def _hint(name: str, value: object) -> str:
+    if has_decimal_comma(value):
+        return str(value).replace(",", ".")
     if hasattr(type(value), "magnitude"):
         return f"{name}.magnitude, in the unit of the other arguments"
     if hasattr(type(value), "to_value"):

@@ -83,8 +83,8 @@ class Columns:
         for at in self.chosen:
             if (role := self.roles[at]) in columns:
                 got = f"{self.table.names[columns[role]]!r} and {self.table.names[at]!r}"
-                advice = f'columns="{columns[role]} ..." to choose'
-                raise InputError(self.table.name, expected=f"one column of {role}", got=got, advice=advice)
+                cure = {"columns": f"{columns[role]} ..."}
+                raise InputError(self.table.name, expected=f"one column of {role}", got=got, cure=cure)
             columns |= {role: at} if role else {}
         return columns
 
@@ -166,10 +166,10 @@ class Columns:
     def _no_unit(self, role: Role, at: int, got: str) -> InputError:
         example, name = _EXAMPLES.get(role.unit, role.unit), self.table.names[at]
         column = name if re.fullmatch(r"\w[\w ]*", name) else at
-        expected, advice = f"a unit of {role.name}, such as {example}", f'units="{column}={example}"'
+        expected, cure = f"a unit of {role.name}, such as {example}", {"units": f"{column}={example}"}
         if at in self._stated:
             return InputError("units", expected=expected, got=got)
-        return InputError(self._about(at), expected=expected, got=got, advice=advice)
+        return InputError(self._about(at), expected=expected, got=got, cure=cure)
 
     def _about(self, at: int) -> str:
         return f"column {self.table.names[at] or at!r} of {self.table.name}"

@@ -11,7 +11,7 @@ import tokenize
 from typing import TYPE_CHECKING, Any
 
 from asperity.base import checks
-from asperity.base.words import InUnits, as_text, has_unit, written_with_units
+from asperity.base.words import InUnits, as_text, has_decimal_comma, has_unit, written_with_units
 from asperity.errors import InputError
 
 if TYPE_CHECKING:
@@ -140,6 +140,7 @@ def _no_quantity(name: str, text: str, unit: str) -> InputError:
     cased = [word for word in _USUAL if match and match[2] and word.lower() == match[2].lower()]
     meant = next((word for word in cased if factor(word, unit) is not None), "")
     advice = f"{match[1]} {meant}, as case matters" if match and meant else ""
+    advice = text.replace(",", ".") if has_decimal_comma(text) else advice
     return InputError(name, expected=f"{kind}, such as {example}", got=checks.shown(text), advice=advice)
 
 

@@ -159,8 +159,9 @@ class _Problem:
             a = "fitted" if record.a is None else record.a
         if a == "fitted" and not differ:
             expected = "a number, as all slip is at one velocity, which does not show the direct effect"
-            advice = "a=0.01, a common value for rock, or a=0.0"
-            raise InputError("a", expected=expected, got="none", advice=advice)
+            raise InputError(
+                "a", expected=expected, got="none", cure={"a": 0.01}, advice="another of the rock"
+            )
         problem = cls(record, law, reference, used, None if a == "fitted" else checks.number("a", a))
         if used.sum() < problem.count + 3:
             expected = f"at least {problem.count + 3} values for {problem.count} parameters"

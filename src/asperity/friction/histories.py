@@ -45,7 +45,7 @@ def record_of(
         dataset = add_friction(dataset, shear_strength)
     if "friction" not in dataset:
         expected = "the shear strength of the contacts, as the history has no series 'friction'"
-        raise InputError("shear_strength", expected=expected, got="none", advice="shear_strength=1.0")
+        raise InputError("shear_strength", expected=expected, got="none", cure={"shear_strength": 1.0})
     si = dataset["load"].attrs.get("units") in ("N", "N/m")
     slides = dataset.isel(time=np.isfinite(dataset["time"].values))  # not the relaxed state
     slides = slides.isel(time=~after_slips(slides["time"].values, slides["displacement"].values))

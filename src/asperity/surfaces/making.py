@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from asperity.base import checks, units
 from asperity.base.parameters import Quantity, Spelled, parameters_of
 from asperity.base.words import written_with_units
-from asperity.errors import InputError
+from asperity.errors import InputError, Name
 from asperity.lattice import Field
 from asperity.surfaces.prepare import LENGTHS, spelled
 from asperity.surfaces.surface import Surface
@@ -85,8 +85,8 @@ def in_numbers(make: Callable[..., Any], values: Mapping[str, Any]) -> dict[str,
         value = units.either(name, values[name], unit if isinstance(unit, str) else "m")
         written = any(written_with_units([value]))
         if unit is None and (written or (name == "pixel_size" and name not in parameters)):
-            expected = f"the unit of all lengths beside {name}"
-            raise InputError("unit", expected=expected, got="none", advice="unit='um'")
+            expected = ("the unit of all lengths beside ", Name(name))
+            raise InputError("unit", expected=expected, got="none", cure={"unit": "um"})
         numbers[name] = np.asarray(value, dtype=np.float64).tolist() if written else value
     return numbers
 

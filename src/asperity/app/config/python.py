@@ -53,9 +53,8 @@ def to_python(config: RunConfig, times: list[float]) -> str:
         hold = {} if config.aging.hold is None else {"hold": config.aging.hold}
         lines.append(f"limit = {_call('asp.relax', 'contact', **hold)}")
     if (strength := config.friction.strength) is not None:
-        law = _call(
-            "asp.friction.ShearStrength", **{name: one for name, one in vars(strength).items() if one}
-        )
+        facts = {name: one for name, one in vars(strength).items() if one}
+        law = _call("asp.friction.ShearStrength", repr(facts.pop("strength")), **facts)
         lines.append(f"friction = {_call('asp.friction.add_friction', 'history.dataset', law)}")
     return "\n".join([*lines, "print(history)", ""])
 
