@@ -83,7 +83,7 @@ class InUnit:
         try:
             number = joules(str(value)) if self.unit == "J" else quantity(value, self.unit)
         except InputError as error:
-            raise ValueError(f"expected {error.expected}, got {error.got}") from None
+            raise ValueError(sentence(error.about(""))) from None
         return InUnits.of(check(number), str(value), self.unit)
 
 
