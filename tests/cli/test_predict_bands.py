@@ -10,6 +10,7 @@ import pytest
 
 import asperity as asp
 from asperity.analysis.bands import banded, draws_of_solid
+from asperity.analysis.scan import written
 from asperity.app.explore.folders import open_entry
 from asperity.relaxation import PronySeries
 from tests.refusals import refuses
@@ -114,7 +115,10 @@ def test_a_file_may_have_legs_and_a_leg_overrides_them(asperity, undrawn):
     scan = ("--surface", "scan.txt", *READ, "--tilt", "none", "-q")
     for more in ((), ("--leg", "ramp 2s pressure=6MPa", "--leg", "hold 60s", "--leg", "hold 10s")):
         assert asperity("predict", "run.toml", *scan, *more) == (0, "", "")
-    dropped, held = undrawn
+    assert asperity("predict", "run.toml", *scan, "--pressure", "2 MPa") == (0, "", "")
+    dropped, held, begun = undrawn
+    assert dropped.legs.startswith("from 0 N, ramp to pressure 6 MPa in 2 s")
+    assert begun.legs.startswith(f"from {written(2e6 * begun.nominal_area, 'N')}, ramp to")
     assert "step to pressure 3 MPa, hold for 10 s" in dropped.legs
     load = dropped.series("load")
     assert load[-1] == pytest.approx(load.max() / 2, rel=1e-6)

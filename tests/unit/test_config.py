@@ -657,3 +657,12 @@ def check_values(model: tuple[str, str], key: Key) -> None:
         between = 0.5 * (max(key.least or 0.0, -1.0) + min(key.most or 1.0, 1.0))
         assert accepts(model, key, listed(key, between)) is not whole
     assert accepts(model, key, "1 nonsense") is (key.what in ("path", "text", "texts", "text or whole"))
+
+
+@pytest.mark.parametrize("flags", [{}, {"contact": {"pressure": "1mpa"}}])
+def test_a_unit_in_another_case_is_named_at_every_door(flags):
+    solid = {"kind": "half_space", "young": "3 GPA", "poisson": 0.3}
+    with pytest.raises(ConfigError) as raised:
+        config_from({"solid": solid, "contact": {"pressure": "1mpa"}}, flags, None)
+    advice = [problem.partition("; try ")[2] for problem in raised.value.problems]
+    assert sorted(advice) == ["1 MPa, as case matters", "3 GPa, as case matters"]

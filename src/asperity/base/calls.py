@@ -165,7 +165,7 @@ def _fits(value: Any, hint: Any) -> bool:
     if kind is Literal:
         return isinstance(value, str | int) and value in parts
     if kind in (int, float, complex):
-        is_number = hasattr(value, "__float__") or has_unit(value)
+        is_number = not isinstance(value, type) and (hasattr(value, "__float__") or has_unit(value))
         return is_number and not (isinstance(value, int) and abs(value) >= 2**63)
     if kind in (Sequence, list, tuple):
         several = hasattr(value, "__iter__") and not isinstance(value, str | Mapping)
