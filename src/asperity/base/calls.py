@@ -170,4 +170,5 @@ def _fits(value: Any, hint: Any) -> bool:
     if kind in (Sequence, list, tuple):
         several = hasattr(value, "__iter__") and not isinstance(value, str | Mapping)
         return several and all(any(_fits(item, part) for part in parts) for item in value)
-    return kind in (Any, np.ndarray) or not isinstance(kind, type) or isinstance(value, kind)
+    is_plain = isinstance(kind, type) and kind.__module__ != "typing"  # IO tells nothing of its values
+    return kind in (Any, np.ndarray) or not is_plain or isinstance(value, kind)
