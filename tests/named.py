@@ -37,6 +37,7 @@ ELSEWHERE = {
         "zcat",
         "Reibungszahl",
         "False",
+        "ssh",
     ),
     *("MALLOC_TRIM_THRESHOLD_", "__pycache__", "array_api_strict", "asperity.commands", "--no-nanny"),
     *("NAME", "COLUMN", "ID", "NIGHTLY_WHEELS"),

@@ -12,8 +12,6 @@ from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileE
 _FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
 """Advice for the command line beside keys of a configuration."""
 
-_LEG = re.compile(r"^(protocol(?:\[\d+\](?: legs)?)*)(?: (\w+))?: ")
-
 Mistake = dict[str, str]
 Shown = dict[str, tuple[str, str]]
 """By absolute path of a file, its names in the form of the page and in texts for the user."""

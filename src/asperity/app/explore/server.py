@@ -35,6 +35,7 @@ from starlette.websockets import WebSocket, WebSocketClose, WebSocketDisconnect
 
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import sections
+from asperity.app.config.mistakes import Door
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import Opened, entries, open_entry
 from asperity.app.explore.jobs import Job, Jobs
@@ -119,7 +120,7 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
             try:
                 place = places.find(name)
             except InputError as error:
-                raise ConfigError([str(error.about(f"[{section}] {key}"))]) from None
+                raise Door({}).refused([error.about(key, section, key)]) from None
             table[key] = str(place)
             shown[table[key]] = name, place.name if place.is_relative_to(places.uploads) else name
     solid = contents.get("solid")
