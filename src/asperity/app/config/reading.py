@@ -33,8 +33,8 @@ def read_config(
 ) -> RunConfig:
     """Read a configuration or the defaults, override it by flags, and check the whole.
 
-    A relative path in the file is relative to it. `ConfigError` with one line for each mistake: see
-    `asperity.app.config.mistakes.Door` for other names, and keys that it lacks.
+    A relative path in the file is relative to it. `ConfigError` with one line for each mistake, in
+    which `names` are other names of keys, by section and key, and keys that the door `lacks` are no cure.
     """
     path = None if path is None else Path(path)
     return config_from({} if path is None else read_tables(path), flags, path, names, lacks)
