@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import asperity as asp
+from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.plausible import remarks_on_history
 from asperity.app.config import config_from
 from asperity.app.predict import predict_config
@@ -224,6 +225,19 @@ def test_an_implausible_friction_is_remarked(strength, said):
         assert any_of(answer.remarks, f"the coefficient of friction is {mu:.3g};") == (
             {f"the coefficient of friction is {mu:.3g};"} if said else set()
         )
+
+
+def test_maps_between_recorded_times_lose_nothing():
+    tables = {
+        "surface": {"kind": "spectral", "shape": [16, 16], "rms_slope": 0.1, **NM},
+        "solid": {"kind": "half_space", "modulus": "3 GPa", "branches": [[0.5, "1 s"]]},
+        "contact": {"pressure": "10 MPa"},
+        "aging": {"times": [1.0, 10.0]},
+        "output": {"maps_at": [0.0, 3.0]},
+    }
+    dataset = execute(config_from(tables, {}, None), Progress()).dataset
+    assert dataset["field_time"].values.tolist() == [0.0, 3.0]
+    assert rows_of_maps(dataset) == [0, 1]
 
 
 def test_no_patches_after_a_pull_off_are_not_few():

@@ -76,10 +76,10 @@ def interval(values: Floats) -> Floats:
 
 
 def rows_of_maps(dataset: xr.Dataset) -> list[int]:
-    """Entries of the time series at the times of the maps; at a jump those of the same leg."""
+    """Entries of the time series at the times of the maps, or the last before; at a jump of the same leg."""
     time, rows = np.asarray(dataset["time"]), []
     for number, moment in enumerate(np.asarray(dataset["field_time"])):
-        entries = np.flatnonzero(time == moment)
+        entries = np.flatnonzero(time <= moment)
         if "leg" in dataset.coords:
             entries = entries[np.asarray(dataset["leg"])[entries] == int(dataset["field_leg"][number])]
         rows.append(int(entries[-1]))
