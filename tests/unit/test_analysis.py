@@ -44,7 +44,15 @@ def synthetic(
 ) -> xr.Dataset:
     """A history with a given A(t)/A(0), without any simulation."""
     area = 1e4 * np.concatenate([[1.0], ratio])
-    conditions = {"k0": 1.0, "k1": 3.0, "R": 1.0, "R_viscous": 0.0, "held": "load", "held_load": 1e-3 * sites}
+    conditions: dict[str, float | str] = {
+        "k0": 1.0,
+        "k1": 3.0,
+        "R": 1.0,
+        "R_viscous": 0.0,
+        "held": "load",
+        "held_load": 1e-3 * sites,
+    }
+    conditions["sites"] = sites
     return xr.Dataset(
         {
             "area": ("time", area),
@@ -241,7 +249,8 @@ def made_history(slope: float, spread: float) -> xr.Dataset:
 def grown(history: xr.Dataset, series: list[PronySeries]) -> Growth:
     """The growth of a history, with the bands of tiles and series."""
     never: Any = None
-    contact: Any = SimpleNamespace(solid=SimpleNamespace(separable=True))
+    heights = np.zeros(history["in_contact"].shape[1:])
+    contact: Any = SimpleNamespace(solid=SimpleNamespace(separable=True), heights=heights, sites=heights.size)
     return growth_of(history, OfScan.of(history, contact), draws_of_solid(history, series, never, never))
 
 

@@ -268,7 +268,7 @@ def test_a_value_is_written_with_a_prefix_in_si_and_as_it_is_elsewhere() -> None
         (1e7, "s", "1e+07 s"),
         (0.01, "s", "10 ms"),
         (1e-6, "1", "1e-06"),
-        (math.inf, "N/m", "inf"),
+        (math.inf, "N/m", "infinite"),
         (122.88, "stiffness unit * height unit", "122.9"),
         (7e-21, "m/s", "7e-21 m/s"),
         (5e-28, "m^3", "0.5 nm^3"),

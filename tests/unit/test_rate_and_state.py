@@ -327,7 +327,7 @@ BAD = {
     "no strength": ("shear_strength", lambda: F.record_of(HISTORY)),
     "strength 0": ("shear_strength", lambda: F.add_friction(DATASET, 0.0)),
     "other units": ("units", lambda: F.add_friction(DATASET, "40 MPa")),
-    "no velocity of reference": ("reference_velocity", lambda: F.ShearStrength(4.0, rate_coefficient=0.1)),
+    "no velocity of reference": ("rate_coefficient", lambda: F.ShearStrength(4.0, rate_coefficient=0.1)),
     "far from the reference": ("rate_coefficient", lambda: F.add_friction(DATASET, FAST)),
     "a strength at rest": ("velocity", lambda: F.add_friction(slid(P.Hold(1.0)).dataset, FAST)),
     "a strength of a jump": ("velocity", lambda: F.add_friction(slid(JUMP, times=(0.0,)).dataset, FAST)),

@@ -282,4 +282,4 @@ def test_a_table_is_refused_before_the_engine_is_imported():
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
     )
     assert done.stdout == "[2, 2, 2]\nset()\n"
-    assert done.stderr.count("asperity: column 'time [furlong]' of t.csv: ") == 3
+    assert done.stderr.count("column 'time [furlong]' of t.csv: expected a unit of time") == 3
