@@ -186,8 +186,8 @@ class Parameter:
             return checks.switch(name, value)
         if int in self.kinds and not (str in self.kinds and isinstance(value, str)):
             bounds = self.bounds
-            least, most = bounds.get("least", bounds.get("above", -1) + 1), bounds.get("most")
-            most = bounds.get("below", 2**63) - 1 if most is None else most
+            least = bounds.get("least", bounds.get("above", -(2**63)) + 1)
+            most = bounds.get("most", bounds.get("below", 2**63) - 1)
             return checks.integer(name, value, least=int(least), most=int(most))
         return checks.text(name, value)
 
