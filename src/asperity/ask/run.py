@@ -231,7 +231,10 @@ class RunConfig:
         if mistakes:
             raise SectionError(mistakes)
         config = cls(**parts)
-        config.check()
+        try:
+            config.check()
+        except InputError as error:
+            raise SectionError([error]) from None
         return config
 
     def but(self, **changes: Any) -> RunConfig:
@@ -251,21 +254,19 @@ class RunConfig:
             self._check_protocol()
         elif self.aging.times is None and not self.span[0] < self.span[1]:
             first, last = self.span
-            raise SectionError(
-                [self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")]
-            )
+            raise self.aging.wrong("last", expected=f"more than first, {first:g}", got=f"{last:g}")
         if self.contact.load == 0 and not (self.protocol and self.written_out[0].target):
             expected, advice = (
                 "a protocol that begins with a ramp beside 0",
                 "a first leg such as 'ramp 1 load=...'",
             )
-            raise SectionError([self.contact.wrong("load", expected=expected, got="none", advice=advice)])
+            raise self.contact.wrong("load", expected=expected, got="none", advice=advice)
         self._check_known()
         for home, key in ((self.aging, "times"), (self.output, "maps_at")):
             late = max(getattr(home, key) or [], default=-math.inf)
             if late > self.end * (1 + 1e-9):
                 expected = f"times up to the last, {self.end:g}"
-                raise SectionError([home.wrong(key, expected=expected, got=f"{late:g}")])
+                raise home.wrong(key, expected=expected, got=f"{late:g}")
         self._check_loads()
 
     def _check_protocol(self) -> None:
@@ -275,7 +276,7 @@ class RunConfig:
         ):
             value = getattr(self.aging, key)
             if key in self.aging.stated and value is not None:
-                raise SectionError([self.aging.wrong(key, expected=expected, got=shown(value))])
+                raise self.aging.wrong(key, expected=expected, got=shown(value))
 
     def _check_known(self) -> None:
         """Refuse times beyond the data of the solid."""
@@ -292,7 +293,7 @@ class RunConfig:
             cure = {"extrapolate": word} if of_data or not early else {}
             advice = "branches" if cure and not of_data else ""
             got = "{:g} to {:g} s".format(*known)
-            raise SectionError([self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)])
+            raise self.solid.wrong(key, expected=expected, got=got, cure=cure, advice=advice)
 
     def _check_loads(self) -> None:
         """Refuse loads that pull at a solid without adhesion."""
@@ -315,7 +316,7 @@ class RunConfig:
                 if not load:
                     facts = {"advice": "a small one, which lifts the body"}
                 name, got = str(path[-1]), f"{load:g}"
-                raise SectionError([InputError(name, expected="more than 0", got=got, path=path, **facts)])
+                raise InputError(name, expected="more than 0", got=got, path=path, **facts)
 
     @property
     def written_out(self) -> list[Leg]:
