@@ -8,9 +8,8 @@ With the heights h before anything yielded, and the surface u of the solid,
 
 where c is how far a unit of load lowers <u> instantly, with unchanged contacts. On a half-space without free
 edges <u> is its position. The position of a layer is <u> less its even compression p / K(0), for wave vector
-0. With free edges, <u> leaves out the displacement of the body far away. All
-means are over the sites of the body. Where
-nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
+0. With free edges, <u> leaves out the displacement of the body far away. All means are over the sites of the
+body. Where nothing creeps or yields, the integral of p da is the elastic energy per area less p^2 / (2 K(0)).
 
 Bands are of the mean over scans of this size: each of 16 tiles is left out in turn
 (`asperity.analysis.bands`). The others bear another pressure; the change of the law from that to this one is

@@ -28,7 +28,7 @@ from asperity.lattice import Field, Mask
 from asperity.patches import patches
 from asperity.relaxation.materials import relaxing_of
 from asperity.solids import Solid
-from asperity.surfaces import Surface, statistics
+from asperity.surfaces import Surface
 from asperity.surfaces.asperities import SHAPES
 from asperity.surfaces.doubts import BORNE
 from asperity.surfaces.moments import Statistics
@@ -130,7 +130,7 @@ def remarks_on_bodies(rough: Surface, solid: Solid) -> Iterator[str]:
         yield f"edges reflect, as for a part of a larger surface; {cure}"
     if _is_shape(rough) or not (solid.in_lengths and rough.has_lengths):
         return
-    measures, modulus = statistics(*rough.in_meters()), solid.modulus or math.inf
+    measures, modulus = rough.in_si, solid.modulus or math.inf
     if (slope := measures.rms_slope) > _STEEP:
         yield f"the rms slope is {slope:.2g}: the theory takes surfaces as nearly flat, of {_STEEP:g} at most"
     if solid.adhesion is None and modulus < _SOFT and (work := sticking_work(measures, modulus)) < _WORK:
@@ -155,7 +155,7 @@ def remarks_on_contacts(
     `others` names the contacts, if their number is to be told: ``"rows"``.
     """
     limits = solid.in_lengths and rough.has_lengths and rough.heights.ndim == 2
-    measures = statistics(*rough.in_meters()) if limits else None
+    measures = rough.in_si if limits else None
     for texts in zip(*(_remarks(rough, solid, one, measures) for one in contacts), strict=True):
         first, *more = [text for text in texts if text] or [""]
         if others and more:

@@ -100,6 +100,7 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
     flat = bool(xi.min() == xi.max())
     rms = 0.0 if flat else float(xi.std())
     normal = np.full(1, np.nan) if flat else (xi - mean) / rms
+    squared = normal * normal  # powers of arrays take ten times as long
     return Statistics(
         shape=xi.shape,
         minimum=float(xi.min()),
@@ -108,8 +109,8 @@ def statistics(heights: ArrayLike, pixel_size: tuple[float, ...] | None = None) 
         rms_height=rms,
         rms_slope=float(np.sqrt(sum(_rms(d / s) ** 2 for d, s in zip(steps, sizes, strict=True)))),
         rms_curvature=_rms(_mean_curvature(xi, sizes)),
-        skewness=float(np.mean(normal**3)),
-        kurtosis=float(np.mean(normal**4)),
+        skewness=float(np.mean(squared * normal)),
+        kurtosis=float(np.mean(squared * squared)),
         neighbor_steps=tuple(_rms(d) for d in steps),
         seam_steps=tuple(_rms(d) for d in seams),
         slope_unit="1/pixel" if pixel_size is None else "1",

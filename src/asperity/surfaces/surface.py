@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -157,6 +158,11 @@ class Surface(views.InNotebooks):
         """Draw the heights into axes or a new figure; see `asperity.figures.plot_surface`."""
         axes: Axes = views.made_by("plot_surface")(self, ax)
         return axes
+
+    @cached_property
+    def in_si(self) -> Statistics:
+        """Statistics in meters, for every contact of this surface; `InputError` as for `in_meters`."""
+        return statistics(*self.in_meters())
 
     def describe(self) -> Statistics:
         """Measure the surface.
