@@ -217,9 +217,10 @@ class Continuum(SolidSection):
         if getattr(self, "creep", None) is not None:
             lacking = [key for key in lacking if key != "temperature"]
         if lacking and not of_branches:
-            of_data = lacking == ["extrapolate"] and self.data_last is not None
-            cure = {"extrapolate": "model"} if of_data else {}
-            raise self.wrong(lacking[0], expected=(Name("relaxation"), " beside it"), got="none", cure=cure)
+            if lacking == ["extrapolate"] and self.data_last is not None:
+                expected, cure = "model, for branches of data", {"extrapolate": "model"}
+                raise self.wrong("extrapolate", expected=expected, got=self.extrapolate, cure=cure)
+            raise self.wrong(lacking[0], expected=(Name("relaxation"), " beside it"), got="none")
 
     def _check_table(self) -> None:
         if isinstance(self.young, list) and len(self.young) > 1:
