@@ -5,6 +5,9 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PYTEST := $(BIN)/python -m pytest -n auto --maxprocesses 8 --dist loadgroup --max-worker-restart 0
 
+# Each process would compile the sources anew: tests start many.
+unexport PYTHONDONTWRITEBYTECODE
+
 # The first use of a loop compiles it; done once here, for every process after.
 COMPILE = $(BIN)/python -W ignore -c "from asperity.app.runs.loops import compile_loops as c; c(lambda text: print(text, '...'))"
 

@@ -27,6 +27,13 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.fixture
+def coarse_pictures(monkeypatch):
+    """Pictures of few pixels that are not laid out take a third of the time: others judge how they look."""
+    monkeypatch.setattr("asperity.figures.style.RESOLUTION", 30)
+    monkeypatch.setattr("matplotlib.figure.Figure.get_layout_engine", lambda _: None)
+
+
+@pytest.fixture
 def no_display():
     """No window opens, and no figure is open before or after: other tests of the process may leave some."""
     from matplotlib import pyplot as plt

@@ -38,7 +38,7 @@ SectionError = Callable[..., None]
 
 
 @pytest.fixture(autouse=True)
-def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, coarse_pictures: None) -> None:
     monkeypatch.chdir(tmp_path)
 
 

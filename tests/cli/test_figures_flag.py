@@ -31,8 +31,10 @@ def suffixes(out: Path) -> set[str]:
     return {path.suffix for path in out.iterdir()} & {".png", ".pdf", ".svg"}
 
 
-@pytest.mark.parametrize(("flags", "found"), [((), {".pdf"}), (("--figures", "svg,png"), {".svg", ".png"})])
-@pytest.mark.parametrize("command", ["run", "predict"])
+@pytest.mark.parametrize(
+    ("command", "flags", "found"),
+    [("run", (), {".pdf"}), ("predict", ("--figures", "svg,png"), {".svg", ".png"})],
+)
 def test_a_file_and_flags_say_the_formats(asked, command, flags, found):
     assert main([command, str(asked), *flags, "--quiet", "--measured", "area.csv", "--out", "out"]) == 0
     assert suffixes(Path("out")) == found
@@ -64,6 +66,7 @@ def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken)
     assert not Path("out").exists()
 
 
+@pytest.mark.slow
 def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
     text = "time_s,area\n" + "".join(f"{t},{1 + 0.1 * np.log(t)}\n" for t in (1, 3, 10, 30, 100, 300))
     Path("fit.csv").write_text(text)
@@ -99,6 +102,7 @@ def test_no_figures_are_written_where_none_are_asked_for(asperity):
     assert {path.name for path in Path().iterdir()} == {"fit.csv", "rough.csv"}
 
 
+@pytest.mark.slow
 def test_a_campaign_is_drawn_in_the_formats_of_its_file(asperity):
     plan = Path("plan.toml")
     base = "[surface]\nshape = [8, 8]\n[aging]\nlast = 1.0\nper_decade = 1\n"

@@ -113,6 +113,7 @@ def machine(name, *, places, header=""):
     )
 
 
+@pytest.mark.slow
 def test_the_record_of_a_machine_from_load_point_to_a_table_of_laws_and_events(says):
     machine("lab.csv", places=["load_point_um"], header="Operator,M. Huber,2026\n")
     text = says("friction", "lab.csv", "--stiffness", "0.01 / um")
@@ -132,6 +133,7 @@ def test_the_record_of_a_machine_from_load_point_to_a_table_of_laws_and_events(s
     assert [float(row["a"]) for row in events] == pytest.approx([0.008] * 2, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_window_in_the_units_of_the_record_and_what_it_lacks(says, refused):
     machine("lab.csv", places=["displacement_um"])
     says("friction", "lab.csv", "--from", "0.1", "--to", "54 s", "--law", "slip")

@@ -37,9 +37,7 @@ HALF, TWICE = f"{FULL / 2:.6g}Pa", f"{2 * FULL:.6g}Pa"
 
 
 @pytest.fixture(autouse=True)
-def _coarse(monkeypatch):
-    """Pictures of few pixels, which are drawn in a tenth of the time."""
-    monkeypatch.setattr("asperity.figures.style.RESOLUTION", 30)
+def _scan():
     np.save("scan.npy", HEIGHTS)
 
 
@@ -89,8 +87,11 @@ def test_a_run_carries_on_through_full_contact(asperity, load, full):
 
 @pytest.mark.parametrize(
     "load",
-    [f"--pressure {HALF} --resolution-study", f"--pressure {TWICE} --ramp 1s", f"--pressure {TWICE}"],
-    ids=["becomes", "empty at first", "from the start"],
+    [
+        pytest.param(f"--pressure {HALF} --resolution-study", id="becomes", marks=pytest.mark.slow),
+        pytest.param(f"--pressure {TWICE} --ramp 1s", id="empty at first", marks=pytest.mark.slow),
+        pytest.param(f"--pressure {TWICE}", id="from the start"),
+    ],
 )
 def test_a_prediction_carries_on_through_full_contact(asperity, monkeypatch, load):
     monkeypatch.setattr("asperity.analysis.predicting._FEWEST", 2)  # so that the study leaves waves out

@@ -21,7 +21,7 @@ T = np.geomspace(1, 1e4, 25)
 EXACT = asp.relaxation.PronySeries(1.0, ((0.3, 50.0),)).compliance_at(T)
 
 
-pytestmark = pytest.mark.xdist_group("infer")  # in one process, which infers once
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("infer")]  # in one process, which infers once
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +81,10 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, 
     np.savetxt("scan.txt", rough)
     how = "scan.txt --file-unit um --pixel-size 1 --length-unit um --pressure 1kPa"
     scan = f"predict F/solid.toml --surface {how}"
-    model = "--extrapolate model"
     for lacking, said in (
-        ("--last 1000s", "young"),
-        ("--young 3GPa --last 1e6s", model),
-        ("--young 3GPa --last 1e6s --extrapolate plateau", model),
+        ("--last 1000s", "try young"),
+        ("--young 3GPa --last 1e6s", 'try extrapolate = "model"'),
+        ("--young 3GPa --last 1e6s --extrapolate plateau", "got plateau; try --extrapolate model"),
     ):
         status, _, error = asperity(*f"{scan} {lacking} --out Q".split())
         assert (status, error.count("\n"), said in error) == (2, 1, True)
@@ -95,7 +94,6 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, 
     assert asperity(*f"run F/solid.toml --young 3GPa --file {how} --out R".split())[0] == 0
 
 
-@pytest.mark.slow
 def test_priors_come_back_as_they_were_written_and_change_what_is_found(asperity, table):
     assert asperity("infer", "area.csv", *QUICK, "--out", "G", "--priors", "F/priors.toml")[0] == 0
     pd.testing.assert_frame_equal(verdicts("F"), verdicts("G"))
@@ -104,7 +102,6 @@ def test_priors_come_back_as_they_were_written_and_change_what_is_found(asperity
     assert verdicts("H").loc["time_1", "low"] > 59.7
 
 
-@pytest.mark.slow
 def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, table):
     units = ("--unit-area", "mm^2", "--unit-time", "s")
     assert asperity("infer", "area.csv", *QUICK, "--branches", "1", *units, "--out", "G")[0] == 0
@@ -115,7 +112,6 @@ def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, ta
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
-@pytest.mark.slow
 def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity):
     law = asp.friction.RateAndState(a=0.005, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = list(np.geomspace(10, 1e5, 8))
@@ -133,7 +129,6 @@ def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity):
     assert not Path("F/solid.toml").exists()
 
 
-@pytest.mark.slow
 def test_an_interrupted_inference_goes_on(asperity, table, monkeypatch):
     words, whole = ("infer", "area.csv", *QUICK, "--out", "G"), asp.inference.sampling._advanced
     nine_times = itertools.chain(itertools.repeat(DEFAULT, 9), [KeyboardInterrupt], itertools.repeat(DEFAULT))

@@ -24,7 +24,8 @@ def limited(size):
     return f"sys.dont_write_bytecode = True\n{limit}"
 
 
-@pytest.mark.parametrize("earlier", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("earlier", [False, True])
 def test_a_disk_that_fills_up_keeps_an_earlier_run_and_leaves_no_other(tmp_path, earlier):
     out = tmp_path / "out"
     if earlier:

@@ -35,7 +35,7 @@ def legs():
     return [P.Ramp("2.4 s", pressure="6 MPa"), P.Hold("1000 s"), drop, P.Hold("4000 s")]
 
 
-@pytest.mark.parametrize("words", [WORDS, ("--load", "1 mN")])
+@pytest.mark.parametrize("words", [WORDS, pytest.param(("--load", "1 mN"), marks=pytest.mark.slow)])
 def test_a_band_of_few_tiles_is_said_to_be_unknown(asperity, words):
     x = np.arange(32) - 11.5
     np.savetxt("scan.txt", -0.01 * (x**2 + x[:, None] ** 2))  # one summit in one tile
@@ -56,6 +56,7 @@ def test_a_band_of_few_tiles_is_said_to_be_unknown(asperity, words):
         assert "unknown: too few patches" in text
 
 
+@pytest.mark.slow
 def test_the_bands_of_a_ramp_a_hold_a_drop_and_a_hold_from_one_command(asperity):
     time, random = np.geomspace(0.01, 120.0, 30), np.random.default_rng(1)  # minutes
     modulus = PronySeries(1805.0, PMMA).modulus_at(60 * time) * (1 + 0.005 * random.standard_normal(30))
@@ -152,6 +153,7 @@ def test_bands_after_a_drop_are_those_of_every_draw_pressed_and_aged_anew():
         assert np.sqrt(np.mean(missed**2)) < 0.2 * np.std(direct)
 
 
+@pytest.mark.slow
 def test_a_band_of_a_scan_is_the_spread_between_scans():
     """Areas of 24 surfaces scatter as each band has it, within what 24 of them tell."""
     solid = asp.solids.half_space(modulus="2.1 GPa")

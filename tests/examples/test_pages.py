@@ -151,11 +151,15 @@ def surface_file(path):
 
 LONG = {
     f"docs/{name}.md"
-    for name in ("campaigns", "friction", "histories", "inference", "predict", "solids", "start", "surfaces")
+    for name in (
+        *("campaigns", "edges", "figures", "friction", "histories"),
+        *("inference", "predict", "solids", "start", "surfaces"),
+    )
 }
 """Pages whose commands take more than five seconds."""
 
 
+@pytest.mark.usefixtures("coarse_pictures")
 @pytest.mark.parametrize(
     "page",
     [pytest.param(page, marks=[pytest.mark.slow] * (name_of(page) in LONG)) for page in PAGES],
