@@ -17,6 +17,7 @@ Remark (UserWarning)                nothing is wrong, but the user should know
 
 from __future__ import annotations
 
+import copy
 import copyreg
 from collections.abc import Callable, Mapping
 
@@ -70,7 +71,8 @@ Words = str | tuple[str, ...]
 """Part of a message; a tuple is joined, and a `Name` in it becomes a flag or a key."""
 
 Spell = Callable[[str], str]
-Assign = Callable[[str, str | float], str]
+Value = str | float | bool | list[int]
+Assign = Callable[[str, Value], str]
 
 
 class InputError(AsperityError, ValueError):
@@ -99,7 +101,7 @@ class InputError(AsperityError, ValueError):
         expected: Words = "",
         got: object = "",
         advice: Words = "",
-        cure: Mapping[str, str | float] | None = None,
+        cure: Mapping[str, Value] | None = None,
         said: Words = "",
         path: tuple[str | int, ...] = (),
     ) -> None:
@@ -115,8 +117,11 @@ class InputError(AsperityError, ValueError):
         return f"{place}: {said}{'; try ' * bool(advice)}{advice}".removeprefix(": ")
 
     def spoken(self, spell: Spell, assign: Assign) -> InputError:
-        """Return the same error as a door says it."""
-        spoken = self.about(spell(self.name))
+        """Return the same error as a door says it, unless one said it before."""
+        if self.args != (self.told(brief(self.name)),):
+            return self
+        spoken = copy.copy(self)
+        spoken.name = spell(self.name)
         spoken.args = (self.told(brief(spoken.name), spell, assign),)
         return spoken
 

@@ -367,8 +367,8 @@ def check_edges(lattice: Lattice) -> None:
     """`InputError` unless the edges are periodic."""
     if lattice.edges != "periodic":
         got = f"one with {lattice.edges} edges"
-        expected, advice = "a surface with periodic edges", "periodic = 'mirror' (--periodic mirror)"
-        raise InputError("slide", expected=expected, got=got, advice=advice)
+        expected, cure = "a surface with periodic edges", {"periodic": "mirror"}
+        raise InputError("slide", expected=expected, got=got, cure=cure)
 
 
 def checked_direction(direction: object) -> str | tuple[int, ...]:

@@ -152,8 +152,8 @@ def surface_file(path):
 LONG = {
     f"docs/{name}.md"
     for name in (
-        *("campaigns", "edges", "figures", "friction", "histories"),
-        *("inference", "predict", "solids", "start", "surfaces"),
+        *("adhesion", "campaigns", "challenge", "edges", "figures", "friction", "histories"),
+        *("inference", "law", "predict", "rate_and_state", "solids", "start", "surfaces"),
     )
 }
 """Pages whose commands take more than five seconds."""

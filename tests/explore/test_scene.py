@@ -16,7 +16,7 @@ import pytest
 import asperity as asp
 from asperity.app.config import config_from
 from asperity.app.config.keys import sections
-from asperity.app.explore.mistakes import mistakes_of, without_flags
+from asperity.app.explore.mistakes import mistakes_of
 from asperity.app.explore.scene import mapped, most_maps, of_frame, pack, recorded, started, unpack
 from asperity.errors import InputError
 
@@ -186,19 +186,6 @@ def test_growth_and_friction_after_a_ramp_are_over_its_end_and_sizes_are_areas()
 
 
 def test_the_page_says_nothing_of_flags() -> None:
-    for text, expected in {
-        "springs would bear it; try tilt = 'quadratic' (--tilt quadratic), despike (--despike)": (
-            "springs would bear it; try tilt = 'quadratic', despike"
-        ),
-        "a line; for a square: --shape 64 64, or shape = [64, 64] in a file": (
-            "a line; for a square: shape = [64, 64] in a file"
-        ),
-        "not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]": (
-            "not in N; for SI: kind = 'half_space' in [solid]"
-        ),
-        "t -- 3": "t -- 3",
-    }.items():
-        assert without_flags(text) == expected
     form = json.dumps({kind: str(keys) for kind, keys in sections(short=True).items()})
     assert "--" not in form
     assert "flag" not in form

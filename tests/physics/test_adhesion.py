@@ -309,6 +309,7 @@ def test_a_record_ends_where_bodies_part(legs, when, tmp_path):
     assert again.load == pytest.approx(history.final.load, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_run_killed_before_bodies_part_goes_on_to_the_same_end(tmp_path, monkeypatch):
     solid, one = sticking(0.5, 6.0, branches=[(0.5, 1.0)])
     contact = asp.press(Surface(ball((40, 40)), edges="free"), solid, load=one)

@@ -32,6 +32,7 @@ def spike(shape):
     return heights
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(64, 64), (64,), (15, 20)])
 @pytest.mark.parametrize("R_viscous", [0.0, 0.2])
 def test_one_contact_on_a_torus(shape, R_viscous):
@@ -56,6 +57,7 @@ def test_site_stiffness_on_a_large_lattice():
         assert 1.0 / fall / 2.0 == pytest.approx(site_stiffness(x1), rel=2e-4)
 
 
+@pytest.mark.slow
 def test_line_contact_sinks_like_the_fourth_root_of_time():
     contact = press(spike((4096,)), spring_lattice(k0=1.0, k1=3.0), load=0.1)
     times = np.geomspace(1e4, 1e8, 5)

@@ -111,6 +111,7 @@ def test_a_line_of_four_sites_loses_a_contact_after_unloading():
     assert history.dataset["area"].values.tolist() == [3, 3, 3, 3, 2, 2]
 
 
+@pytest.mark.slow
 def test_a_separable_solid_loses_no_contact_after_a_jump_down():
     solid = asp.solids.half_space(modulus=2.0, branches=[(0.9, 1.0)])
     histories = 0
@@ -160,6 +161,7 @@ def test_a_step_to_what_it_was_changes_nothing(change):
     np.testing.assert_allclose(again.u0, old.u0, atol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [SpringSteps, FieldSteps])
 @pytest.mark.parametrize(("control", "rate"), [(Load, 6.0), (Separation, -3.0)], ids=["load", "separation"])
 @pytest.mark.parametrize(
@@ -225,6 +227,7 @@ def test_the_area_stays_and_the_load_follows(solver):
     assert_equilibrium(history.final, k0=1.0, k1=3.0, load=load[-1])
 
 
+@pytest.mark.slow
 def test_the_area_stays_in_few_steps_at_a_small_rtol():
     heights = asp.surfaces.spectral((64, 64), hurst=0.8, rms_slope=0.1, seed=0)
     branches = [(0.1, time) for time in np.geomspace(0.1, 1e3, 5)]

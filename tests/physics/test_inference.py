@@ -324,6 +324,7 @@ CASES: dict[str, tuple[Any, ...]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_verdicts_and_intervals_are_those_of_the_curves(case):
     model, exact, relative, expected = CASES[case]
@@ -444,6 +445,7 @@ def test_the_solid_creeps_as_the_curve(model, values, rtol):
     np.testing.assert_allclose(found, curve(model, branches=2, **values), rtol=rtol)
 
 
+@pytest.mark.slow
 def test_a_record_of_holds_gives_b():
     law = asp.friction.RateAndState(a=0.0, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = np.tile(np.geomspace(3, 3e4, 5), 2)  # each twice: as many points
@@ -555,6 +557,7 @@ def test_mistakes_are_told_in_a_line(given, name, got):
         asp.infer(usual.pop("time"), usual.pop("area"), usual.pop("error"), **usual)
 
 
+@pytest.mark.slow
 def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_too(monkeypatch, tmp_path):
     value, error = two_times(3.0)
     with refuses("priors", "16.2"):
@@ -581,6 +584,7 @@ def test_priors_are_what_they_say():
         assert Prior.of("x", one.table, one.unit) == one
 
 
+@pytest.mark.slow
 def test_a_soft_cell_has_the_modulus_of_hertz_and_a_prior_that_excludes_it_is_named():
     time, load, radius, modulus = np.geomspace(0.1, 1e4, 15), 1e-9, 5e-6, 300.0
     compliance = (1.4 - 0.4 * np.exp(-time / 100)) / modulus  # one branch

@@ -90,10 +90,10 @@ def cost(name, heights, solid, control):
     return contact.iterations, int(steps.max()), float(history["iterations"][1:].sum() / steps.sum())
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(200, marks=pytest.mark.slow)])
-def test_what_is_supported_fast_stays_within_a_budget(count):
+@pytest.mark.slow
+def test_what_is_supported_fast_stays_within_a_budget():
     most = []
-    for number in range(count):
+    for number in range(200):
         name, *problem = draw(number, fast=True)
         pressing, steps, iterations = cost(name, *problem)
         most.append(steps)
@@ -104,10 +104,10 @@ def test_what_is_supported_fast_stays_within_a_budget(count):
     assert np.mean(np.array(most) > STEPS_A_DECADE) <= 0.01
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(200, marks=pytest.mark.slow)])
-def test_everything_else_ends(count):
+@pytest.mark.slow
+def test_everything_else_ends():
     refused = 0
-    for number in range(count):
+    for number in range(200):
         name, *problem = draw(number, fast=False)
         begun = time.process_time()
         try:
@@ -115,4 +115,4 @@ def test_everything_else_ends(count):
         except ConvergenceError:
             refused += 1
         assert time.process_time() - begun < SECONDS, name
-    assert refused <= 0.02 * count
+    assert refused <= 4

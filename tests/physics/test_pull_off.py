@@ -87,6 +87,7 @@ LAYER: Any = {"modulus": 1.0, "poisson": 0.3}
 FILM = asp.solids.coated_half_space(**LAYER, thickness=8.0, base_modulus=10.0, base_poisson=0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("solid", "edges"),
     [
@@ -150,6 +151,7 @@ def relaxed(time: float) -> tuple[float, float]:
     return 0.5 + 0.5 * math.exp(-time), 2 - math.exp(-time / 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("time", [0.5, 1.0, 4.0])
 def test_an_aged_ball_lets_go_as_its_relaxed_modulus_says(time):
     """Within the first contact the crept ball is one of the curvature E(t) / (E0 R).

@@ -13,6 +13,7 @@ from tests.surfaces import uncorrelated
 TIMES = [0.5, 2.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("k1", "R_viscous"), [(3.0, 0.0), (2.0, 0.3)])
 def test_explicit_steps_converge_to_the_implicit_result_at_first_order(k1, R_viscous):
     rough = uncorrelated(32)

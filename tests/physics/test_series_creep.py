@@ -159,6 +159,7 @@ def test_histories_are_what_explicit_integration_finds(share, apparatus):
         assert float(data["load"][number + 1]) == pytest.approx(p.sum(), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.0, 0.6])
 def test_under_small_stresses_it_is_dissolution(share):
     # flow=(m, 0) has the mobility m at every wave vector but 0, where the rigid body moves anyway
@@ -181,6 +182,7 @@ def test_under_small_stresses_it_is_dissolution(share):
     np.testing.assert_allclose(runs[0]["area"], runs[1]["area"], atol=1)
 
 
+@pytest.mark.slow
 def test_pressures_of_a_hundred_stresses_fall_through_all_decades():
     """Numbers of PMMA in SI: Q = 180 kJ/mol, 1.5 nm^3, 25 degrees C. At first the rate is 1e41 m/s.
 
@@ -214,6 +216,7 @@ def test_beside_a_permanent_share_the_end_is_the_elastic_contact_of_that(permane
     assert (data["area"][-8:] == elastic.area).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("permanent", [0.0, 0.4])
 def test_equal_steps_converge_at_second_order(permanent):
     # Few spikes, all of which touch all the time, so that no event spoils the order.
@@ -234,6 +237,7 @@ def test_equal_steps_converge_at_second_order(permanent):
     assert (orders(errors) > 1.8).all(), errors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hardness", [None, "0.3 GPa"])
 @pytest.mark.parametrize("permanent", [0.0, 0.3])
 def test_steep_laws_take_few_revisions_through_nine_decades(permanent, hardness):
@@ -285,6 +289,7 @@ def test_bodies_that_are_taken_apart_relax_beside_a_permanent_share(hardness):
     assert energy[-1] < 1e-12 * energy[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("softer", "reached"), [(100.0, True), pytest.param(1000.0, False, marks=pytest.mark.slow)]
 )

@@ -116,6 +116,7 @@ def test_times_are_reached_exactly():
     assert [frame.time for frame in creep(contact, times)] == [0.0, *times]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rough", "k1", "p"),
     [

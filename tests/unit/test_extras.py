@@ -45,6 +45,7 @@ def python(code, *arguments, folder):
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, timeout=240)
 
 
+@pytest.mark.slow
 def test_every_module_is_imported_without_the_extras(without_extras, tmp_path):
     # The server of the page is the one room that imports its extra at once, so that nothing else has to.
     code = without_extras + textwrap.dedent("""

@@ -104,6 +104,7 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
     np.testing.assert_allclose(found.values("area", 1), 1e-12 * y)
 
 
+@pytest.mark.slow
 def test_figures_have_the_widths_and_letters_of_a_journal_and_cut_no_text(prediction, stepped):
     drawn = {name: one.figure for name, one in figures.prediction_pictures(prediction).items()}
     drawn |= {"history": figures.history_figure(stepped.dataset)}

@@ -202,6 +202,7 @@ def long_history(*, repeats: int) -> xr.Dataset:
     return age(contact, np.geomspace(0.01, end, 30), protocol=[Repeat(legs, repeats)], rtol=1e-2).dataset
 
 
+@pytest.mark.slow
 def test_everything_is_on_the_canvas(aged: xr.Dataset, separated: xr.Dataset) -> None:
     """Every kind of figure, with the longest words that it may meet."""
     many = dataclasses.replace(contact_maps(separated), **SCANNED)

@@ -83,6 +83,7 @@ def test_a_machine_that_is_too_stiff_to_tell_gives_the_others():
 # -- The fit -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("protocol", "law", "measured"),
     [(STEPS, "slip", ("load_point",)), (STEPS, "slip", ("load_point", "slip")), (HOLDS, "aging", ("slip",))],

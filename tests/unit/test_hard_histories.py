@@ -35,6 +35,7 @@ def spike(shape, seed):
     return rough
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rough", [2.58 * spike((24, 25), 3), 67.0 * heights((24, 25), 4, "stepped")])
 def test_a_held_load_never_loses_contact(rough):
     solid = asp.solids.spring_lattice(k0=1.6e-3, k1=9.63, R=153.0, R_viscous=2.6e-4)

@@ -119,6 +119,7 @@ def test_the_process_that_compiles_gets_what_others_get(tmp_path):
     assert "compiling loops" not in found[1].stderr
 
 
+@pytest.mark.slow
 def test_all_loops_are_compiled_beforehand():
     code = (
         HISTORIES
@@ -163,6 +164,7 @@ compiled.tell_of_place(print)
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="owners and modes are those of POSIX")
 def test_where_nothing_can_be_written_a_folder_for_temporary_files_serves(tmp_path):
     place = tmp_path / f"asperity-numba-{os.getuid()}"

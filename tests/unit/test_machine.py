@@ -54,6 +54,7 @@ for k0, creep in ((1.0, law), (0.0, None)):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(cores() < 2, reason="needs two cores")
 def test_libraries_with_threads_of_their_own_change_no_digit():
     # They take what the environment says as they are loaded, and share sums over more than 10,000 numbers.

@@ -157,6 +157,7 @@ def test_what_is_left_of_an_error_is_estimated(bed, spread, drag, crowded, held)
     assert (0.65 if bed < 60 else 0.43) * expected <= estimate <= 1.05 * expected
 
 
+@pytest.mark.slow
 def test_fronts_of_smooth_contacts_under_stiff_springs_need_no_other_solver(monkeypatch):
     def give_up(*_):
         raise AssertionError
@@ -250,6 +251,7 @@ def test_what_does_not_suit_is_refused_or_left_to_the_fourier_solver():
     assert_equilibrium(asp.press(uncorrelated(16), bed, load=1.0), k0=0.0, k1=3.0, load=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("edges", "k0"), [("periodic", 1.0), ("reflecting", 1.0), ("periodic", 0.0)])
 def test_a_second_backend_finds_the_same_states(monkeypatch, edges, k0):
     operations = {name for name in vars(Processor) if not name.startswith("_")}

@@ -117,6 +117,7 @@ def test_mu_0_is_the_steady_friction_of_the_velocity_asked_for():
     assert fit.D_c == pytest.approx(F.rate_and_state(record).D_c, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("protocol", "law", "count", "known"),
     [

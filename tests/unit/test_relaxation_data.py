@@ -91,6 +91,7 @@ def test_two_exact_branches_are_found(kind):
     assert on_grid.resampled == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tables", [1, pytest.param(100, marks=pytest.mark.slow)])
 def test_two_noisy_branches_are_found_within_their_intervals(tables):
     held, widths = np.zeros((2, 2)), []
@@ -119,6 +120,7 @@ def test_two_noisy_branches_are_found_within_their_intervals(tables):
     assert np.all((held >= least) & (held <= most))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "per_decade"), [(0.0, 2), (0.01, 1)])
 def test_a_broad_spectrum_gets_as_many_times_a_decade_as_its_noise_allows(noise, per_decade):
     time = np.geomspace(1e-3, 1e6, 46)

@@ -277,6 +277,7 @@ def test_a_solution_errs_no_more_than_it_may_and_takes_less(size):
     assert found.iterations < 0.5 * iterations[0]  # not settled, as a stage of a time step
 
 
+@pytest.mark.slow
 def test_contacts_that_go_round_in_circles_are_solved_accurately(monkeypatch):
     # Nothing but an infinitely stiff apparatus holds the mean, and errors of it move all contacts.
     monkeypatch.setattr(active_set, "TUNING", active_set.Tuning(load_error=np.inf))
@@ -337,6 +338,7 @@ def test_contacts_are_those_of_the_whole_lattice(name, monkeypatch):
     np.testing.assert_allclose(found.u, whole.u, atol=1e-8 * scale)
 
 
+@pytest.mark.slow
 def test_crowded_or_reflected_contacts_are_left_to_other_methods():
     problem = contact_problem("half-space", load=0.1)
     crowded = Guess(np.zeros(problem.lattice.shape), problem.heights > -2.0)

@@ -107,6 +107,7 @@ def test_springs_that_all_touch_end_up_alike(control, last):
     assert final.load == pytest.approx(contact.load, rel=1e-3)  # creep on no base keeps the mean
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edges", "control", "mobilities"),
     [

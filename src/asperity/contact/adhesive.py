@@ -86,7 +86,7 @@ def check_zone(bodies: Bodies) -> None:
             expected=f"pixels of at most {most}: {fewest} in a zone of pi E* w/(4 s0^2)",
             got=got,
             advice="a longer range; or no adhesion of the solid, but a pull-off force of the contact: "
-            "contact.pull_off(work=...), --work-of-adhesion",
+            "contact.pull_off(work=...)",
         )
 
 

@@ -36,7 +36,7 @@ def draw_measured(
     if count := int(np.isnan(beside).sum()):
         span = " to ".join(written(float(end), series.time_unit) for end in time[positive][[0, -1]])
         text = f"{count} of {later.size} measured times are outside the computed ones, {span}, and have no "
-        remark(f"{text}ratio measured / computed; try other first and last (--first, --last)")
+        remark(f"{text}ratio measured / computed; try other first and last")
     at, value = place(series.time), factor * series.value
     error = None if series.stderr is None else factor * series.stderr
     look: dict[str, Any] = {"fmt": "D", "color": style.INK, "markerfacecolor": style.ORANGE}

@@ -34,9 +34,7 @@ def record_of(
     """
     dataset, source = _dataset(history)
     if "displacement" not in dataset or not (dataset["displacement"] > 0).any():
-        advice = (
-            "a protocol with Slide legs, at the prompt --leg 'slide distance=8 velocity=5' --leg 'hold 10'"
-        )
+        advice = "a protocol with legs that slide, such as 'slide distance=8 velocity=5'"
         raise InputError("history", expected="one in which the contact slides", got="none", advice=advice)
     if np.isinf(dataset["velocity"]).any():
         expected = "slides at finite velocities, as the age of contacts has no time to change otherwise"

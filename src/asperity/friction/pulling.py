@@ -109,7 +109,7 @@ def _stick_slip(text: str) -> InputError:
         "record",
         expected="stable sliding: below the stiffness (b - a)/D_c a slider sticks and slips, by its inertia",
         got=text,
-        advice="a stiffer machine, a lower normal stress, or a part of the record, --from and --to",
+        advice="a stiffer machine, a lower normal stress, or a part of the record",
     )
 
 

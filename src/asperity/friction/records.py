@@ -184,7 +184,7 @@ class Record(views.Brief):
                 name.replace("_", " "),
                 expected="a displacement that goes on in one direction",
                 got=f"{record.speed(driven.velocity[n])} from {start:.6g} to {end:.6g} {unit}",
-                advice="a part of the record, --from and --to",
+                advice="a part of the record",
             )
         return record
 

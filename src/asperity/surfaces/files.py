@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal
 
 from asperity.base.files import expanded
-from asperity.errors import InputError, SurfaceFileError
+from asperity.errors import InputError, Name, SurfaceFileError
 from asperity.surfaces.heights import sides_of_pixels
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.matrix_files import read_hdf5, read_mat, read_npy, read_npz
@@ -72,7 +72,7 @@ def with_lengths(
         raw = dataclasses.replace(raw, pixel_size=sizes, length_unit=unit, size_from="pixel_size")
     elif length_unit is not None:
         if raw.pixel_size is None:
-            advice = "pixel_size (--pixel-size)"
+            advice = (Name("pixel_size"),)
             raise InputError("length_unit", expected="pixels of known size", got="none", advice=advice)
         raw = dataclasses.replace(raw, length_unit=length_unit)
     return raw

@@ -107,8 +107,8 @@ def read_hdf5(path: Path, channel: str | int | None) -> RawSurface:
         listed = likely if channel is None else list(arrays)
         if arrays and not listed:
             got = ", ".join(f"{name!r} in {units[name]}".removesuffix(" in 1") for name in arrays)
-            advice = f"the name of the array of heights: channel = {next(iter(arrays))!r} (--channel)"
-            raise SurfaceFileError(str(path), expected="an array of heights", got=got, advice=advice)
+            cure = {"channel": next(iter(arrays))}
+            raise SurfaceFileError(str(path), expected="the name of an array of heights", got=got, cure=cure)
         chosen = _chosen(path, channel, {name: arrays[name].shape for name in listed})
         node = arrays[chosen]
         void = float(_attribute(node, "_FillValue", _attribute(node, "missing_value", math.nan)))

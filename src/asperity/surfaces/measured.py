@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asperity.base import checks
 from asperity.base.parameters import Quantity, Spelled, parameters_of
-from asperity.errors import SurfaceFileError, printable
+from asperity.errors import Name, SurfaceFileError, Value, printable
 from asperity.lattice import Edges, Field
 from asperity.surfaces import doubts, files, levelling, prepare
 from asperity.surfaces.files import Length
@@ -289,17 +289,18 @@ def _checked_missing(file: Path, heights: Field, limit: float, crop: Sequence[in
         expected = f"at most {limit:.3g} of the pixels undefined" if limit else "no undefined pixel"
         first = np.argwhere(missing)[0].tolist()
         got = f"{count} of {heights.size} undefined ({fraction:.3g}), the first at {first}"
-        choice = "a larger max_undefined" if limit else "undefined = 'fill'"
-        advice = "" if fraction == 1 else f"{_inside(missing, limit, crop)}{choice}, or another measurement"
-        raise fail(expected=expected, got=got, advice=advice)
+        if fraction == 1:
+            raise fail(expected=expected, got=got)
+        cure: dict[str, Value] = _inside(missing, limit, crop) or ({} if limit else {"undefined": "fill"})
+        larger = ("a larger ", Name("max_undefined"), ", or ") if limit else ()
+        raise fail(expected=expected, got=got, cure=cure, advice=(*larger, "another measurement"))
     return missing
 
 
-def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> str:
-    """Advise to crop an undefined frame, if the pixels within it suffice."""
+def _inside(missing: NDArray[np.bool_], limit: float, crop: Sequence[int]) -> dict[str, Value]:
+    """The crop that leaves an undefined frame out, if the pixels within it suffice."""
     (box,) = scipy.ndimage.find_objects((~missing).astype(int))
     if missing[box].mean() > limit:
-        return ""
+        return {}
     starts = crop[::2] or [0] * missing.ndim
-    words = [str(n + end) for n, part in zip(starts, box, strict=True) for end in (part.start, part.stop)]
-    return f"crop = [{', '.join(words)}] (--crop {' '.join(words)}), "
+    return {"crop": [n + end for n, part in zip(starts, box, strict=True) for end in (part.start, part.stop)]}

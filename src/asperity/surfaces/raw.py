@@ -74,6 +74,5 @@ def choose(name: str, channel: str | int | None, channels: Mapping[str, str]) ->
     if len(listed) > 8:
         listed[8:] = [f"and {len(names) - 8} more"]
     got = "none" if channel is None else f"channel {channel!r}"
-    advice = f"channel = {names[0]!r} (--channel {names[0]!r})"
     expected = f"as the channel one of: {', '.join(listed)}"
-    raise SurfaceFileError(name, expected=expected, got=got, advice=advice)
+    raise SurfaceFileError(name, expected=expected, got=got, cure={"channel": names[0]})

@@ -58,6 +58,6 @@ def read_spectrum(path: Path | str, *, unit: str | None = None, dimension: int =
         raise InputError(error.name, expected=error.expected, got=error.got) from None
     if in_table and unit is None:
         expected = f"the unit of the heights, as the table has {in_table[0]}"
-        raise InputError("unit", expected=expected, got="none", advice="unit = 'um' (--unit um)")
+        raise InputError("unit", expected=expected, got="none", cure={"unit": "um"})
     q, C = (columns.values(role, at) for role, at in places.items())
     return q, C

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from asperity.base import checks, views
-from asperity.errors import InputError
+from asperity.errors import InputError, Name, Words
 from asperity.lattice import Edges, Field, Mask
 from asperity.surfaces import doubts, levelling, prepare
 from asperity.surfaces.heights import check_heights, sides_of_pixels
@@ -118,16 +118,16 @@ class Surface(views.InNotebooks):
         """
         if not prepare.is_length(self.unit):
             got = {"1": "heights without a unit", "rms": "heights in units of their rms"}[self.unit]
-            advice = "unit = 'nm' of a Surface, or file_unit = 'nm' (--file-unit) for a file without a unit"
+            advice: Words = ("unit='nm' of a Surface, or ", Name("file_unit"), " of a file without a unit")
             advice = "another unit than 'rms'" if self.unit == "rms" else advice
             raise InputError("surface", expected="heights with a unit of length", got=got, advice=advice)
         if (spacing := self.pixel_size) is None:
             got = f"heights in {self.unit!r}, and pixels of unknown size"
-            advice = "pixel_size and length_unit (--pixel-size)"
+            advice = (Name("pixel_size"), " and ", Name("length_unit"))
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
         if (across := prepare.conversion(self.length_unit, "m")) is None:
-            got, advice = f"pixels of {_sides(spacing)} in no unit", "length_unit = 'um' (--length-unit)"
-            raise InputError("surface", expected="pixels with a unit of length", got=got, advice=advice)
+            got, cure = f"pixels of {_sides(spacing)} in no unit", {"length_unit": "um"}
+            raise InputError("surface", expected="pixels with a unit of length", got=got, cure=cure)
         return self.heights * prepare.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
 
     @property
@@ -335,9 +335,8 @@ def check_square(heights: ArrayLike) -> None:
     if isinstance(heights, Surface) and size is not None and not prepare.is_square(size):
         unit = f" {heights.length_unit}" if heights.length_unit else ""
         got = f"{size[0]:.4g}{unit} between rows and {size[1]:.4g}{unit} between columns"
-        asked = f"resample = true (--resample): means over {max(size):.4g}{unit}"
-        advice = asked if "file" in heights.provenance else ""
-        raise InputError("heights", expected="square pixels", got=got, advice=advice)
+        cure = {"resample": True} if "file" in heights.provenance else {}
+        raise InputError("heights", expected="square pixels", got=got, cure=cure)
 
 
 def measured_part(shape: tuple[int, ...], provenance: Mapping[str, object]) -> tuple[slice, ...]:

@@ -20,6 +20,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandErro
 
 from asperity.app.cli import explore, fit, friction, gather, infer, law, predict, run, status, surface, sweep
 from asperity.app.cli.command import app, command
+from asperity.app.cli.flags import in_flags
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
 from asperity.base.files import command_running
 from asperity.base.words import closest, has_decimal_comma
@@ -79,7 +80,8 @@ def answer(arguments: list[str]) -> int:
 
 def _run(arguments: list[str]) -> int:
     try:
-        app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        with in_flags({}):
+            app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
     except CycloptsError as error:
         return complain(2, _usage(error))

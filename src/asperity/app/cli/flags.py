@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from cyclopts import Group, Parameter, Token
 
 from asperity.base.words import number, numbers
-from asperity.errors import InputError
+from asperity.errors import InputError, Value
 
 if TYPE_CHECKING:
     from asperity.app.config.keys import Key, What
@@ -153,13 +152,14 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
     def spell(name: str) -> str:
         return flags.get(name, name)
 
-    def assign(name: str, value: str | float) -> str:
-        written = value if isinstance(value, float | int) else shlex.quote(value)
-        return f"{flags[name]} {written}" if name in flags else f"{name}={value!r}"
-
     try:
         yield
     except InputError as error:
+        from asperity.app.config.mistakes import assigned, flag_in
+
+        def assign(name: str, value: Value) -> str:
+            return assigned(flags.get(name) or flag_in("", name), value)
+
         raise error.spoken(spell, assign) from error
 
 

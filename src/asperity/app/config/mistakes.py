@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from asperity.ask.section import KINDS
-from asperity.errors import ConfigError, InputError
+from asperity.errors import ConfigError, InputError, Value
 
 Sections = dict[str, dict[str, object]]
 Names = Mapping[tuple[str, str], str]
@@ -71,12 +71,12 @@ class Door:
         typed = alone or any(part in given for part in rest)
 
         def spell(key: str) -> str:
-            return _flag(section, key) if typed or key in given else key
+            return flag_in(section, key) if typed or key in given else key
 
-        def assign(key: str, value: object) -> str:
-            flag = _flag(section, key) if typed or key in given else ""
-            written = str(value) if isinstance(value, float | int) else shlex.quote(str(value))
-            return f"{flag} {written}" if flag else f"{key} = {json.dumps(value)}"
+        def assign(key: str, value: Value) -> str:
+            if typed or key in given:
+                return assigned(flag_in(section, key), value)
+            return f"{key} = {json.dumps(value)}"
 
         place = self._place(section, rest)
         named = mistake.name in (section, *rest[-1:]) or (rest and mistake.name == "kind")
@@ -100,7 +100,15 @@ class Door:
         return place if self.file is None else f"{self.file}: {place}"
 
 
-def _flag(section: str, key: str) -> str:
+def assigned(flag: str, value: Value) -> str:
+    """A flag with its value, as one types it: a switch has none, a list several."""
+    if value is True:
+        return flag
+    words = [str(part) for part in value] if isinstance(value, list) else [str(value)]
+    return shlex.join([flag, *words])
+
+
+def flag_in(section: str, key: str) -> str:
     """The flag of a key of this section, or of another that has it."""
     homes = [section, *KINDS]
     owners = (one for one in homes if any(key in kind.keys for kind in KINDS.get(one, {}).values()))

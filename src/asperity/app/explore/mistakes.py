@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 from asperity.app.config.keys import sections
 from asperity.base.words import reason_of
-from asperity.errors import AsperityError, ConfigError, InputError, SurfaceFileError, brief
-
-_FLAGS = re.compile(r" \(--[^()]*\)|(?<![\w-])--\w[^,;:]*, or ")
-"""Advice for the command line beside keys of a configuration."""
+from asperity.errors import SHOWN_PROBLEMS, AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
 Mistake = dict[str, str]
 Shown = dict[str, tuple[str, str]]
 """By absolute path of a file, its names in the form of the page and in texts for the user."""
 
 
-def without_flags(text: str) -> str:
-    """A sentence for the page, where there is no command line."""
-    return _FLAGS.sub("", text)
-
-
 def mistake(text: str, where: str = "") -> list[Mistake]:
     """A mistake with its key."""
-    return [{"where": where, "text": without_flags(text)}]
+    return [{"where": where, "text": text}]
 
 
 def failed(mistakes: list[Mistake]) -> dict[str, Any]:
@@ -40,13 +31,13 @@ def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistak
             return mistake(brief(str(error).replace(path, name)), where)
     match error:
         case ConfigError():
-            places = [*map(_place, error.mistakes), *[""] * len(error.shown)]
-            return [{"where": where, "text": one} for where, one in zip(places, error.shown, strict=False)]
+            said = [{"where": _place(one), "text": _told(one)} for one in error.mistakes[:SHOWN_PROBLEMS]]
+            return said + [{"where": "", "text": line} for line in error.shown[len(said) :]]
         case InputError():
             name = error.name.removeprefix("--").replace("-", "_")
             homes = {one: kinds.values() for one, kinds in sections().items() if one != "protocol"}
             home = next((one for one, keys in homes.items() if any(name in kind for kind in keys)), "")
-            return mistake(brief(str(error)), home and f"{home}.{name}")
+            return mistake(_told(error.about(name, home, name) if home else error), home and f"{home}.{name}")
         case AsperityError():
             return mistake(brief(str(error)))
         case MemoryError():
@@ -60,3 +51,19 @@ def _place(mistake: InputError) -> str:
     """The field of a mistake: ``contact.load``, ``protocol[0].load``."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in mistake.path)
     return "".join(parts).removeprefix(".")
+
+
+def _told(mistake: InputError) -> str:
+    """A mistake in the words of the form, whose fields say what it is about; legs have none."""
+    section, *rest = mistake.path or ("",)
+    key = str(rest[-1]) if rest else section
+    at_field = mistake.name == key and section != "protocol"
+
+    def spell(name: str) -> str:
+        return name.replace("_", " ")
+
+    return brief(
+        mistake.told(
+            "" if at_field else spell(mistake.name), spell, lambda name, value: f"{spell(name)} {value}"
+        )
+    )

@@ -24,7 +24,6 @@ from asperity.analysis.field_values import pressure_of
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.analysis.maps import on_the_surface
 from asperity.app.config import RunConfig, to_tables, to_toml
-from asperity.app.explore.mistakes import without_flags
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
@@ -287,7 +286,7 @@ def ending(dataset: xr.Dataset, rows: Iterable[tuple[str, str]]) -> Header:
     limit_row = None
     if limit is not None:
         limit_row = {"area": int(limit), "contact_area": None if cell is None else limit * cell}
-    return {"kind": "done", "limit": limit_row, "rows": [(name, without_flags(text)) for name, text in rows]}
+    return {"kind": "done", "limit": limit_row, "rows": list(rows)}
 
 
 def most_maps(sites: int) -> int:

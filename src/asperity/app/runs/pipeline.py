@@ -202,25 +202,23 @@ def completed(config: RunConfig, solid: Solid, rough: Surface) -> tuple[RunConfi
     if rough.has_lengths and not solid.in_lengths:
         remarks += (
             f"springs have no units: heights count as numbers of {rough.unit}, sites are 1 apart, and the "
-            "load is not in N; for SI: --solid half_space, or kind = 'half_space' in [solid]",
+            "load is not in N; for SI take a solid of kind half_space",
         )
     if isinstance(chosen, MeasuredSurface) and chosen.rule == "mirror":
         copies = 2**rough.heights.ndim
         remarks += (
             f"loads, areas, stiffness and resistance are those of {copies} mirrored copies of the scan; "
-            "periodic = 'reflect' (--periodic reflect) takes it once",
+            "periodic = 'reflect' takes it once",
         )
     measured = isinstance(chosen, MeasuredSurface) and rough.edges == "periodic"
     if measured and (cliff := rough.describe().seam_ratio) > _REMARKED_SEAM:
         remarks += (
             f"the surface is not periodic: the step at its seam is {cliff:.2g} times a usual one; "
-            "try periodic = 'reflect' (--periodic reflect)",
+            "try periodic = 'reflect'",
         )
     if rough.heights.ndim == 1 and height_law(chosen) is not None:
         n = rough.heights.size
-        remarks += (
-            f"a line contact of {n} sites; for a square: --shape {n} {n}, or shape = [{n}, {n}] in a file",
-        )
+        remarks += (f"a line contact of {n} sites; for a square try shape = [{n}, {n}]",)
     match config.protocol:
         case (Ramp() as up, *_) if contact.load == 0 and config.aging.times is not None:
             end = written(up.duration, "s") if rough.has_lengths else f"{up.duration:g}"
@@ -264,9 +262,7 @@ def _usual_contact(config: RunConfig, solid: Solid, rough: Surface) -> tuple[Con
     nominal = getattr(config.surface, "rms", None)
     rms, which = (rough.describe().rms_height, ", measured") if nominal is None else (nominal, "")
     if (springs := solid.springs) is None:
-        raise InputError(
-            "load", expected="a load or a separation", got="none", advice="load = 1.0 (--load 1)"
-        )
+        raise InputError("load", expected="a load or a separation", got="none", cure={"load": 1})
     sites = int(np.isfinite(rough.heights).sum())
     load = defaults.modest_load(k0=springs.k0, k1=springs.k1, rms=rms, sites=sites)
     remark = f"no load was given: took {load:g} = 0.005 (k0 + k1) x rms height x sites{which}"

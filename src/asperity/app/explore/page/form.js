@@ -193,11 +193,8 @@ class Form {
 
   /** A mistake in the words of the form: what its field is called, and what is wrong. */
   said({ where, text }) {
-    const [section, key] = where.split("."), names = section in this.values ? this.keys(section).map(({ name }) => name) : [];
-    let told = text.replace(/^\[\w+\] /, "");
-    if (key && told.startsWith(`${key}: `)) told = told.slice(key.length + 2);
-    for (const name of names) told = told.replace(new RegExp(`\\b${name}\\b`, "g"), name.replaceAll("_", " "));
-    return [byId(where)?.labels?.[0]?.textContent || (key ? key.replaceAll("_", " ") : TITLES[section]) || "", told];
+    const [section, key] = where.split(".");
+    return [byId(where)?.labels?.[0]?.textContent || (key ? key.replaceAll("_", " ") : TITLES[section]) || "", text];
   }
 
   /** Show mistakes where they were made, and all of them by the button, which is in view. */

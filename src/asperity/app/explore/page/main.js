@@ -169,7 +169,7 @@ function fail(mistakes) {
   app.found = mistakes;
   const ofBranch = (one) => one.where.startsWith("protocol");
   if (app.form) app.form.mistakes(mistakes.filter((one) => !ofBranch(one)));
-  tellBranch(mistakes.filter(ofBranch).map(({ text }) => text.replace(/^protocol\S*(?: legs\S*)*(?: (\w+))?: /, (_, key) => (key ? `${key}: ` : ""))));
+  tellBranch(mistakes.filter(ofBranch).map(({ text }) => text));
 }
 
 async function upload(file, field = "surface.path") {
