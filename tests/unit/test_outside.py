@@ -1,6 +1,9 @@
 """A solid, a leg and a contact solver that are written outside the package go through all of it."""
 
 import math
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -290,3 +293,74 @@ def crept(law):
 
 def test_the_law_without_the_error_creeps():
     assert crept(Law()).final.area > 0
+
+
+PLUGIN = """
+from typing import Annotated
+import numpy as np
+from annotated_types import Gt
+from asperity.base.parameters import Quantity
+from asperity.solids import Solid, WaveNumberSpectrum
+from asperity.surfaces.raw import RawSurface
+
+def delayed(*, modulus: Annotated[float, Gt(0), Quantity("contact modulus", "Pa")],
+            later: Annotated[float, Gt(0), Quantity("delayed modulus", "Pa")],
+            delay: Annotated[float, Gt(0), Quantity("delay", "s")]) -> Solid:
+    share = modulus / (modulus + later)
+    stiffness, shares = WaveNumberSpectrum(modulus / 2), [(share, delay * (1 - share))]
+    facts = dict(modulus=modulus, half_space=True, parameters={"later": later, "delay": delay})
+    return Solid(stiffness=stiffness, shares=shares, kind="delayed", **facts)
+
+def read(path):
+    heights = np.frombuffer(path.read_bytes()[4:]).reshape(32, 32)
+    return RawSurface(heights, "own", "own 1.0", unit="m", pixel_size=(1e-6, 1e-6), length_unit="m")
+"""
+ENTRIES = (
+    "[asperity.solids]\ndelayed = own:delayed\nbroken = own:nothing\n[asperity.surfaces]\nown = own:read\n"
+)
+KEYS = 'kind = "{}"\nmodulus = "3 GPa"\n'
+DELAYED = KEYS.format("delayed") + 'later = "4.5 GPa"\ndelay = "83.333333333333333 s"\n'
+ASKED = """
+from asperity.app.cli import main
+for words in (
+    "run {0}.toml --out run_{0} --quiet --maps-at 1 100",
+    "predict {0}.toml --out predicted_{0} --quiet",
+    "law {0}.toml --times 10s --pressures 0.1MPa 1MPa --out law_{0} --quiet",
+    "sweep {0}_sweep.toml --out campaign_{0} --workers 1 --quiet",
+):
+    for kind in ("delayed", "inside"):
+        asked = words.format(kind).replace("run delayed.toml", "run other.toml --later 4.5GPa")
+        assert main(asked.split()) == 0
+"""
+
+
+@pytest.mark.slow
+def test_a_solid_and_a_format_of_another_distribution_pass_every_door(tmp_path):
+    (tmp_path / "own.py").write_text(PLUGIN)
+    (tmp_path / "own-1.0.dist-info").mkdir()
+    (tmp_path / "own-1.0.dist-info" / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: own\nVersion: 1.0\n"
+    )
+    (tmp_path / "own-1.0.dist-info" / "entry_points.txt").write_text(ENTRIES)
+    heights = scan().heights
+    (tmp_path / "scan.own").write_bytes(b"own\0" + np.ascontiguousarray(heights).tobytes())
+    rest = '[contact]\npressure = "1 MPa"\n[aging]\nfirst = "1 s"\nlast = "100 s"\nper_decade = 3\n'
+    rest += '[surface]\npath = "scan.own"\ntilt = "none"\n'
+    inside = KEYS.format("half_space") + f"branches = [[{SHARE}, {TIME}]]\n"
+    for kind, solid in (("delayed", DELAYED), ("inside", inside)):
+        (tmp_path / f"{kind}.toml").write_text(f"[solid]\n{solid}{rest}")
+        (tmp_path / "other.toml").write_text(f"[solid]\n{DELAYED.replace('4.5', '9')}{rest}")
+        (tmp_path / f"{kind}_sweep.toml").write_text(
+            f'[solid]\n{solid}{rest}[sweep]\nmodulus = ["2 GPa", "3 GPa"]\n'
+        )
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+    ended = subprocess.run(
+        [sys.executable, "-c", ASKED], cwd=tmp_path, env=env, capture_output=True, text=True, timeout=200
+    )
+    assert (ended.returncode, "Traceback" in ended.stderr) == (0, False), ended.stderr
+    assert "remark: own offers broken, which cannot be used" in ended.stderr
+    for folder in ("run", "predicted", "law"):
+        one, other = (asp.results.load(tmp_path / f"{folder}_{kind}") for kind in ("delayed", "inside"))
+        columns = [name for name in other.data_vars if other[name].dtype.kind == "f" and name != "residual"]
+        for name in columns:
+            np.testing.assert_allclose(one[name], other[name], rtol=1e-7, err_msg=f"{folder} {name}")

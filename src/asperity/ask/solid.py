@@ -14,6 +14,7 @@ from annotated_types import Gt, Le, Len
 
 from asperity.ask.laws import ACTIVATED, ACTIVATION, KEYS, KEYS_OF_LAWS, OF_LAWS, any_of, named
 from asperity.ask.section import Keys, Section, arguments_of, keys_of_maker
+from asperity.base.calls import outside
 from asperity.base.files import expanded
 from asperity.base.parameters import Law, Parameter, Quantity, parameters_of
 from asperity.creep import Eyring
@@ -21,6 +22,11 @@ from asperity.errors import InputError, Name, Words
 from asperity.relaxation import Fit, Material, material
 from asperity.solids import KINDS, LAWS, Solid
 from asperity.solids.arguments import POISSON, Branches
+
+MAKERS: dict[str, Callable[..., Solid]] = KINDS | {
+    name: make for name, make in outside("asperity.solids") if name not in KINDS
+}
+"""What makes solids, by kind, also those of other distributions."""
 
 _SPAN = (1e-3, 1e6)
 """First and last time to record where the solid suggests none."""
@@ -78,7 +84,7 @@ class SolidSection(Section):
     @property
     def make(self) -> Callable[..., Solid]:
         """The function of `asperity.solids` that makes it."""
-        return KINDS[self.kind]
+        return MAKERS[self.kind]
 
     @property
     def given(self) -> dict[str, Any]:
@@ -114,6 +120,11 @@ class SolidSection(Section):
             self.build()
         except InputError as error:
             raise error.about(error.name, "solid", *[error.name] * (error.name in self.keys)) from None
+
+    @property
+    def material(self) -> Material:
+        """The material of a prediction."""
+        return material(self.build())
 
     def _check_data(self) -> None:
         """Refuse keys about data that are not there."""
@@ -323,7 +334,7 @@ class Continuum(SolidSection):
 
 def _section_of(kind: str) -> type[SolidSection]:
     """The section of a kind, with the arguments of the function as keys, and keys that give some of these."""
-    make = KINDS[kind]
+    make = MAKERS[kind]
     keys = keys_of_maker(make)
     for law in filter(signature(make).parameters.__contains__, LAWS):
         keys |= KEYS[law]
@@ -361,7 +372,7 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
 
 
 SOLIDS: dict[str, type[SolidSection]] = {
-    kind: HalfSpace if kind == "half_space" else _section_of(kind) for kind in KINDS
+    kind: HalfSpace if kind == "half_space" else _section_of(kind) for kind in MAKERS
 }
 
 

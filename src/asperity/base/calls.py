@@ -52,6 +52,18 @@ def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
     return names.copy
 
 
+def outside(group: str, name: str | None = None) -> Iterator[tuple[str, Any]]:
+    """What other distributions offer by entry points, perhaps of one name; what fails is a remark."""
+    from importlib.metadata import entry_points  # takes as long as all else that most commands import
+
+    for entry in entry_points(group=group) if name is None else entry_points(group=group, name=name):
+        try:
+            yield entry.name, entry.load()
+        except Exception as error:
+            home = entry.dist.name if entry.dist else entry.value
+            remark(f"{home} offers {entry.name}, which cannot be used: {reason_of(error)}")
+
+
 def remark(text: str) -> None:
     """Issue a `Remark` at the line that called this package, unless it is empty."""
     if not text:

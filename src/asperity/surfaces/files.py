@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
+from asperity.base.calls import outside
 from asperity.base.files import expanded
 from asperity.errors import InputError, Name, SurfaceFileError
 from asperity.surfaces.heights import sides_of_pixels
@@ -32,6 +33,8 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
     is_text = b"\0" not in begin or begin.startswith((b"\xff\xfe", b"\xfe\xff"))
     if suffix in _ARRAYS:
         raw = _ARRAYS[suffix](file, channel)
+    elif suffix not in _TEXT_SUFFIXES and (readers := dict(outside("asperity.surfaces", suffix[1:]))):
+        raw = readers[suffix[1:]](file)
     elif begin.startswith(b"\x89HDF") and suffix != ".datx":  # that of an interferometer
         raw = read_hdf5(file, channel)
     elif is_text and suffix in _TEXT_SUFFIXES:

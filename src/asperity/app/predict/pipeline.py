@@ -17,7 +17,6 @@ from asperity.analysis.prediction import Prediction
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import check_units, completed, recorded_times, unused
 from asperity.ask.run import Contact as ContactSection
-from asperity.ask.solid import HalfSpace
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress
@@ -51,7 +50,7 @@ def predict_config(
     if legs:
         check_legs("protocol", legs, ramp=ramp)
     section, surface = config.solid, config.surface.scan
-    if not isinstance(section, HalfSpace):
+    if not section.build().half_space:
         raise no_half_space("[solid] kind", section.kind)
     if surface is not config.surface and config.contact.load is not None:
         expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
