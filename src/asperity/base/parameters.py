@@ -80,12 +80,12 @@ class Parameter:
     facts: tuple[Any, ...]
     default: object
 
-    @property
+    @functools.cached_property
     def kinds(self) -> tuple[Any, ...]:
         """Types and words that it may be, one by one."""
         return tuple(kinds_of(self.hint))
 
-    @property
+    @functools.cached_property
     def quantity(self) -> Quantity:
         """Meaning, unit and symbol."""
         return next(fact for fact in self.facts if isinstance(fact, Quantity))
@@ -117,7 +117,7 @@ class Parameter:
         """Words of which it is one; empty where it may be a number, too."""
         return () if float in self.kinds else tuple(kind for kind in self.kinds if isinstance(kind, str))
 
-    @property
+    @functools.cached_property
     def item(self) -> Parameter | None:
         """One entry, of a list."""
         hint = next(filter(None, map(item_of, self.kinds)), None)
@@ -127,7 +127,7 @@ class Parameter:
         outer = [fact for fact in self.facts if not isinstance(fact, Len | Also)]
         return Parameter(hint, (*facts, *outer), dataclasses.MISSING)
 
-    @property
+    @functools.cached_property
     def pair(self) -> tuple[Parameter, ...]:
         """Both entries, of a pair; else empty."""
         pairs = (kind for kind in self.kinds if get_origin(kind) is tuple and ... not in get_args(kind))

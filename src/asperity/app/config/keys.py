@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -86,6 +87,7 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     }
 
 
+@functools.cache
 def keys_of(section: type[Section]) -> Keys:
     """Keys of one section."""
     return _keys(section.keys)
