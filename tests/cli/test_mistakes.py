@@ -11,6 +11,7 @@ import sys
 from inspect import signature
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from asperity import __version__, friction
 from asperity.app.cli import main
 from asperity.app.cli.command import app
 from asperity.app.cli.terminal import complain
+from asperity.app.config.mistakes import assigned, flag_in
 from asperity.base.files import MARKER, kind_of, mark
 from asperity.surfaces import gaussian, spectral
 from tests.refusals import matches, refusal
@@ -128,6 +130,43 @@ def test_mistakes_are_one_clear_line(command, mistaken, desk, monkeypatch):
         TABLE.write_text(re.sub(r"\n   +|\n  (?=\])", " ", json.dumps(MISTAKES, indent=1)) + "\n", "utf-8")
     else:
         assert all(alike), [pair for same, *pair in zip(alike, known, found, strict=True) if not same]
+
+
+def cured(words, error):
+    """Where the first mistake of an error is, and a command with its cure; no command without a cure."""
+    first = next(iter(getattr(error, "mistakes", ())), error)
+    where = getattr(first, "path", ()) or (getattr(first, "name", ""),)
+    for key, value in getattr(first, "cure", {}).items():
+        flag = flag_in(str(where[0]), key)
+        if flag in words and flag != "--units":  # what the cure replaces
+            after = words.index(flag) + 1
+            end = next((n for n in range(after, len(words)) if words[n].startswith("--")), len(words))
+            words = words[: after - 1] + words[end:]
+        words = [*words, *shlex.split(assigned(flag, value))]
+    return where, words
+
+
+@pytest.mark.parametrize("command", [command for command in MISTAKES if command])
+def test_what_a_mistake_advises_is_not_refused_for_the_same(command, desk, asperity, monkeypatch):
+    monkeypatch.chdir(desk)
+    reached = Mock(side_effect=KeyboardInterrupt)
+    for late in ("simulate.follow", "app.campaign.sweeping.compile_loops", "inference.inferring.sample"):
+        monkeypatch.setattr(f"asperity.{late}", reached)
+    errors: list[Any] = []
+    monkeypatch.setattr(
+        command_line, "complain", lambda status, *_: (errors.append(sys.exception()), status)[1]
+    )
+    for ending in MISTAKES[command]:
+        words = shlex.split(f"{command} {ending}")
+        asperity(*words)
+        for _ in range(2):  # two columns may lack a unit
+            error, count = errors[-1], len(errors)
+            where, better = cured(words, error)
+            if better != words:
+                asperity(*better)
+                same = cured(better, errors[-1])[0] == where and str(errors[-1]) == str(error)
+                assert len(errors) == count or not same, shlex.join(better)
+                words = better
 
 
 def test_several_mistakes_have_a_line_each(asperity):

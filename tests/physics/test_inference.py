@@ -15,7 +15,7 @@ import asperity as asp
 from asperity.app.cli.reports.infer import inference_report
 from asperity.errors import CheckpointError, ConvergenceError, Remark
 from asperity.fits.result import student
-from asperity.inference import Prior, inferring, rivals, sampling
+from asperity.inference import Prior, inferring, rivals, sampling, verdicts
 from asperity.inference.models import of_name
 from asperity.inference.sampling import Problem, sample
 from tests.refusals import refuses
@@ -599,3 +599,8 @@ def test_a_soft_cell_has_the_modulus_of_hertz_and_a_prior_that_excludes_it_is_na
     for name, ends in (("modulus", ("1 kPa", "1e12 Pa")), ("time_1", ("1e4 s", "1e5 s"))):
         with refuses("priors", advice=f"a wider one of {name} than"):
             asp.infer(time, depth, 0.01 * depth, model="ball", **how, priors=table | {name: ends})
+
+
+def test_exact_curves_that_rise_together_leave_nothing_of_what_they_know():
+    x = np.random.default_rng(0).standard_normal(50)
+    assert verdicts._left(np.stack([x, x], axis=1), x, 0.0) == pytest.approx(0, abs=1e-7)

@@ -76,7 +76,7 @@ MISTAKES = {
     'title = "A contact"': ("", "own.toml: expected title"),
     "value = 100.0": ('value = "much"', "input.load.value: expected a valid number"),
     "[sources]": ("[sources", "expected TOML"),
-    "[sources.measured]": (f"deep = {'[' * 100_000}\n[sources.measured]", "expected TOML"),
+    "[series.growth]": (f"deep = {'[' * 100_000}\n[series.growth]", "expected TOML"),
 }
 
 

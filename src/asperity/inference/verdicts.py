@@ -356,5 +356,5 @@ def _left(curves: Floats, parameter: Floats, relative: float) -> float:
     centered, target = curves - curves.mean(0), parameter - parameter.mean()
     covariance = centered.T @ centered / len(target) + relative**2 * np.eye(curves.shape[1])
     along = centered.T @ target / len(target)
-    explained = along @ np.linalg.solve(covariance, along) / target.var()
+    explained = along @ np.linalg.lstsq(covariance, along, rcond=None)[0] / target.var()
     return float(np.sqrt(max(1 - explained, 0.0)))
