@@ -153,9 +153,12 @@ def test_what_a_mistake_advises_is_not_refused_for_the_same(command, desk, asper
     for late in ("simulate.follow", "app.campaign.sweeping.compile_loops", "inference.inferring.sample"):
         monkeypatch.setattr(f"asperity.{late}", reached)
     errors: list[Any] = []
-    monkeypatch.setattr(
-        command_line, "complain", lambda status, *_: (errors.append(sys.exception()), status)[1]
-    )
+
+    def heard(status, *_):
+        errors.append(sys.exception())
+        return status
+
+    monkeypatch.setattr(command_line, "complain", heard)
     for ending in MISTAKES[command]:
         words = shlex.split(f"{command} {ending}")
         asperity(*words)

@@ -75,7 +75,10 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
     The first kind is the usual one. ``"protocol"`` has the kinds of legs. With `short`, without keys that
     are too long for a flag or a field of a form.
     """
-    kinds = {name: {kind: keys_of(one) for kind, one in kinds.items()} for name, kinds in KINDS.items()}
+    kinds = {
+        name: {kind: keys_of(one) for kind, one in kinds.items()}  # type: ignore[arg-type]  # classes have a hash
+        for name, kinds in KINDS.items()
+    }
     kinds["protocol"] = {kind: _keys(keys_of_leg(kind)) for kind in LEGS}
     order = ("surface", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
     return {
