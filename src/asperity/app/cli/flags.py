@@ -158,7 +158,8 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
         from asperity.app.config.mistakes import assigned, flag_in
 
         def assign(name: str, value: Value) -> str:
-            return assigned(flags.get(name) or flag_in("", name), value)
+            known = flags.get(name) or flag_in("", name)
+            return assigned(known, value) if known else f"{name}={value!r}"
 
         raise error.spoken(spell, assign) from error
 

@@ -109,7 +109,8 @@ def assigned(flag: str, value: Value) -> str:
 
 
 def flag_in(section: str, key: str) -> str:
-    """The flag of a key of this section, or of another that has it."""
+    """The flag of a key of this section, or of another that has it; empty where there is neither."""
     homes = [section, *KINDS]
     owners = (one for one in homes if any(key in kind.keys for kind in KINDS.get(one, {}).values()))
-    return flag_of(next(owners, section), key)
+    home = next(owners, section)
+    return flag_of(home, key) if home else ""
