@@ -177,7 +177,7 @@ class Parameter:
             return self._list(name, value, item)
         if self.pair:
             if not isinstance(value, list | tuple) or len(value) != len(self.pair):
-                expected = "pairs of numbers, such as [[0.3, 10.0]]"
+                expected = "pairs of two numbers"
                 raise InputError(name, expected=expected, got=checks.shown(value))
             return tuple(part.read(name, one) for part, one in zip(self.pair, value, strict=True))
         if float in self.kinds:
