@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import asperity as asp
 from asperity.friction.loading import Drive
@@ -139,7 +140,8 @@ def coverage(protocol, law, count, **measured):
 @pytest.mark.slow
 @pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
 def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
-    assert min(coverage(protocol, law, 100).values()) >= 88  # fewer, at 95 %, in 1 of 250 cases
+    records = min(100, int(os.environ.get("CURVES", "40")))  # `make release` asks for more
+    assert min(coverage(protocol, law, records).values()) >= binom.ppf(0.004, records, 0.95)
 
 
 # -- A measured record ---------------------------------------------------------------------------------------
