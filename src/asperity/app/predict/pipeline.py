@@ -49,9 +49,9 @@ def predict_config(
     legs = config.written_out
     if legs:
         check_legs("protocol", legs, ramp=ramp)
-    section, surface = config.solid, config.surface.scan
-    if not section.build().half_space:
-        raise no_half_space("[solid] kind", section.kind)
+    material, surface = config.solid.material, config.surface.scan
+    if not material.solid.half_space:
+        raise no_half_space("[solid] kind", config.solid.kind)
     if surface is not config.surface and config.contact.load is not None:
         expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
         advice = "periodic = 'reflect', or a pressure"
@@ -60,7 +60,7 @@ def predict_config(
     if aging.times is None and aging.first is None and config.span[0] < loading < config.span[1]:
         config = config.but(aging=aging.but(first=loading))
     progress.stage("reading the scan")
-    scan, material = surface.build(), section.material
+    scan = surface.build()
     scan.in_meters()
     check_units(config, material.solid, scan)
     idle = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
