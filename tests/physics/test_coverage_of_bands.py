@@ -1,16 +1,15 @@
 """What is called a 95 % band holds the truth in about 95 of 100 cases; see `benchmarks`."""
 
 import importlib
-import os
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import binom
 
+from tests import CASES
+
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-CASES = min(100, int(os.environ.get("CURVES", "40")))
-"""`make release` asks for more."""
 
 
 @pytest.fixture

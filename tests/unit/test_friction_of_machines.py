@@ -11,6 +11,7 @@ import asperity as asp
 from asperity.friction.loading import Drive
 from asperity.friction.pulling import stiffness_of
 from asperity.friction.slider import Shape, follow
+from tests import CASES
 from tests.refusals import each_refuses
 
 F = asp.friction
@@ -140,8 +141,7 @@ def coverage(protocol, law, count, **measured):
 @pytest.mark.slow
 @pytest.mark.parametrize(("protocol", "law"), [(STEPS, "slip"), (HOLDS, "aging")])
 def test_intervals_cover_the_truth_as_often_as_they_say(protocol, law):
-    records = min(100, int(os.environ.get("CURVES", "40")))  # `make release` asks for more
-    assert min(coverage(protocol, law, records).values()) >= binom.ppf(0.004, records, 0.95)
+    assert min(coverage(protocol, law, CASES).values()) >= binom.ppf(0.004, CASES, 0.95)
 
 
 # -- A measured record ---------------------------------------------------------------------------------------

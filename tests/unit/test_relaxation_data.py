@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import os
 import re
 from functools import partial
 from math import pi, sin
@@ -17,6 +16,7 @@ from scipy.stats import binom
 from asperity.figures import relaxation_figure
 from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
 from asperity.relaxation.files import Kind
+from tests import CASES
 from tests.continua import talbot
 from tests.refusals import each_refuses, refuses
 
@@ -94,7 +94,6 @@ def test_two_exact_branches_are_found(kind):
 
 @pytest.mark.slow
 def test_two_noisy_branches_are_found_within_their_intervals():
-    tables = min(100, int(os.environ.get("CURVES", "40")))  # `make release` asks for more
     held, widths = np.zeros((2, 2)), []
     # Standard errors of ln G(t) with shares and times of two branches, by propagation of 1 % of noise.
     numbers = np.array([1.0, *np.ravel(TWO.branches)])
@@ -105,7 +104,7 @@ def test_two_noisy_branches_are_found_within_their_intervals():
     steps = 1e-6 * np.diag(numbers)
     slopes = [(logarithm(numbers + d) - logarithm(numbers - d)) / (2 * d.sum()) for d in steps]
     errors = 0.01 * np.sqrt(np.diag(np.linalg.inv(np.array(slopes) @ np.transpose(slopes))))[1:].reshape(2, 2)
-    for seed in range(tables):
+    for seed in range(CASES):
         found = fit(Relaxation(SECONDS, noisy(TWO.modulus_at(SECONDS), 0.01, seed), noise=0.2))
         assert len(found.series.branches) == 2
         assert not found.systematic
@@ -117,7 +116,7 @@ def test_two_noisy_branches_are_found_within_their_intervals():
     expected = 2 * 1.96 * errors / TWO.branches
     np.testing.assert_allclose(np.median(widths, axis=0), expected, rtol=0.3)
     # Of 95 %: within what chance leaves to one number in a thousand tests.
-    least, most = binom.ppf(np.array([0.001, 0.999]), tables, 0.95)
+    least, most = binom.ppf(np.array([0.001, 0.999]), CASES, 0.95)
     assert np.all((held >= least) & (held <= most))
 
 
