@@ -39,7 +39,14 @@ ELSEWHERE = {
         "False",
         "ssh",
     ),
-    *("MALLOC_TRIM_THRESHOLD_", "__pycache__", "array_api_strict", "asperity.commands", "--no-nanny"),
+    *(
+        "MALLOC_TRIM_THRESHOLD_",
+        "__pycache__",
+        "array_api_strict",
+        "asperity.commands",
+        "asperity.scans",
+        "--no-nanny",
+    ),
     *("NAME", "COLUMN", "ID", "NIGHTLY_WHEELS"),
 }
 """Words of other programs, of texts that are quoted, groups of entry points, and what stands for any name."""

@@ -116,14 +116,13 @@ class InputError(AsperityError, ValueError):
         advice = ", or ".join(filter(None, (cures, _joined(self.advice, spell))))
         return f"{place}: {said}{'; try ' * bool(advice)}{advice}".removeprefix(": ")
 
-    def spoken(self, spell: Spell, assign: Assign) -> InputError:
+    def retold(self, name: str, text: str) -> InputError:
         """Return the same error as a door says it, unless one said it before."""
         if self.args != (self.told(brief(self.name)),):
             return self
-        spoken = copy.copy(self)
-        spoken.name = spell(self.name)
-        spoken.args = (self.told(brief(spoken.name), spell, assign),)
-        return spoken
+        retold = copy.copy(self)
+        retold.name, retold.args = name, (text,)
+        return retold
 
     def about(self, name: str, *path: str | int) -> InputError:
         """Return the same error about something else."""

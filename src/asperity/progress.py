@@ -1,4 +1,4 @@
-"""Progress of a run: a bar in notebooks and on terminals, a line for each decade of time elsewhere."""
+"""Progress of a run: a bar in notebooks and on terminals, a line for each decade elsewhere; and its place."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass
 from html import escape
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from asperity.aging import Frame
+from asperity.base import checks
 from asperity.errors import printable
 
 if TYPE_CHECKING:
@@ -25,7 +27,7 @@ LINE_EVERY = 10.0
 
 
 def listener(
-    progress: Progress | Callable[[Frame], None] | bool | None,
+    progress: Progress | Callable[[Any], None] | bool | None,
 ) -> AbstractContextManager[Progress]:
     """A context with the `Progress` of a run: a bar for True, the user's own, or none."""
     if progress is True:
@@ -76,24 +78,24 @@ class Progress:
     def remark(self, text: str) -> None:
         """A remark to show before the run ends."""
 
-    def reached(self, frame: Frame) -> None:
-        """Aging has reached this frame."""
+    def reached(self, frame: Any) -> None:
+        """Aging has reached this `asperity.Frame`."""
 
-    def _done(self, frame: Frame) -> int:
+    def _done(self, frame: Any) -> int:
         """Number of times recorded so far."""
         return sum(time <= frame.time for time in self.times)
 
-    def _state(self, frame: Frame) -> str:
+    def _state(self, frame: Any) -> str:
         return f"t = {frame.time:.3g} of {self.times[-1]:.3g}, {_area(frame)}"
 
 
 class _Call(Progress):
-    """Calls a function of the user with each frame."""
+    """Calls a function of the user with each `asperity.Frame`."""
 
-    def __init__(self, call: Callable[[Frame], None]) -> None:
+    def __init__(self, call: Callable[[Any], None]) -> None:
         self._call = call
 
-    def reached(self, frame: Frame) -> None:
+    def reached(self, frame: Any) -> None:
         self._call(frame)
 
 
@@ -109,7 +111,7 @@ class _Lines(Progress):
     def remark(self, text: str) -> None:
         self._say(f"remark: {text}")
 
-    def reached(self, frame: Frame) -> None:
+    def reached(self, frame: Any) -> None:
         # The epsilon puts 10^k, however rounded, at the start of its decade.
         decade = math.floor(math.log10(frame.time) + 1e-9) if frame.time > 0 else -math.inf
         is_late = clock.monotonic() - self._said > LINE_EVERY
@@ -136,7 +138,7 @@ class _OnTerminal(Progress):
     def remark(self, text: str) -> None:
         self._bar.console.print(f"remark: {printable(text)}", highlight=False, markup=False)
 
-    def reached(self, frame: Frame) -> None:
+    def reached(self, frame: Any) -> None:
         self._bar.update(self._task, completed=self._done(frame), state=self._state(frame))
 
 
@@ -157,7 +159,7 @@ class _InNotebook(Progress):
         self._remarks.append(f"<div>remark: {escape(text)}</div>")
         self._change(self._inside, now=True)
 
-    def reached(self, frame: Frame) -> None:
+    def reached(self, frame: Any) -> None:
         self._change(self._bar(self._done(frame), self._state(frame)))
 
     def end(self) -> None:
@@ -182,6 +184,25 @@ def _notebook() -> ModuleType | None:
     return display if hasattr(shell, "kernel") else None
 
 
-def _area(frame: Frame) -> str:
+def _area(frame: Any) -> str:
     contact = frame.contact
     return f"area {contact.area} sites ({100 * contact.contact_fraction:.3g} %)"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """File in which a computation keeps its place, and how often.
+
+    Parameters
+    ----------
+    path
+        The file; it appears under its name only when it is complete, and stays after the computation.
+    every
+        Least number of seconds between two writes.
+    """
+
+    path: str | Path
+    every: float = 10.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "every", checks.number("every", self.every, least=0))

@@ -31,10 +31,10 @@ from asperity.contact.pulling import approach, retreat
 from asperity.contact.remarks import remarks_on_bodies, remarks_on_contacts, resolution_of
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.progress import listener
+from asperity.progress import Checkpoint, listener
 from asperity.protocols import Hold as HoldLeg
 from asperity.protocols import Leg, Schedule, check_edges, checked_direction, legs_of, sites_along
-from asperity.results.checkpoint import Checkpoint, Keeper, Place, fingerprint_of
+from asperity.results.checkpoint import Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
 from asperity.results.pulling import Pull

@@ -110,7 +110,9 @@ def test_a_file_with_keys_that_no_law_has_is_refused(mistaken, scan):
     Path("shear.toml").write_text(
         '[solid]\nkind = "half_space"\nmodulus = 3e9\n[carried]\nshear = 1e-6\nfriction_coefficient = 0.3\n'
     )
-    assert mistaken("law", "shear.toml", *scan, *RANGE, "-q").startswith("[carried] shear: expected none")
+    assert mistaken("law", "shear.toml", *scan, *RANGE, "-q").startswith(
+        "shear.toml: [carried] shear: expected none"
+    )
 
 
 def test_what_a_law_does_not_use_is_remarked(asperity, scan):

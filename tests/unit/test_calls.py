@@ -12,7 +12,6 @@ import pytest
 
 import asperity as asp
 from asperity.app.config import config_from
-from asperity.base import calls
 from asperity.errors import CallError, InputError, Remark
 from tests.refusals import refuses
 
@@ -212,7 +211,6 @@ def test_a_remark_is_at_the_line_that_called():
         ("branches_per_decade", "asperity.relaxation.material(..., per_decade=...)"),
         ("resistivity", "carried=asperity.Carried(resistivity=...)"),
         ("pixel", "instrument={'pixel': ...}"),
-        ("times", "first=..., last=... and per_decade=..."),
         ("legs", "protocol=[...]"),
         ("shear_strenght", "shear_strength=..."),
     ],
@@ -225,11 +223,6 @@ def test_an_argument_that_belongs_elsewhere_is_sent_there(name, advice):
 def test_a_key_of_an_instrument_is_checked_before_anything_is_read():
     with refuses("instrument", "'pixle'"):
         asp.predict("none.csv", "none.opd", pressure="1 MPa", instrument={"pixle": "1 um"})
-
-
-def test_every_argument_of_a_material_is_known_where_predictions_are_asked_for():
-    names = {*inspect.signature(asp.relaxation.material).parameters} - {"source", "per_decade"}
-    assert all("relaxation.material" in calls._MOVED[name] for name in names)
 
 
 def test_what_vanishes_is_zero_also_where_numpy_has_it_raise():

@@ -20,6 +20,7 @@ RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 ROOMS = [
     {"errors"},
     {"base"},
+    {"progress"},
     {"theory"},
     {"lattice"},
     {"patches", "creep", "adhesion"},
@@ -29,7 +30,7 @@ ROOMS = [
     {"contact"},
     {"carried"},
     {"aging"},
-    {"progress", "results"},
+    {"results"},
     {"simulate"},
     {"fits"},
     {"friction"},

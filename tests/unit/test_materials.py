@@ -145,7 +145,7 @@ def test_arguments_that_moved_are_refused_with_their_place(moved, there):
 
 
 def test_predict_takes_about_a_dozen_arguments():
-    assert len(inspect.signature(asp.predict).parameters) <= 15
+    assert len(inspect.signature(asp.predict).parameters) <= 17
 
 
 def test_predict_takes_what_a_material_is_made_of():

@@ -315,9 +315,7 @@ def read(path):
     heights = np.frombuffer(path.read_bytes()[4:]).reshape(32, 32)
     return RawSurface(heights, "own", "own 1.0", unit="m", pixel_size=(1e-6, 1e-6), length_unit="m")
 """
-ENTRIES = (
-    "[asperity.solids]\ndelayed = own:delayed\nbroken = own:nothing\n[asperity.surfaces]\nown = own:read\n"
-)
+ENTRIES = "[asperity.solids]\ndelayed = own:delayed\nbroken = own:nothing\n[asperity.scans]\nown = own:read\n"
 KEYS = 'kind = "{}"\nmodulus = "3 GPa"\n'
 DELAYED = KEYS.format("delayed") + 'later = "4.5 GPa"\ndelay = "83.333333333333333 s"\n'
 ASKED = """

@@ -22,7 +22,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from operator import itemgetter
@@ -32,15 +32,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike
 from scipy.stats import gumbel_r
 
-from asperity.aging.frames import Frame
-from asperity.aging.march import DEFAULT_RTOL
 from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.flow import hydraulic_gap
 from asperity.analysis.scan import written
-from asperity.base import checks, units
+from asperity.ask.contact_law import Law
+from asperity.ask.question import answers
+from asperity.base import checks
 from asperity.base.calls import remark
 from asperity.base.version import __version__
 from asperity.carried import Carried
@@ -51,11 +50,10 @@ from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.remarks import Resolved, remarks_on_bodies, remarks_on_contacts, resolution_of
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.progress import Progress, listener
-from asperity.results.checkpoint import Checkpoint, Keeper
+from asperity.progress import listener
+from asperity.results.checkpoint import Keeper
 from asperity.results.dataset import attributes_of_solid
 from asperity.simulate import age, pressed
-from asperity.solids import Solid
 from asperity.surfaces import Surface, read
 
 TITLE = "Law of a rough contact"
@@ -86,86 +84,24 @@ _BY_TILE = {
 Row = dict[str, Any]
 
 
-def law(
-    solid: Solid,
-    surface: str | Path | Surface,
-    *,
-    pressures: ArrayLike | Sequence[str],
-    times: ArrayLike | Sequence[str] | None = None,
-    per_decade: int = 10,
-    carried: Carried | None = None,
-    rtol: float = DEFAULT_RTOL,
-    progress: Progress | Callable[[Frame], None] | bool | None = None,
-    checkpoint: str | Path | Checkpoint | None = None,
-) -> xr.Dataset:
-    """Tabulate approach, stiffness, conductance and gap of a rough contact over pressure, at each age.
-
-    Each pressure is applied instantly and held. The approach is that of the rough layer alone. `law_for`
-    writes the table for other programs.
-
-    Parameters
-    ----------
-    solid
-        A half-space or a layer. For a relaxation table: ``asperity.relaxation.material(table).solid``.
-    surface
-        The scan: a file for `asperity.surfaces.read`, or a `Surface` with units.
-    pressures
-        Load over nominal area, Pa or with units, rising. Two are the ends of a range, ``["0.1 MPa",
-        "100 MPa"]``, with `per_decade` pressures in each decade; three or more are taken as they are.
-    times
-        Ages, s or with units, strictly increasing, >= 0. By default 0, for a solid that does not creep.
-    carried
-        For half-spaces: ``poisson`` adds the tangential stiffness, ``resistivity`` and ``conductivity`` add
-        conductances.
-    rtol
-        Tolerance of time steps; see `asperity.age`.
-    progress
-        True for a bar, or a `Progress`.
-    checkpoint
-        File that keeps finished pressures, so that a killed run goes on. Remove it when the results are safe.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``direction``, ``time`` (s) and ``pressure`` (Pa): approach, stiffness and others, with bands.
-        If the solid creeps or yields, ``direction`` has "unloading", too: instantly, at each age, from the
-        largest pressure.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, all of the surface touches, or the solid is defined on sites.
-    ConvergenceError
-        A contact problem was not solved.
-    """
-    body = checks.instance("solid", solid, Solid, "asperity.solids.half_space(modulus='3 GPa')")
-    if not body.in_lengths:
-        expected, got = "a solid whose approach is a length", f"a {body.kind}, defined on sites"
-        raise InputError("solid", expected=expected, got=got, advice="half_space(modulus='3 GPa')")
-    if body.adhesion is not None:
-        expected, advice = "a solid without adhesion", "asperity.pull"
-        raise InputError("solid", expected=expected, got="one with adhesion", advice=advice)
-    for name in ("shear", "work_of_adhesion"):
-        if (put := getattr(carried, name, None)) is not None:
-            raise InputError(name, expected="none: a law has neither shear nor pull", got=put)
-    steps = _pressures(pressures, checks.integer("per_decade", per_decade, least=1, most=1000))
+@answers(Law)
+def law(question: Law) -> xr.Dataset:
+    """Answer the question of a law."""
+    body, steps, ages = question.solid, question.steps, question.ages
+    surface, carried, rtol = question.surface, question.carried, question.rtol
     if steps[-1] >= body.hardness:
         expected, got = f"less than the hardness, {written(body.hardness, 'Pa')}", written(steps[-1], "Pa")
         raise InputError("pressures", expected=expected, got=got, advice="a lower last pressure")
-    if times is None and body.branches:
-        expected, advice = "the ages of a solid that creeps", "0 s, and when the law is needed"
-        raise InputError("times", expected=expected, got="none", advice=advice)
-    ages = checks.times("times", units.numbers("times", 0.0 if times is None else times, "s"))
     scan = read(surface) if isinstance(surface, str | Path) else surface
     scan = checks.instance("surface", scan, Surface, "Surface(heights, unit='um', pixel_size='1 um')").scan
     if scan.heights.ndim != 2:
         raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
     heights, spacing = scan.in_meters()
     asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
-    keeper = Keeper(checkpoint, repr(asked).encode() + heights.tobytes())
+    keeper = Keeper(question.checkpoint, repr(asked).encode() + heights.tobytes())
     rows: list[Row] = (keeper.read() or ([],))[0]
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
-    with listener(progress) as listening:
+    with listener(question.progress) as listening:
         # The largest comes first, so that full contact or yield is refused early.
         for lower_steps, step in reversed(list(enumerate(steps.tolist()))):
             if step in done:
@@ -197,16 +133,6 @@ def check_law(dataset: xr.Dataset) -> None:
     advice = "asperity.law(solid, scan, pressures=...)"
     if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
         raise InputError("dataset", expected="a law", got="another one", advice=advice)
-
-
-def _pressures(values: Any, per_decade: int) -> Field:
-    steps: Field = checks.line("pressures", units.numbers("pressures", values, "Pa"))
-    if steps.size < 2 or not (np.diff(steps, prepend=0) > 0).all():
-        expected, got = "two pressures or more above 0 that rise", checks.shown(values)
-        raise InputError("pressures", expected=expected, got=got, advice="the lowest first")
-    if steps.size > 2:
-        return steps
-    return np.geomspace(steps[0], steps[1], math.ceil(math.log10(steps[1] / steps[0]) * per_decade) + 1)
 
 
 def _held(

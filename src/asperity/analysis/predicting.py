@@ -7,31 +7,31 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
 
-from asperity.aging.march import DEFAULT_RTOL
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
 from asperity.analysis.plausible import remarks_on_history, remarks_on_prediction
 from asperity.analysis.prediction import Band, Prediction, growth_of, resolved
 from asperity.analysis.scan import written
-from asperity.base import checks, units
+from asperity.ask.prediction import Predict
+from asperity.ask.question import answers
+from asperity.base import checks
 from asperity.base.machine import require
-from asperity.carried import Carried
 from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
 from asperity.friction import add_friction
 from asperity.lattice import Field
 from asperity.progress import Progress, listener
-from asperity.protocols import Hold, Leg, Ramp, Schedule, legs_of
-from asperity.relaxation import Material, Measured, PronySeries
+from asperity.protocols import Hold, Leg, Ramp, Schedule
+from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.relaxation.materials import relaxing_of
-from asperity.results import Checkpoint, History
+from asperity.results import History
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
@@ -53,151 +53,79 @@ _FEWEST = 8
 """Fewest waves along the shorter side, in a resolution study."""
 
 
-def predict(
-    material: Material | Solid | Measured | PronySeries | str | Path,
-    surface: str | Path | Surface,
-    *,
-    load: float | str | None = None,
-    pressure: float | str | None = None,
-    ramp: float | str | None = None,
-    protocol: Sequence[Leg] | Leg | None = None,
-    first: float | str | None = None,
-    last: float | str | None = None,
-    per_decade: int = 4,
-    shear_strength: float | str | None = None,
-    carried: Carried | None = None,
-    instrument: Mapping[str, float | str] | None = None,
-    resolution_study: bool = False,
-    progress: Progress | bool | None = None,
-    checkpoint: str | Path | Checkpoint | None = None,
-) -> Prediction:
-    """Predict how the contact of a rough rigid surface with a half-space ages, with 95 % bands.
-
-    Numbers are in SI units, or texts with a unit: ``"1 MPa"``.
-
-    Parameters
-    ----------
-    material
-        From `asperity.relaxation.material`; or one of its arguments, such as a file with a relaxation table,
-        or a half-space.
-    surface
-        The scan: a file for `asperity.surfaces.read`, with reflecting edges, or a `Surface` with units. A
-        mirrored surface is replaced by its scan with reflecting edges.
-    load, pressure
-        Normal load, N, or load over nominal area, Pa: one of them. Constant, unless a protocol changes it.
-    ramp
-        Duration of a linear loading, s; by default the load is applied instantly. Times count from the start
-        of the loading.
-    protocol
-        A history of the load, without ramp and last: a list of legs of `asperity.protocols`, such as
-        ``[Ramp("2.4 s", pressure="1 MPa"), Hold("1000 s"), Step(pressure="250 kPa"), Hold("4000 s")]``. One
-        that begins with a ramp needs no load. Slides, and legs that hold or move the body, have no band.
-    first, last
-        First and last time, s; by default those of the table, after the ramp. Without a table both are
-        needed. With a protocol, ``first`` counts from each change of the load.
-    per_decade
-        Times recorded in each decade.
-    shear_strength
-        Shear strength of the contacts, Pa; adds friction (Tabor).
-    carried
-        Carried quantities to record: stiffness, resistances, sticking share; see `asperity.age`.
-    instrument
-        Arguments ``pixel``, ``blur`` and ``threshold`` (default 0.5) of `asperity.observe`; adds observations
-        of the contact.
-    resolution_study
-        Whether to repeat the prediction without waves below 4, 8, 16 and 32 pixels: see `Prediction.bands`.
-    progress
-        True for a bar, in notebooks and on terminals; or a `Progress`.
-    checkpoint
-        File in which aging keeps its place; see `asperity.age`.
-
-    Raises
-    ------
-    AsperityError
-        An argument is wrong, arguments contradict each other, or a solver did not converge.
-
-    Notes
-    -----
-    A generalized Maxwell half-space is separable: while the load does not fall, the contact is exact at each
-    time, see `asperity.age`. Otherwise time steps follow it. The dataset has 95 % bands, such as
-    ``contact_area_low`` and ``contact_area_high``: see `Prediction.band`.
-
-    References
-    ----------
-    H. Farain, D. Bonn, Nat. Commun. 14, 3606 (2023): frictional aging from bulk relaxation.
-    """
-    legs = [] if protocol is None else list(legs_of(protocol))
-    held = {"load": 0.0}
-    begins_to_rise = bool(legs and legs[0].target and legs[0].duration)
-    if not begins_to_rise or (load, pressure) != (None, None):
-        which = checks.one_of('pressure="1 MPa"', load=load, pressure=pressure)
-        held = {which: positive_quantity(which, *((load, "N") if which == "load" else (pressure, "Pa")))}
-    density = checks.integer("per_decade", per_decade, least=1, most=1000)
-    loading = 0.0 if ramp is None else positive_quantity("ramp", ramp, "s")
-    instrument = checks.instance("instrument", instrument or {}, dict, "{'pixel': '0.2 um'}")
-    if others := instrument.keys() - {"pixel", "blur", "threshold"}:
-        raise InputError("instrument", expected="pixel, blur and threshold", got=repr(min(others, key=str)))
-    strength = None if shear_strength is None else positive_quantity("shear_strength", shear_strength, "Pa")
-    with listener(progress) as listening:
+@answers(Predict)
+def predict(question: Predict) -> Prediction:
+    """Answer the question of a prediction."""
+    material = question.material
+    with listener(question.progress) as listening:
         if not isinstance(material, Material):
             listening.stage("reading the material")
             material = material_of(material)
         if material.solid.adhesion is not None:
             expected, advice = "a solid without adhesion", "asperity run"
             raise InputError("material", expected=expected, got="one with adhesion", advice=advice)
-        if legs:
-            check_legs("protocol", legs, ramp=ramp, last=last)
-            shortest = min((leg.duration for leg in legs if leg.rests), default=1.0) * _SINCE
-            usual = material.span[0] or shortest
-            start = usual if first is None else positive_quantity("first", first, "s")
-            _check_known(material, first=start, protocol=math.fsum(leg.duration for leg in legs))
-            times = times_of_legs(legs, first=start, per_decade=density)
-        else:
-            times = _times_within(material, first, last, density, loading)
+        times = _times_of(question, material)
         listening.stage("reading the scan")
+        surface = question.surface
         if isinstance(surface, str | Path):
             surface = read(surface)
         advice = "asperity.surfaces.Surface(heights, unit='m', pixel_size=(dy, dx), length_unit='m')"
-        return predicted(
-            material,
-            checks.instance("surface", surface, Surface, advice).scan,
-            times,
-            held,
-            legs=legs,
-            ramp=loading,
-            strength=strength,
-            carried=carried,
-            instrument=instrument,
-            study=resolution_study,
-            progress=listening,
-            checkpoint=checkpoint,
-        )
+        scan = checks.instance("surface", surface, Surface, advice).scan
+        if scan.heights.ndim != 2:
+            raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
+        scan.in_meters()
+        if not material.solid.half_space:
+            raise no_half_space("material", material.solid.kind)
+        return _predicted(question, material, scan, times, listening)
 
 
-def predicted(
-    material: Material,
-    scan: Surface,
-    times: Field,
-    held: Mapping[str, float],
-    *,
-    legs: Sequence[Leg] = (),
-    ramp: float,
-    strength: float | None,
-    carried: Carried | None,
-    instrument: Mapping[str, Any],
-    study: bool,
-    progress: Progress,
-    checkpoint: str | Path | Checkpoint | None,
-    rtol: float = DEFAULT_RTOL,
+def _times_of(question: Predict, material: Material) -> Field:
+    """Times to record: those listed, some of each leg, or by default those of the material."""
+    first, last, ramp = (cast(float | None, one) for one in (question.first, question.last, question.ramp))
+    begin, end = material.span
+    if question.times is not None:
+        times = np.array(question.times, dtype=np.float64)
+        times = times[times > 0]
+        _check_known(material, times=times)
+        name, advice = "times", "more times"
+    elif question.legs:
+        shortest = min((leg.duration for leg in question.legs if leg.rests), default=1.0) * _SINCE
+        start = first or begin or shortest
+        _check_known(material, first=start, protocol=math.fsum(leg.duration for leg in question.legs))
+        return times_of_legs(question.legs, first=start, per_decade=question.per_decade)
+    else:
+        latest = end if material.fit is None else material.fit.data.span[1]
+        for name, time, usual in (("first", first, begin), ("last", last, latest)):
+            if time is None and usual in (0, math.inf):
+                expected, cure = "a time, as there is no table", {"first": "1 ms", "last": "10 days"}
+                raise InputError(name, expected=expected, got="none", cure=cure)
+        stop = last or latest
+        _check_ramp(ramp or 0.0, stop)
+        start = first or max(begin, ramp or 0.0)
+        if not start < stop:
+            raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
+        _check_known(material, first=start, last=stop)
+        _check_span("last", start, stop)
+        times = hold_times(first=start, last=stop, per_decade=question.per_decade)
+        name, advice = "per_decade", "a later last or more per_decade"
+    if question.legs:
+        return times
+    if times.size < LEAST_TIMES:
+        expected = f"{LEAST_TIMES} times or more after 0"
+        raise InputError(name, expected=expected, got=f"{times.size}", advice=advice)
+    _check_ramp(ramp or 0.0, times[-1])
+    _check_span("last" if question.times is None else "times", times[0], times[-1])
+    return times
+
+
+def _predicted(
+    question: Predict, material: Material, scan: Surface, times: Field, progress: Progress
 ) -> Prediction:
-    """Press a scan, let the contact age, and add the bands; arguments as of `predict`, but checked."""
+    """Press a scan, let the contact age, and add the bands."""
+    legs, held, carried, rtol = question.legs, question.held, question.carried, question.rtol
+    ramp, strength = cast(float, question.ramp or 0.0), cast(float | None, question.shear_strength)
     solid = material.solid
-    instrument = {"blur": 0.0, "threshold": 0.5, **instrument} if instrument else {}
-    if scan.heights.ndim != 2:
-        raise InputError("surface", expected="a scan of two axes", got="a profile", advice="a scan")
-    scan.in_meters()
-    if not solid.half_space:
-        raise no_half_space("material", solid.kind)
+    instrument: dict[str, Any] = {**(question.instrument or {})}
     maps = map_moments([times[0], *Schedule.of(legs, times).switches[1:]] if legs else times)
     require(bytes_a_site(solid, scan.shape, len(maps), free=scan.edges == "free", held=True), scan.shape)
     progress.stage(f"pressing {' x '.join(map(str, scan.shape))} sites")
@@ -217,7 +145,7 @@ def predicted(
         if instrument:
             observe(contact, **instrument)  # refuses before minutes have passed
         progress.stage("aging", times=times.tolist())
-        how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": checkpoint}
+        how: dict[str, Any] = {"rtol": rtol, "progress": progress.reached, "checkpoint": question.checkpoint}
         dataset = age(contact, times, protocol=protocol, fields_at=maps, carried=carried, **how).dataset
     except InputError as error:
         raise _of_pressure(error, held, solid) from None
@@ -234,8 +162,10 @@ def predicted(
         rows = np.append(0, np.flatnonzero(np.isin(dataset["time"], times)))
         dataset, of_scan = dataset.isel(time=rows), of_scan.at(rows)
         of_solid = {name: factors[:, rows] for name, factors in of_solid.items()}
-    span = times[[0, -1]].tolist()
-    bands = bands_of(scan, lambda part, at: followed(part, solid, at), span, progress) if study else ()
+    bands: tuple[Band, ...] = ()
+    if question.resolution_study:
+        span = times[[0, -1]].tolist()
+        bands = bands_of(scan, lambda part, at: followed(part, solid, at), span, progress)
     facts = {"shear_strength": strength, "pressed_by": next(iter(held)), "rtol": rtol, "ramp": ramp}
     settings = {**material.facts, **facts, **({"draws": len(material.draws)} if material.draws else {})}
     dataset = dataset.drop_vars("u0", errors="ignore").assign_attrs(prediction=json.dumps(settings))
@@ -261,11 +191,6 @@ def _of_pressure(error: InputError, held: Mapping[str, float], solid: Solid) -> 
     expected = f"clearly less than the hardness, {written(solid.hardness, 'Pa')}"
     got, advice = written(held["pressure"], "Pa"), "a lower pressure, or a greater hardness"
     return InputError("pressure", expected=expected, got=got, advice=advice)
-
-
-def positive_quantity(name: str, value: object, unit: str) -> float:
-    """Number above 0, in SI or with a unit."""
-    return checks.number(name, units.quantity(value, unit, name), above=0, expected=f"more than 0 {unit}")
 
 
 def hold_times(*, first: float, last: float, per_decade: int) -> Field:
@@ -294,44 +219,10 @@ def map_moments(times: Sequence[float] | Field) -> list[float]:
     return [float(moment) for moment in np.unique(moments[chosen])]
 
 
-def check_legs(name: str, legs: Sequence[Leg], **beside: object) -> None:
-    """Refuse legs without a band, and arguments that contradict legs."""
-    for leg in legs:
-        if leg.speed or leg.moves_the_body or leg.hold not in (None, "load"):
-            words = leg.words(lambda _, value: f"{value:g}")
-            advice = "asperity run, or asperity.age, which follow it without a band"
-            raise InputError(name, expected="legs that change the load", got=words, advice=advice)
-    for other, value in beside.items():
-        if value is not None:
-            expected = "none beside a protocol, which has its own times and loads"
-            raise InputError(other, expected=expected, got=checks.shown(value))
-
-
-def _times_within(
-    material: Material, first: float | str | None, last: float | str | None, per_decade: int, ramp: float
-) -> Field:
-    """Times to record: those of the material, or later ones on its plateau."""
-    begin, end = material.span
-    latest = end if material.fit is None else material.fit.data.span[1]
-    for name, time, usual in (("first", first, begin), ("last", last, latest)):
-        if time is None and usual in (0, math.inf):
-            expected, cure = "a time, as there is no table", {"first": "1 ms", "last": "10 days"}
-            raise InputError(name, expected=expected, got="none", cure=cure)
-    stop = latest if last is None else positive_quantity("last", last, "s")
-    check_ramp(ramp, stop)
-    start = max(begin, ramp) if first is None else positive_quantity("first", first, "s")
-    if not start < stop:
-        raise InputError("last", expected=f"a time after the first, {start:.4g} s", got=f"{stop:.4g} s")
-    _check_known(material, first=start, last=stop)
-    check_span("last", start, stop)
-    least = math.ceil(LEAST_TIMES / math.log10(stop / start))
-    return hold_times(first=start, last=stop, per_decade=max(per_decade, least))
-
-
-def _check_known(material: Material, **times: float) -> None:
+def _check_known(material: Material, **times: float | Field) -> None:
     """Refuse times beyond the data of the material."""
     begin, end = material.span
-    for name, time in times.items():
+    for name, time in ((name, time) for name, some in times.items() for time in np.atleast_1d(some)):
         if not begin * (1 - 1e-9) <= time <= end * (1 + 1e-9):
             source, word = (
                 ("the data span", "model") if material.fit is None else ("the table spans", "plateau")
@@ -343,14 +234,14 @@ def _check_known(material: Material, **times: float) -> None:
             raise InputError(name, expected=expected, got=f"{time:.4g} s", **facts)
 
 
-def check_ramp(ramp: float, last: float) -> None:
+def _check_ramp(ramp: float, last: float) -> None:
     """Refuse a ramp that ends after the last time."""
     if ramp >= last:
         expected = f"less than the last time, {last:.4g} s"
         raise InputError("ramp", expected=expected, got=f"{ramp:.4g} s", cure={"last": f"{10 * ramp:g} s"})
 
 
-def check_span(name: str, first: float, last: float) -> None:
+def _check_span(name: str, first: float, last: float) -> None:
     """Refuse times that span less than a decade, too little for growth per decade."""
     if last < 10 * first * (1 - 1e-9):
         expected = "times that span a decade or more"

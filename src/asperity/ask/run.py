@@ -14,10 +14,9 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Ge, Gt, Le, Len
 
-from asperity.ask import section
 from asperity.ask.carried import Carried as CarriedQuantities
 from asperity.ask.legs import read_legs
-from asperity.ask.section import Keys, Section, SectionError, arguments_of, keys_of_maker, unknown_key
+from asperity.ask.section import KINDS, Keys, Section, SectionError, arguments_of, keys_of_maker, unknown_key
 from asperity.ask.solid import SOLIDS, SolidSection
 from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
@@ -73,13 +72,20 @@ class Aging(Section):
 
     section = "aging"
 
-    first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST)] = None
-    last: Annotated[_Span, Quantity("last time to record", "s", more=". " + _USUAL_LAST)] = None
-    per_decade: Annotated[int, Ge(1), Le(1000), Quantity("times to record in each decade")] = 4
+    first: Annotated[_Span, Quantity("first time to record", "s", more=". " + _USUAL_FIRST, swept=False)] = (
+        None
+    )
+    last: Annotated[_Span, Quantity("last time to record", "s", more=". " + _USUAL_LAST, swept=False)] = None
+    per_decade: Annotated[int, Ge(1), Le(1000), Quantity("times to record in each decade", swept=False)] = 4
     times: Annotated[
         Sequence[_Time] | None,
         Len(1),
-        Quantity("list of times to record", more=", in place of first, last and times per decade."),
+        Quantity(
+            "times to record",
+            dimension="time",
+            more=", listed, in place of first, last and times per decade.",
+            swept=False,
+        ),
     ] = None
     hold: Annotated[
         Literal["load", "separation"] | None,
@@ -130,7 +136,8 @@ class Carried(Section):
             bool,
             (
                 Quantity(
-                    "Record the normal stiffness, and the tangential one if the solid has one Poisson's ratio"
+                    "record the normal stiffness",
+                    more=", and the tangential one if the solid has one Poisson's ratio.",
                 ),
             ),
             False,
@@ -153,27 +160,41 @@ class Output(Section):
 
     maps_at: Annotated[
         Sequence[_Time] | None,
-        Quantity("times at which the contact is stored and drawn", more=". By default 0 and five others."),
+        Quantity(
+            "times at which the contact is stored and drawn",
+            more=". By default 0 and five others.",
+            swept=False,
+        ),
     ] = None
-    figures: Annotated[Sequence[Format] | None, Quantity('formats of the figures; "" for none')] = ("png",)
+    figures: Annotated[
+        Sequence[Format] | None, Quantity('formats of the figures; "" for none', swept=False)
+    ] = ("png",)
     measured: Annotated[
         str | None,
         Quantity(
             "table of a measured contact area against time, with units",
             more=": the figure of the area shows it, and the ratio measured / computed.",
+            swept=False,
         ),
     ] = None
     pixel: Annotated[
-        _Size, Quantity("pixel of a microscope through which the maps are seen", "m", more=", or in sites.")
+        _Size,
+        Quantity(
+            "pixel of a microscope through which the maps are seen", "m", more=", or in sites.", swept=False
+        ),
     ] = None
     blur: Annotated[
-        _Size, Quantity("full width at half maximum of its point spread function", "m", more=", likewise.")
+        _Size,
+        Quantity(
+            "full width at half maximum of its point spread function", "m", more=", likewise.", swept=False
+        ),
     ] = None
     threshold: Annotated[
         _Share,
         Quantity(
             "fraction of contact above which a pixel counts as contact",
             more=". By default the fractions are added.",
+            swept=False,
         ),
     ] = None
 
@@ -197,9 +218,9 @@ SECTIONS: Mapping[str, type[Section]] = {
 }
 """Sections of one kind."""
 
-section.KINDS["surface"], section.KINDS["solid"] = {**SURFACES}, {**SOLIDS}
-section.KINDS.update({name: {"": one} for name, one in SECTIONS.items()})
-ORDER = list(section.KINDS)
+KINDS["surface"], KINDS["solid"] = {**SURFACES}, {**SOLIDS}
+KINDS.update({name: {"": one} for name, one in SECTIONS.items()})
+ORDER = list(KINDS)
 """All sections, in the order in which they are written and shown."""
 
 
@@ -353,7 +374,7 @@ def _part(name: str, table: Any, *, advised: bool) -> Any:
         return read_legs(table)
     if isinstance(table, Section):
         return table
-    kinds = section.KINDS.get(name)
+    kinds = KINDS.get(name)
     if kinds is None or not isinstance(table, dict):
         raise _outside(name, table, advised=advised)
     if "" in kinds:
@@ -368,11 +389,11 @@ def _part(name: str, table: Any, *, advised: bool) -> Any:
 
 def _outside(name: str, content: object, *, advised: bool) -> InputError:
     """The mistake of what is no section; advice takes milliseconds."""
-    if name in section.KINDS:
+    if name in KINDS:
         return InputError(name, expected=f"a section [{name}]", got=shown(content), path=(name,))
     if isinstance(content, dict):
         return unknown_key(name, ORDER if advised else (), (name,), said="no such section")
-    homes = (one for one, kinds in section.KINDS.items() for each in kinds.values() if name in each.keys)
+    homes = (one for one, kinds in KINDS.items() for each in kinds.values() if name in each.keys)
     home = next(homes, "")
     below = f"; it belongs below [{home}]" if home else ""
     return InputError(name, said=f"stands outside any section{below}")

@@ -45,8 +45,10 @@ OF_DATA: Keys = {
         str | None,
         (
             Quantity(
-                "Table of relaxation modulus, creep compliance, or storage and loss moduli, which "
-                "gives the branches; and Young's modulus, if no modulus is given"
+                "table of the relaxation",
+                more=": modulus, creep compliance, or storage and loss moduli against time or frequency. It "
+                "gives the branches; and Young's modulus, if no modulus is given.",
+                swept=False,
             ),
         ),
         None,
@@ -54,7 +56,13 @@ OF_DATA: Keys = {
     **keys_of_maker(material),
     "table_modulus": Parameter(
         TableModulus | None,
-        (Quantity("Modulus in the table. By default the one that its header names, else Young's modulus"),),
+        (
+            Quantity(
+                "modulus in the table",
+                more=". By default the one that its header names, else Young's modulus.",
+                swept=False,
+            ),
+        ),
         None,
     ),
     **{
@@ -63,9 +71,10 @@ OF_DATA: Keys = {
             (
                 *(Gt(0), Le(1e30)),
                 Quantity(
-                    f"{end.capitalize()} time of the data of the branches; {other} times need "
-                    "extrapolate = model",
+                    f"{end} time of the data that gave the branches",
                     "s",
+                    more=f"; {other} times need extrapolate = model.",
+                    swept=False,
                 ),
             ),
             None,
@@ -353,7 +362,8 @@ class HalfSpace(_section_of("half_space")):  # type: ignore[misc]
         Len(2),
         Quantity(
             "Other lists of branches, such as samples of a posterior: their spread is in the band "
-            "of a prediction"
+            "of a prediction",
+            swept=False,
         ),
     ] = None
 

@@ -48,7 +48,9 @@ class ShearStrength(Checked):
         ),
     ] = 0.0
     reference_velocity: Annotated[
-        float | None, Ge(1 / LARGEST), Quantity("sliding velocity that belongs to the shear strength", "m/s")
+        float | None,
+        Ge(1 / LARGEST),
+        Quantity("sliding velocity that belongs to the shear strength", "m/s", dimension="place / time"),
     ] = None
 
     def __post_init__(self) -> None:

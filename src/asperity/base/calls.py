@@ -14,25 +14,6 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from asperity.base.words import MEANT, closest, has_unit, reason_of, shortened
 from asperity.errors import AsperityError, CallError, InputError, Remark
 
-_OF_MATERIALS = (
-    *("kind", "columns", "units", "noise", "branches", "extrapolate", "modulus", "young", "poisson"),
-    *("temperature", "reference", "activation_energy", "wlf", "shift", "hardness", "draws"),
-)
-_MOVED = {
-    "branches_per_decade": "asperity.relaxation.material(..., per_decade=...)",
-    "creep": "asperity.solids.half_space(..., creep=...)",
-    "times": "first=..., last=... and per_decade=...",
-    "separation": "asperity.press(..., separation=...), and asperity.age",
-    "legs": "protocol=[...]",
-    **{name: f"asperity.relaxation.material(..., {name}=...)" for name in _OF_MATERIALS},
-    **{
-        name: f"carried=asperity.Carried({name}=...)"
-        for name in ("resistivity", "conductivity", "shear", "friction", "work_of_adhesion")
-    },
-    **{name: f"instrument={{'{name}': ...}}" for name in ("pixel", "blur", "threshold")},
-}
-"""Calls that take what `asperity.predict` does not, by argument."""
-
 
 def answered(namespace: dict[str, Any]) -> Callable[[], list[str]]:
     """Let the public functions and classes of a module answer mistaken arguments by a `CallError`.
@@ -151,16 +132,16 @@ def _check(
         if word := next((word for word in keywords if word not in names), None):
             meant = MEANT.get(word) if MEANT.get(word) in names else closest(word, names)
             advice = f"{meant}=..." if meant else ""
-            if name == "predict":
-                advice = _MOVED.get(word, advice)
+            advice = getattr(getattr(function, "question", None), "elsewhere", {}).get(word, advice)
             raise CallError(name, expected=f"one of {listed}", got=repr(word), advice=advice) from None
         advice = f"{by_name[0]}=..." if by_name and "too many" in str(error) else ""
         raise CallError(name, expected=f"the arguments {listed}", got=error, advice=advice) from None
+    home = sys.modules[getattr(function, "question", function).__module__]
     for word in filter(given.__contains__, names):
         annotation = signature.parameters[word].annotation
         annotated = SimpleNamespace(__annotations__={word: annotation})
         with suppress(NameError):  # of a name that only the type checker imports
-            hint = get_type_hints(annotated, vars(sys.modules[function.__module__]))[word]
+            hint = get_type_hints(annotated, vars(home))[word]
             if not _fits(given[word], hint):
                 words = [repr(kind) for kind in kinds_of(hint) if isinstance(kind, str)]
                 expected = f"one of {', '.join(words)}" if words else str(annotation)

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from asperity.base.words import closest, has_decimal_comma
+from asperity.base.words import InUnits, closest, has_decimal_comma
 from asperity.errors import LARGEST, InputError, MissingExtraError
 
 Floats = NDArray[np.float64]
@@ -280,7 +280,10 @@ def broadcast(**arrays: Floats) -> list[Floats]:
 
 
 def shown(value: object) -> str:
-    """A value in few characters, on one line."""
+    """A value in few characters, on one line, with units as they were written."""
+    if isinstance(value, list) and value:
+        value = [one.written if isinstance(one, InUnits) else one for one in value]
+    value = value.written if isinstance(value, InUnits) else value
     if _has_unit(value):
         return f"{' '.join(str(value).split())[:60]}, which has a unit"
     scalar = _scalar(value, kinds="iufcbmM")

@@ -11,7 +11,7 @@ import dataclasses
 import functools
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
@@ -36,6 +36,8 @@ class Quantity:
         Name of the key, by default that of the argument. A switch with another name means the opposite.
     usual
         Default of the key, by default that of the argument.
+    swept
+        Whether a campaign may take several values.
     """
 
     meaning: str
@@ -45,6 +47,7 @@ class Quantity:
     dimension: str = ""
     key: str = ""
     usual: Any = ...
+    swept: bool = True
 
 
 @dataclasses.dataclass(frozen=True)
@@ -195,7 +198,9 @@ class Parameter:
         classes = tuple(kind for kind in (*self.kinds, int) if isinstance(kind, type))
         alone = classes[:-1] and isinstance(value, classes) and not isinstance(value, bool)
         values = [value] if alone else value
-        if not isinstance(values, list | tuple):
+        if isinstance(values, Iterable) and not isinstance(values, str | Mapping):
+            values = list(values)
+        if not isinstance(values, list):
             raise InputError(name, expected="a list", got=checks.shown(value))
         sizes = next((fact for fact in self.facts if isinstance(fact, Len)), Len(0))
         if len(values) < sizes.min_length or (sizes.max_length and len(values) > sizes.max_length):

@@ -31,7 +31,8 @@ from asperity.base.checks import Floats
 from asperity.base.machine import end_with_parent, unhurried
 from asperity.errors import ConvergenceError, InputError
 from asperity.inference.models import Model
-from asperity.results.checkpoint import Checkpoint, Keeper
+from asperity.progress import Checkpoint
+from asperity.results.checkpoint import Keeper
 
 ENSEMBLES = 4
 _MOST_ROUNDS = 100

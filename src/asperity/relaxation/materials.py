@@ -79,7 +79,12 @@ def relaxing_of(solid: Solid) -> PronySeries:
 
 _Kind = Annotated[
     Kind | None,
-    Quantity("quantity in the table", key="table_kind", more=", if the names of its columns do not say it."),
+    Quantity(
+        "quantity in the table",
+        key="table_kind",
+        more=", if the names of its columns do not say it.",
+        swept=False,
+    ),
 ]
 _Columns = Annotated[
     Chosen | None,
@@ -87,17 +92,20 @@ _Columns = Annotated[
         "columns by name, or by number from 0: time and modulus, time and compliance, or frequency, storage "
         "and loss modulus",
         more=". By default those with such names.",
+        swept=False,
     ),
 ]
 _Units = Annotated[
     Units | None,
-    Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"'),
+    Quantity('units in place of those of the table: a column and its unit, such as "E=MPa"', swept=False),
 ]
 _Noise = Annotated[
     float | None,
     *(Ge(0), Lt(1)),
     Quantity(
-        "largest relative change in the wrong direction that counts as noise", more=". By default 0.05."
+        "largest relative change in the wrong direction that counts as noise",
+        more=". By default 0.05.",
+        swept=False,
     ),
 ]
 _Branches = Annotated[
@@ -116,6 +124,7 @@ _PerDecade = Annotated[
         "relaxation times per decade of the table",
         more="; fewer for noisy data. By default as few free times as fit within the noise, five at most, "
         "else 1 or 2 per decade.",
+        swept=False,
     ),
 ]
 _Extrapolate = Annotated[
@@ -124,6 +133,7 @@ _Extrapolate = Annotated[
         "assumption beyond the times of the data",
         more=". plateau: the modulus keeps the last value of the table. model: the branches continue. By "
         "default other times are refused.",
+        swept=False,
     ),
 ]
 _Temperature = Annotated[
@@ -146,7 +156,8 @@ _ActivationEnergy = Annotated[
 _Wlf = Annotated[
     Sequence[float] | None,
     Quantity(
-        "in its place C1 and C2 of Williams, Landel and Ferry", more=", for the decimal logarithm; C2 in K."
+        "constants C1 and C2 of Williams, Landel and Ferry",
+        more=", in place of that energy, for the decimal logarithm; C2 in K.",
     ),
 ]
 

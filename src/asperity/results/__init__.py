@@ -2,7 +2,7 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.base.tables import read_table
-from asperity.results.checkpoint import Checkpoint
+from asperity.progress import Checkpoint
 from asperity.results.contacts import load_contact
 from asperity.results.history import History
 from asperity.results.pulling import Pull

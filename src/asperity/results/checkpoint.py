@@ -20,7 +20,6 @@ from asperity.aging.controller import Controller
 from asperity.aging.frames import Counts, Midway
 from asperity.aging.legs import LegMidway
 from asperity.aging.tr_bdf2 import Origin
-from asperity.base import checks
 from asperity.base.files import expanded
 from asperity.base.version import __version__
 from asperity.base.words import reason_of
@@ -29,28 +28,10 @@ from asperity.contact import Contact, Load, Separation
 from asperity.contact.problem import ContactSolver
 from asperity.errors import CheckpointError
 from asperity.lattice import Field
+from asperity.progress import Checkpoint
 from asperity.protocols import Schedule
 from asperity.results.dataset import Row, Snapshot
 from asperity.results.store import whole_file
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """File in which a computation keeps its place, and how often.
-
-    Parameters
-    ----------
-    path
-        The file; it appears under its name only when it is complete, and stays after the computation.
-    every
-        Least number of seconds between two writes.
-    """
-
-    path: str | Path
-    every: float = 10.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "every", checks.number("every", self.every, least=0))
 
 
 class Keeper:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
-from asperity import solids, surfaces
+from asperity.ask.run import ORDER
+from asperity.ask.section import KINDS as SECTIONS
 from asperity.base.parameters import parameters_of
 from asperity.creep import Eyring
 from asperity.protocols import KINDS
@@ -16,7 +17,6 @@ _RECORDED = {
     name: (quantity.long_name, quantity.dimension)
     for name, quantity in select("series", of=("all", "sites", "sliding")).items()
 }
-_PRESSURE = ("load over nominal area", "pressure")
 _BRANCHES = {
     "branch_shares": ("share of the modulus of each branch", "1"),
     "branch_times": ("relaxation time of each branch", "time"),
@@ -25,9 +25,10 @@ _LAWS = {"creep": ("local law of creep", ""), "adhesion": ("law of adhesion", ""
 _OF_A_LAW = {"m/s": "velocity", "Pa": "stress", "m": "length", "J/m^2": "energy / area"}
 PARAMETERS: dict[str, tuple[str, str]] = {
     **{
-        parameter.quantity.key or name: parameter.recorded
-        for make in (*surfaces.KINDS.values(), *solids.KINDS.values())
-        for name, parameter in parameters_of(make).items()
+        name: parameter.recorded
+        for home in ORDER
+        for section in SECTIONS[home].values()
+        for name, parameter in section.keys.items()
     },
     "edges": ("what lies beyond the edges", ""),
     **_LAWS,
@@ -41,30 +42,8 @@ PARAMETERS: dict[str, tuple[str, str]] = {
     },
     **_BRANCHES,
     **{f"base_{name}": (f"{long_name} of the base", unit) for name, (long_name, unit) in _BRANCHES.items()},
-    "relaxation": ("table of the relaxation", ""),
-    "reference": ("temperature of the table", "K"),
-    "free_branches": ("number of free relaxation times in the fit of the table", "1"),
-    "wlf": ("constants of Williams, Landel and Ferry", "1"),
-    "activation_energy": ("activation energy of the relaxation times", "J/mol"),
-    "data_first": ("first time of the data that gave the branches", "time"),
-    "data_last": ("last time of the data that gave the branches", "time"),
-    "pressure": _PRESSURE,
     **{name: _RECORDED[name] for name in ("load", "separation")},
     **{f"held_{name}": _RECORDED[name] for name in ("load", "separation", "area")},
-    "hold": ("what is held constant", ""),
-    "first": ("first time to record", "time"),
-    "last": ("last time to record", "time"),
-    "times": ("times to record", "time"),
-    "shear_strength": ("shear strength of the contacts", "pressure"),
-    "rate_coefficient": ("relative growth of the shear strength for each factor e of velocity", "1"),
-    "reference_velocity": ("velocity of that shear strength", "place / time"),
-    "stiffness": ("whether the stiffness is recorded", ""),
-    "resistivity": ("electrical resistivity", "ohm m"),
-    "conductivity": ("thermal conductivity", "W/m/K"),
-    "shear": ("shear force", "force"),
-    "friction_coefficient": ("coefficient of friction of the sites", "1"),
-    "work_of_adhesion": ("work of adhesion", "J/m^2"),
-    "rtol": ("relative tolerance of the time steps", "1"),
     "point": ("number of the point, from 0", "1"),
     "entry": ("number of the entry of the series, from 0", "1"),
 }

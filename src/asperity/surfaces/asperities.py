@@ -35,7 +35,9 @@ _Radii = Annotated[Lengths, Gt(0), Len(1, 2), _RADIUS]
 _PixelSize = Annotated[
     Lengths,
     *(Gt(0), Len(1, 2)),
-    Quantity("distance between sites", "m", more=": one number, or between rows and between columns."),
+    Quantity(
+        "distance between sites", "m", more=": one number, or between rows and between columns.", swept=False
+    ),
 ]
 _Position = Annotated[Length, Quantity("position", "m")]
 _Places = Annotated[

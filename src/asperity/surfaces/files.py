@@ -33,7 +33,7 @@ def read_raw(file: Path, channel: str | int | None, undefined_value: float | Non
     is_text = b"\0" not in begin or begin.startswith((b"\xff\xfe", b"\xfe\xff"))
     if suffix in _ARRAYS:
         raw = _ARRAYS[suffix](file, channel)
-    elif suffix not in _TEXT_SUFFIXES and (readers := dict(outside("asperity.surfaces", suffix[1:]))):
+    elif suffix not in _TEXT_SUFFIXES and (readers := dict(outside("asperity.scans", suffix[1:]))):
         raw = readers[suffix[1:]](file)
     elif begin.startswith(b"\x89HDF") and suffix != ".datx":  # that of an interferometer
         raw = read_hdf5(file, channel)

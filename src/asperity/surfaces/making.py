@@ -38,7 +38,7 @@ Shape = Annotated[
     ),
 ]
 Rng = int | np.random.Generator | None
-Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights")]
+Seed = Annotated[int, Ge(0), Lt(2**63), Quantity("seed of the random heights", swept=False)]
 Rms = Annotated[float, Gt(0), Quantity("rms height", dimension="height unit")]
 PixelSize = Annotated[
     Lengths | None,
@@ -49,6 +49,7 @@ PixelSize = Annotated[
         dimension="length unit",
         more=": one number, or one an axis.",
         usual=(1.0,),
+        swept=False,
     ),
 ]
 Unit = Annotated[

@@ -47,7 +47,8 @@ _UndefinedValue = Annotated[
 ]
 _Tilt = Annotated[Tilt, Quantity("tilt to remove from the heights", more="; quadratic removes a bow, too.")]
 _Despike = Annotated[
-    bool, Quantity("replace spikes: pixels more than 6 robust standard deviations above the median")
+    bool,
+    Quantity("replace spikes: pixels more than 6 robust standard deviations above the median", swept=False),
 ]
 _Lines = Annotated[
     Lines,
@@ -74,7 +75,7 @@ _Channel = Annotated[
     str | int | None,
     Quantity("channel of the surface file", more=", by name or number. By default the file's."),
 ]
-_Resample = Annotated[bool, Quantity("average oblong pixels to squares of the larger spacing")]
+_Resample = Annotated[bool, Quantity("average oblong pixels to squares of the larger spacing", swept=False)]
 _Crop = Annotated[
     Sequence[float] | None,
     Len(2, 4),
@@ -87,7 +88,7 @@ _Crop = Annotated[
 _CropUnit = Annotated[
     Literal["pixel", Length] | None,
     Spelled(prepare.spelled),
-    Quantity("unit of that part", more=", in place of pixels."),
+    Quantity("unit of that part", more=", in place of pixels.", swept=False),
 ]
 _Longest = Annotated[
     float | None,
@@ -104,7 +105,7 @@ _Shortest = Annotated[
 _FileUnit = Annotated[
     Length | None,
     Spelled(prepare.spelled),
-    Quantity("unit of the heights, for a file that does not state it"),
+    Quantity("unit of the heights, for a file that does not state it", swept=False),
 ]
 _PixelSize = Annotated[
     float | str | Sequence[float | str] | None,
@@ -114,10 +115,13 @@ _PixelSize = Annotated[
         dimension="length unit",
         more=", for a file that does not state it, such as 0.5um: one, or between rows and between columns. "
         "For a ball, a paraboloid, a punch or an array: between sites, in m.",
+        swept=False,
     ),
 ]
 _LengthUnit = Annotated[
-    Length | None, Spelled(prepare.spelled), Quantity("unit of that distance, if it is a plain number")
+    Length | None,
+    Spelled(prepare.spelled),
+    Quantity("unit of that distance, if it is a plain number", swept=False),
 ]
 
 

@@ -35,12 +35,6 @@ from asperity.errors import SHOWN_PROBLEMS, ConfigError, InputError
 from asperity.results.parameters import IN_A_LEG
 
 Value = float | int | str
-_NOT_SWEPT = (
-    *("kind", "seed", "first", "last", "per_decade", "times", "maps_at", "figures", "resample", "despike"),
-    *("crop_unit", "file_unit", "length_unit", "pixel_size", "spacing", "relaxation", "extrapolate"),
-    *("pixel", "blur", "threshold", "draws", "data_first", "data_last", "table_kind", "table_modulus"),
-    *("columns", "units", "noise", "measured"),
-)
 _STORE_FORMAT = 3
 
 MOST_RUNS = 100_000
@@ -239,6 +233,7 @@ def _lists(
 ) -> Iterator[tuple[tuple[str, str], list[Any]]]:
     """Find the section of each swept key; ``solid.k1 = [...]`` may name it."""
     homes = {name: one for one, kinds in KINDS.items() for each in kinds.values() for name in each.keys}
+    able = _swept_keys({})
     lists: dict[str, None] = {}
     for path, values in _paths(swept):
         head, _, rest = path.partition(".")
@@ -252,7 +247,7 @@ def _lists(
             section, sweepable = head, name.split(".")[-1] in IN_A_LEG
             advice = f"{', '.join(IN_A_LEG)} of a leg can: protocol.1.load = [...]"
         else:
-            sweepable = key not in _NOT_SWEPT
+            sweepable = key in able
             advice = "try seeds" if name == "seed" else f"these can: {', '.join(_swept_keys(kinds))}"
             if key not in homes or section not in (None, homes[key]):
                 shown = len(problems) < SHOWN_PROBLEMS
@@ -304,9 +299,10 @@ def _swept_keys(kinds: Mapping[str, object]) -> list[str]:
         for section, of_section in KINDS.items()
         for kind, each in of_section.items()
         if kinds.get(section, kind) == kind or kinds[section] not in of_section
-        for name in each.keys
+        for name, parameter in each.keys.items()
+        if parameter.quantity.swept
     ]
-    return [name for name in dict.fromkeys(names) if name not in _NOT_SWEPT]
+    return list(dict.fromkeys(names))
 
 
 def _seeds(seeds: object, first: object, kind: str, problems: list[str]) -> tuple[int, ...]:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from cyclopts import Group, Parameter, Token
 
 from asperity.base.words import number, numbers
-from asperity.errors import InputError, Value
+from asperity.errors import InputError, Value, brief
 
 if TYPE_CHECKING:
     from asperity.app.config.keys import Key, What
@@ -75,8 +75,11 @@ class Flags:
 @functools.cache
 def flags_for(*sections: str) -> type[Flags]:
     """Make the flags of sections; those of ``"preparation"`` prepare a measured surface."""
+    from asperity.app.config.keys import QUESTIONS
+
     keys = {f"{section}_{key.name}": (section, key) for one in sections for section, key in keys_for(one)}
-    quantity = "QUANTITY" if "prediction" in sections else "FLOAT"  # which may be without a unit in a run
+    # Of a run, a number may be without a unit.
+    quantity = "QUANTITY" if QUESTIONS.keys() & {*sections} else "FLOAT"
     fields = [(name, _annotation(*key, quantity), None) for name, key in keys.items()]
     facts = {"__module__": __name__, "keys": keys}
     flags = dataclasses.make_dataclass("flags", fields, bases=(Flags,), namespace=facts, kw_only=True)
@@ -161,7 +164,8 @@ def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
             known = flags.get(name) or flag_in("", name)
             return assigned(known, value) if known else f"{name}={value!r}"
 
-        raise error.spoken(spell, assign) from error
+        name = spell(error.name)
+        raise error.retold(name, error.told(brief(name), spell, assign)) from error
 
 
 def check_unit(flag: str, value: object, *units: str) -> None:
@@ -211,11 +215,15 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import Key, keys_of, sections
+    from asperity.app.config.keys import QUESTIONS, Key, keys_of, own_keys, sections
     from asperity.ask.surface import MeasuredSurface
 
+    if section in QUESTIONS:
+        placed = QUESTIONS[section].placed
+        yield from ((placed.get(name, section), key) for name, key in own_keys(section).items())
     if section == "prediction":
         yield from _of_a_prediction()
+    if section in QUESTIONS:
         return
     if section == "preparation":
         yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
@@ -269,7 +277,8 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
     from asperity.app.config.mistakes import flag_of
     from asperity.ask.run import ORDER
 
-    name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=1 + ORDER.index(section))
+    place = 1 + ORDER.index(section) if section in ORDER else 0
+    name, group = flag_of(section, key.name), Group(section.capitalize(), sort_key=place)
     text = key.description + (f" [choices: {', '.join(key.choices)}]" if key.choices else "")
     if key.what == "switch":
         switch = Parameter(name=name, group=group, help=text, negative=(), show_default=False)

@@ -13,7 +13,6 @@ from asperity.app.cli.flags import (
     Flags,
     Folder,
     Switch,
-    Whole,
     check_unit,
     file_of_run,
     flag,
@@ -23,26 +22,20 @@ from asperity.app.cli.flags import (
 )
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
-from asperity.base.words import numbers
+from asperity.base.words import number
 from asperity.errors import InputError
 
 __all__ = ["flags_for", "law"]  # the annotation that `command` writes names flags_for
 
 _DRAWN, _RESULTS = Drawn(), Results()
-_Several = Parameter(negative=(), consume_multiple=True, metavar="QUANTITY")
-_TOLD = ("pressures", "per_decade", "times", "age", "shear", "work_of_adhesion", "solid")
-_FLAGS = {name: flag(name) for name in _TOLD}
 
 
-@command("preparation", "solid", "carried")
+@command("law", "preparation", "solid", "carried")
 def law(
     material: Path | None = None,
     /,
     *,
     surface: Path | None = None,
-    pressures: Annotated[list[str] | None, _Several] = None,
-    per_decade: Whole = 10,
-    times: Annotated[list[str] | None, _Several] = None,
     write: Annotated[
         list[Literal["calculix", "moose"]], Parameter(negative=(), consume_multiple=True, show_default=False)
     ] = [],  # noqa: B006
@@ -65,12 +58,6 @@ def law(
         describe the solid, by default a half-space.
     surface
         The scan: a surface file of an instrument, a .npy array, or a text matrix, with units.
-    pressures
-        Load over nominal area: the two ends of a range, such as 0.1MPa 100MPa, or three values or more.
-    per_decade
-        Pressures in each decade of a range.
-    times
-        Ages, such as 0s 1h "1 year". [default: 0s, if nothing creeps]
     write
         Programs for which to write a file.
     age
@@ -79,24 +66,23 @@ def law(
         Write these files in N, mm, s, MPa in place of SI.
     """
     flags = given(keys, surface=surface, units=True)
-    for name, quantities, unit in (("pressures", pressures, "MPa"), ("times", times, "s"), ("age", age, "s")):
-        written = [quantities] if isinstance(quantities, str) else quantities or []
-        check_unit(f"--{name}", numbers(written, whole=False), unit)
-    if pressures is None:
+    if age is not None:
+        check_unit("--age", number(age), "s")
+    if "pressures" not in flags.get("law", {}):
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
     file = file_of_run(material, flags)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
-    if times is not None:
-        flags["aging"] = {"times": times}
-    from asperity.app.config.reading import read_config, to_toml
+    from asperity.app.config.mistakes import Door
+    from asperity.app.config.reading import config_at, own_keys_at, to_toml
 
-    settings = read_config(file, flags)
+    door = Door(flags, file)
+    settings, own = config_at(door), own_keys_at(door, "law")
     if write:
         from asperity.analysis.law_words import place_of
 
-        with in_flags(_FLAGS):
+        with in_flags({"age": "--age"}):
             place_of(age, settings.aging.times or [0.0])
     elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:
         expected = "--write beside it: it is for files of other programs"
@@ -106,13 +92,12 @@ def law(
     from asperity.app.cli.reports.law import law_report, write_law
     from asperity.app.runs.law import law_of_config
 
-    from_file = {"shear", "work_of_adhesion"} - flags.get("carried", {}).keys()
-    with in_flags(_FLAGS | {key: f"[carried] {key}" for key in sorted(from_file)}):
+    with door.answering(settings, "law"):
         compute_into(
             "law",
             out,
-            f"{to_toml(settings)}{pressures}{per_decade}",
-            functools.partial(law_of_config, settings, pressures=pressures, per_decade=per_decade),
+            f"{to_toml(settings)}{own}",
+            functools.partial(law_of_config, settings, **own),
             report=law_report,
             write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
             every=0.0,

@@ -46,9 +46,11 @@ def run(
         "repeat 3" (all legs before it), "repeat 3 last 2" (two of them).
         [default: one hold]
     """
-    from asperity.app.config.reading import read_config, to_toml
+    from asperity.app.config.mistakes import Door
+    from asperity.app.config.reading import config_at, to_toml
 
-    settings = read_config(config, given(keys, leg=leg))
+    door = Door(given(keys, leg=leg), config)
+    settings = config_at(door)
     table = getattr(settings.solid, "fit", None)
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.analysis.rows import words_of
@@ -58,15 +60,15 @@ def run(
     from asperity.app.runs.words import run_rows
 
     read = "" if table is None else table.data.source
-
-    compute_into(
-        "run",
-        out,
-        to_toml(settings),
-        functools.partial(execute, settings),
-        report=lambda outcome, **how: words_of(run_rows(outcome, read=read, **how)),
-        write=write_run,
-        every=_CHECKPOINT_EVERY,
-        results=results,
-        replaceable=replaceable,
-    )
+    with door.answering(settings):
+        compute_into(
+            "run",
+            out,
+            to_toml(settings),
+            functools.partial(execute, settings),
+            report=lambda outcome, **how: words_of(run_rows(outcome, read=read, **how)),
+            write=write_run,
+            every=_CHECKPOINT_EVERY,
+            results=results,
+            replaceable=replaceable,
+        )

@@ -7,7 +7,10 @@ import functools
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from asperity.ask.contact_law import Law
 from asperity.ask.legs import keys_of_leg
+from asperity.ask.prediction import Predict
+from asperity.ask.question import Question
 from asperity.ask.run import FILES
 from asperity.ask.section import KINDS, Section
 from asperity.ask.section import Keys as Parameters
@@ -66,6 +69,9 @@ class Key:
 
 Keys = dict[str, Key]
 
+QUESTIONS: dict[str, type[Question]] = {"prediction": Predict, "law": Law}
+"""Questions of commands that take the file of a run, and have keys beside those of its sections."""
+
 _SEVERAL = {"legs": "legs", "text or whole": "texts"}
 
 
@@ -94,6 +100,11 @@ def sections(*, short: bool = False) -> dict[str, dict[str, Keys]]:
 def keys_of(section: type[Section]) -> Keys:
     """Keys of one section."""
     return _keys(section.keys)
+
+
+def own_keys(question: str) -> Keys:
+    """Keys of a question that no section has."""
+    return _keys(QUESTIONS[question].own())
 
 
 def _keys(parameters: Parameters) -> Keys:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from asperity.app.config.keys import QUESTIONS
+from asperity.ask.question import Question
+from asperity.ask.run import ORDER, RunConfig
 from asperity.ask.section import KINDS
 from asperity.errors import ConfigError, InputError, Value
 
@@ -49,7 +53,7 @@ class Door:
         Keys that cannot be given here, and are no cure.
     """
 
-    flags: Mapping[str, Mapping[str, object]]
+    flags: Sections
     file: Path | None = None
     names: Names = field(default_factory=dict)
     lacks: Collection[str] = ()
@@ -66,15 +70,13 @@ class Door:
             mistake.cure = {key: one for key, one in mistake.cure.items() if key not in self.lacks}
         home, *rest = mistake.path or ("",)
         section = str(home)
-        given = self.flags.get(section, {})
-        alone = section != "protocol" and bool(self.flags) and self.file is None
-        typed = alone or any(part in given for part in rest)
+        typed = self._typed(section, *rest)
 
         def spell(key: str) -> str:
-            return flag_in(section, key) if typed or key in given else key
+            return flag_in(section, key) if typed or self._typed(section, key) else key
 
         def assign(key: str, value: Value) -> str:
-            if typed or key in given:
+            if typed or self._typed(section, key):
                 return assigned(flag_in(section, key), value)
             return f"{key} = {json.dumps(value)}"
 
@@ -83,16 +85,48 @@ class Door:
         about = "" if named else f"{mistake.name}: "
         return f"{place}{': ' * bool(section)}{about}{mistake.told('', spell, assign)}"
 
+    @contextmanager
+    def answering(self, config: RunConfig, question: str = "") -> Iterator[None]:
+        """Let the errors of a verb name arguments as this configuration or this question has them."""
+        try:
+            yield
+        except ConfigError:
+            raise
+        except InputError as error:
+            path = error.path or self._path_of(error.name, config, question)
+            if not path:
+                raise
+            place, told = self._place(str(path[0]), [*path[1:]]), self.line(error.about(error.name, *path))
+            raise error.retold(place, told) from error
+
+    def _path_of(self, name: str, config: RunConfig, question: str) -> tuple[str, ...]:
+        """Section and key with the name of an argument, best one that came as a flag; empty for none."""
+        keys: dict[str, Any] = {section: getattr(config, section).keys for section in ORDER}
+        if name in keys:
+            return (name,)
+        asked = QUESTIONS.get(question, Question)
+        keys = {question: asked.own()} | {section: keys[section] for section in asked.sections} | keys
+        homes = [home for home in keys if name in keys[home]]
+        homes.sort(key=lambda home: name not in self.flags.get(home, {}))
+        return (homes[0], name) if homes else ()
+
+    def _typed(self, section: str, *keys: str | int) -> bool:
+        """Whether one of these keys came as a flag, or could only come as one."""
+        alone = section != "protocol" and bool(self.flags) and self.file is None
+        return alone or section in QUESTIONS or any(key in self.flags.get(section, {}) for key in keys)
+
     def _place(self, section: str, rest: list[Any]) -> str:
         if section == "protocol":
             legs = "".join(f"[{part}]" if isinstance(part, int) else f" {part}" for part in rest)
             return f"--leg {legs}" if section in self.flags else self._in_file(f"protocol{legs}")
+        if not rest and "kind" in self.flags.get(section, {}):
+            return flag_of(section, "kind")
         if not rest:
             return self._in_file(f"[{section}]" if section else "")
         key = str(rest[0])
         if (section, key) in self.names:
             return self._in_file(self.names[section, key])
-        if key in self.flags.get(section, {}) or (key == "kind" and self.flags.get(section)):
+        if self._typed(section, key) or (key == "kind" and self.flags.get(section)):
             return flag_of(section, key)
         return self._in_file(f"[{section}] {key}")
 

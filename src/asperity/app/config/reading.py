@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.run import FILES, RunConfig
@@ -28,30 +29,26 @@ _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
 """Alternative keys of a section: a flag of one replaces the others."""
 
 
-def read_config(
-    path: str | Path | None, flags: Sections, *, names: Names | None = None, lacks: Collection[str] = ()
-) -> RunConfig:
-    """Read a configuration or the defaults, override it by flags, and check the whole.
-
-    A relative path in the file is relative to it. `ConfigError` with one line for each mistake, in
-    which `names` are other names of keys, by section and key, and keys that the door `lacks` are no cure.
-    """
-    path = None if path is None else Path(path)
-    return config_from({} if path is None else read_tables(path), flags, path, names, lacks)
+def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
+    """Read a configuration or the defaults, override it by flags, and check the whole; see `config_at`."""
+    return config_at(Door(flags, None if path is None else Path(path)))
 
 
 def config_from(
-    tables: dict[str, Any],
-    flags: Sections,
-    path: Path | None,
-    names: Names | None = None,
-    lacks: Collection[str] = (),
+    tables: dict[str, Any], flags: Sections, path: Path | None, names: Names | None = None
 ) -> RunConfig:
-    """Check the tables of a file, overridden by flags; what follows these is for mistakes.
+    """Check the tables of a file, overridden by flags; path and `names` of keys are for mistakes."""
+    return config_at(Door(flags, path, names or {}), tables)
 
-    `ConfigError` with one line for each mistake.
+
+def config_at(door: Door, tables: dict[str, Any] | None = None) -> RunConfig:
+    """Check what came through a door: its file, or these tables of it, overridden by its flags.
+
+    A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
     """
-    merged, mistakes = _merged(tables, flags), list[InputError]()
+    if tables is None:
+        tables = {} if door.file is None else read_tables(door.file)
+    merged, mistakes = _merged(tables, door.flags), list[InputError]()
     if merged.pop("sweep", None) is not None:
         said, advice = "makes this the file of a campaign, not of a run", "asperity sweep FILE --out FOLDER"
         mistakes.append(InputError("sweep", said=said, advice=advice, path=("sweep",)))
@@ -60,8 +57,15 @@ def config_from(
     except SectionError as error:
         mistakes += error.mistakes
     if mistakes:
-        raise Door(flags, path, names or {}, lacks).refused(mistakes)
+        raise door.refused(mistakes)
     return config
+
+
+def own_keys_at(door: Door, question: str) -> dict[str, Any]:
+    """Check the keys of a question that no section has, as they came through a door."""
+    keys, own = QUESTIONS[question].own(), door.flags.get(question, {})
+    with door.answering(RunConfig(), question):
+        return {name: keys[name].read(name, value) for name, value in own.items()}
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
@@ -127,6 +131,8 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
     merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
     for section, keys in flags.items():
+        if section in QUESTIONS:
+            continue
         if section == "protocol":
             merged[section] = keys["legs"]
             continue

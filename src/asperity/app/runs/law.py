@@ -40,9 +40,10 @@ def law_of_config(config: RunConfig, progress: Progress, **asked: Any) -> Outcom
     check_units(config, solid, scan)
     carried = config.carried.but(**{"stiffness": True} if solid.half_space else {})
     config = config.but(surface=surface, carried=carried)
-    times, rtol = config.aging.times, config.aging.rtol
+    rtol = config.aging.rtol
+    asked |= {"times": config.aging.times, "carried": config.carries, "rtol": rtol}
     with remarks_made() as made:
-        dataset = law(solid, scan, times=times, carried=config.carries, rtol=rtol, progress=progress, **asked)
+        dataset = law(solid, scan, progress=progress, **asked)
     pressed = Contact(pressure=float(dataset["pressure"][-1]))  # without one, `completed` would choose a load
     used, remarks = completed(config.but(contact=pressed), solid, scan)
     update: dict[str, Any] = {"contact": Contact(), "friction": Friction()}

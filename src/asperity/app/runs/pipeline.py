@@ -157,7 +157,7 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
         if solid.in_lengths:
             expected = "plain numbers, as the surface has no unit of length"
             advice = "file_unit, pixel_size and length_unit in [surface], or unit of a spectral one"
-        raise InputError("units", expected=expected, got=repr(text.written), advice=advice)
+        raise InputError("quantities", expected=expected, got=repr(text.written), advice=advice)
 
 
 def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tuple[str, ...]:

@@ -1,0 +1,76 @@
+"""Questions as data: what a verb is asked, checked when it is made."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import ClassVar, ParamSpec, TypeVar
+
+from asperity.ask.section import KINDS, Keys
+from asperity.base.parameters import parameters_of
+
+_P = ParamSpec("_P")
+_Question = TypeVar("_Question")
+_Answer = TypeVar("_Answer")
+
+
+def answers(
+    question: Callable[_P, _Question],
+) -> Callable[[Callable[[_Question], _Answer]], Callable[_P, _Answer]]:
+    """Let a function answer questions of a class: it is called with the arguments that make one.
+
+    Its signature and its text are those of the class.
+    """
+
+    def asked(answer: Callable[[_Question], _Answer]) -> Callable[_P, _Answer]:
+        @functools.wraps(answer)
+        def ask(*args: _P.args, **kwargs: _P.kwargs) -> _Answer:
+            return answer(question(*args, **kwargs))
+
+        ask.__doc__, signature = question.__doc__, inspect.signature(question)
+        returned = inspect.signature(answer).return_annotation
+        vars(ask).update(question=question, __signature__=signature.replace(return_annotation=returned))
+        return ask
+
+    return asked
+
+
+class Question:
+    """A frozen dataclass; fields annotated with a quantity are its own keys, others may be those of sections.
+
+    Attributes
+    ----------
+    sections
+        Sections that have keys of the same names as fields, and read them.
+    placed
+        Sections in which a file has its own keys, by key.
+    elsewhere
+        What to write in place of arguments that users expect and that it has not, by argument.
+    """
+
+    sections: ClassVar[tuple[str, ...]] = ()
+    placed: ClassVar[Mapping[str, str]] = {}
+    elsewhere: ClassVar[Mapping[str, str]] = {}
+
+    def __post_init__(self) -> None:
+        for name, key in self.keys().items():
+            object.__setattr__(self, name, key.read(name, getattr(self, name)))
+
+    @classmethod
+    def own(cls) -> Keys:
+        """Keys that no section has."""
+        return {name: one.as_key for name, one in parameters_of(cls).items()}
+
+    @classmethod
+    @functools.cache
+    def keys(cls) -> Keys:
+        """Its own keys, and those of sections that it takes."""
+        fields = inspect.signature(cls).parameters
+        shared = {
+            name: one
+            for section in cls.sections
+            for name, one in KINDS[section][""].keys.items()
+            if name in fields
+        }
+        return shared | cls.own()
