@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 import asperity as asp
 from asperity.app.cli import main
 from asperity.app.cli import predict as command
-from asperity.app.cli.flags import in_flags
+from asperity.app.cli.flags import naming
 from asperity.app.config import config_from
 from asperity.app.predict import predict_config
 from asperity.app.predict.words import report
@@ -326,7 +326,7 @@ def test_the_same_number_in_another_unit_is_the_same_prediction(files, asperity,
 
 def test_advice_names_flags_but_not_within_python():
     facts: dict[str, Any] = {"cure": {"unit": "m"}, "advice": "Surface(h, unit='m', x=(1, 2))"}
-    with pytest.raises(InputError) as raised, in_flags({"unit": "--unit"}):
+    with pytest.raises(InputError) as raised, naming(unit="--unit"):
         raise InputError("unit", expected="one", got="none", **facts)
     assert str(raised.value).endswith("try --unit m, or Surface(h, unit='m', x=(1, 2))")
 

@@ -167,6 +167,8 @@ def test_a_file_flags_and_python_agree(undrawn, asperity):
         np.testing.assert_allclose(ours.time, in_python.time)
         np.testing.assert_allclose(ours.series("contact_area"), in_python.series("contact_area"), rtol=1e-9)
         assert ours.growth.band == pytest.approx(in_python.growth.band, rel=1e-6)
+    listed = asp.predict(solids()["eyring"], whole, pressure="10 MPa", times=in_python.time)
+    np.testing.assert_array_equal(listed.series("contact_area"), in_python.series("contact_area"))
     law = activated.solid.creep
     assert isinstance(law, asp.solids.Eyring)
     assert law.stress == pytest.approx(1.380649e-23 * 298.15 / 0.34e-27)

@@ -7,16 +7,18 @@ import dataclasses
 import json
 import tomllib
 from collections.abc import Mapping
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import asperity as asp
 from asperity import protocols, solids, surfaces
-from asperity.app.cli.flags import flags_for, given
+from asperity.app.cli.flags import flags_for, given, keys_for
 from asperity.app.config import RunConfig, config_from
-from asperity.app.config.keys import sections
+from asperity.app.config.keys import QUESTIONS, sections
 from asperity.app.explore.server import Places, read_request
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
@@ -232,6 +234,15 @@ def test_all_parameters_are_tried() -> None:
             tried = {name for keys in ALL[section] if keys.get("kind", "") == kind for name in keys}
             lacking = known.keys() - tried - OF_TABLES
             assert not lacking or kind in ("file", "repeat"), (section, kind, lacking)
+
+
+@pytest.mark.parametrize(("name", "verb"), [("prediction", asp.predict), ("law", asp.law)])
+def test_what_a_question_is_asked_is_an_argument_and_a_flag(name, verb) -> None:
+    question, arguments = QUESTIONS[name], signature(verb).parameters
+    assert list(arguments) == list(signature(question).parameters)
+    assert question.own().keys() <= question.keys().keys() <= arguments.keys()
+    assert question.own().keys() <= {key.name for _, key in keys_for(name)}
+    assert verb.__doc__ == question.__doc__
 
 
 @pytest.mark.parametrize("unit", [*METERS, "micron"])

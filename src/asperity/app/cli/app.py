@@ -80,8 +80,10 @@ def answer(arguments: list[str]) -> int:
 
 def _run(arguments: list[str]) -> int:
     try:
-        with in_flags({}):
+        try:
             app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
+        except InputError as error:
+            raise in_flags(error, _flags_of(arguments)) from error
         sys.stdout.flush()
     except CycloptsError as error:
         return complain(2, _usage(error))
@@ -102,6 +104,14 @@ def _run(arguments: list[str]) -> int:
     except KeyboardInterrupt as interrupt:
         return complain(130, str(interrupt) or "interrupted; nothing was written")
     return 0
+
+
+def _flags_of(words: Sequence[str]) -> dict[str, str]:
+    """Flags of the command of these words, by the names of its arguments."""
+    commands = [app[word] for word in words[:1] if word in app]
+    arguments = [one for command in commands for one in command.assemble_argument_collection()]
+    named = {one.field_info.name: one.names[0] for one in arguments if one.names and one.parse}
+    return {name: flag for name, flag in named.items() if flag.startswith("--")}
 
 
 def _show_warning(

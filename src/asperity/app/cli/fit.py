@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Out, Switch, in_flags
+from asperity.app.cli.flags import Out, Switch
 from asperity.app.cli.new_files import check_figures, check_new_file
 from asperity.app.cli.options import CurveColumns, Drawn, Reading
 from asperity.errors import InputError
@@ -69,8 +69,7 @@ def fit(
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
     from asperity.fits import measured_growth, read_measurements
 
-    with in_flags(OF_TABLES):
-        data = read_measurements(file, **columns.chosen(), **vars(reading))
+    data = read_measurements(file, **columns.chosen(), **vars(reading))
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers

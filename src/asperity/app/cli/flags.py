@@ -42,8 +42,6 @@ Whole = Annotated[int, Parameter(converter=_whole)]
 Columns = Annotated[list[str] | None, Parameter(negative=(), consume_multiple=True)]
 _UNITS = Parameter(name=("--unit", "--units"), negative=(), consume_multiple=True, metavar="COLUMN=UNIT")
 Units = Annotated[list[str] | None, _UNITS]
-OF_TABLES = {"columns": "--columns", "units": "--unit"}
-"""Flags on how to read a table, by the names of arguments."""
 _METAVARS = {
     "number": "FLOAT",
     "pair": "FIRST SECOND",
@@ -148,24 +146,28 @@ def flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-@contextmanager
-def in_flags(flags: Mapping[str, str]) -> Iterator[None]:
-    """Replace names of arguments by their flags in errors and their advice."""
+def in_flags(error: InputError, flags: Mapping[str, str]) -> InputError:
+    """The error with names of arguments replaced by their flags, also in its advice."""
+    from asperity.app.config.mistakes import assigned, flag_in
 
     def spell(name: str) -> str:
         return flags.get(name, name)
 
+    def assign(name: str, value: Value) -> str:
+        known = flags.get(name) or flag_in("", name)
+        return assigned(known, value) if known else f"{name}={value!r}"
+
+    name = spell(error.name)
+    return error.retold(name, error.told(brief(name), spell, assign))
+
+
+@contextmanager
+def naming(**names: str) -> Iterator[None]:
+    """Give arguments of the library other names in errors: those of the command, or of columns of a file."""
     try:
         yield
     except InputError as error:
-        from asperity.app.config.mistakes import assigned, flag_in
-
-        def assign(name: str, value: Value) -> str:
-            known = flags.get(name) or flag_in("", name)
-            return assigned(known, value) if known else f"{name}={value!r}"
-
-        name = spell(error.name)
-        raise error.retold(name, error.told(brief(name), spell, assign)) from error
+        raise in_flags(error, names) from error
 
 
 def check_unit(flag: str, value: object, *units: str) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from cyclopts import Parameter
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Folder, Switch, flag, in_flags
+from asperity.app.cli.flags import Folder, Switch, naming
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Reading, Results
 from asperity.base.files import kind_of
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from asperity.friction import Record
 
 _RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
-_SAME = ("a", "events", "stiffness", "calibration", "shear_strength", "strength_at_rest")
-_FLAGS = {name: flag(name) for name in _SAME} | OF_TABLES
-_FLAGS |= {"V_0": "--reference-velocity", "start": "--from", "stop": "--to"}
 
 
 @command()
@@ -89,10 +86,10 @@ def friction(
         None if word is None else cast(float | str, number(word))
         for word in (shear_strength, reference_velocity)
     )
-    with in_flags(_FLAGS):
-        several = [record for path in records for record in _records_at(path, strength, **how)]
-        if several[0].si and isinstance(reference, float | int):
-            raise InputError("V_0", expected="a velocity with its unit, such as 1um/s", got=f"{reference:g}")
+    several = [record for path in records for record in _records_at(path, strength, **how)]
+    if several[0].si and isinstance(reference, float | int):
+        expected, got = "a velocity with its unit, such as 1um/s", f"{reference:g}"
+        raise InputError("reference_velocity", expected=expected, got=got)
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
@@ -101,7 +98,7 @@ def friction(
     from asperity.figures.writing import write_each
     from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
 
-    with in_flags(_FLAGS):
+    with naming(V_0="--reference-velocity"):
         comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
     fit, fits = comparison.fits[comparison.preferred], None
     if isinstance(fit, MachineFit) and len(events_of(comparison.record)) > 1:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from asperity.app.cli.command import command
-from asperity.app.cli.flags import OF_TABLES, Folder, check_unit, flag, in_flags
+from asperity.app.cli.flags import Folder, check_unit, naming
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import CurveColumns, Drawn, Reading, Results
 from asperity.base.words import number
@@ -19,8 +19,6 @@ from asperity.errors import InputError, printable
 
 _OF_RECORDS = "load.?point|lastpunkt|veloc|displac|geschwindig|weg|vitesse|deplacement|déplacement|slip"
 _RESULTS, _READING, _DRAWN, _COLUMNS = Results(), Reading(), Drawn(), CurveColumns()
-_SAME = ("model", "branches", "priors", "error", "ramp", "seed", "walkers", "quantity")
-_FLAGS = {name: flag(name) for name in _SAME} | {"absolute": "--unit-area"}
 
 
 @command()
@@ -88,10 +86,8 @@ def infer(
         Number of processes. [default: one for each core, up to four]
     """
     chosen = columns.chosen()
-    with in_flags(OF_TABLES):
-        *data, remarks, read, about = _data(
-            file, chosen, vars(reading), (unit_time, unit_area), error, model, quantity
-        )
+    units = unit_time, unit_area
+    *data, remarks, read, about = _data(file, chosen, vars(reading), units, error, model, quantity)
     if ramp is not None:
         check_unit("--ramp", number(ramp), "s")
     replaceable = check_free(out, overwrite=results.overwrite)
@@ -115,7 +111,7 @@ def infer(
 
     def compute(progress: Progress, checkpoint: Checkpoint) -> Inference:
         places = {name: f"{file}: {name}" for name in ("time", "area", "friction", "depth", "radius")}
-        with in_flags(_FLAGS | places):
+        with naming(**places, absolute="--unit-area"):
             inference = inferred(*data, **how, progress=progress, checkpoint=checkpoint)
         return replace(inference, remarks=(*remarks, *inference.remarks), unit=about["unit"])
 
@@ -162,7 +158,7 @@ def _data(
         about = {"quantity": None, "absolute": False, "unit": ""}
         return time, value, _error(error, value, 1.0), (), record.read, about
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
-        with in_flags({"stderr": "--column-stderr"}):
+        with naming(stderr="--column-stderr"):
             chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
     table = read_measurements(file, **chosen, **reading)
     if error is not None and table.stderr is not None:

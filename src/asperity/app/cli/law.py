@@ -18,7 +18,6 @@ from asperity.app.cli.flags import (
     flag,
     flags_for,
     given,
-    in_flags,
 )
 from asperity.app.cli.new_files import check_free
 from asperity.app.cli.options import Drawn, Results
@@ -82,8 +81,7 @@ def law(
     if write:
         from asperity.analysis.law_words import place_of
 
-        with in_flags({"age": "--age"}):
-            place_of(age, settings.aging.times or [0.0])
+        place_of(age, settings.aging.times or [0.0])
     elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:
         expected = "--write beside it: it is for files of other programs"
         raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
