@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import numpy as np
 from annotated_types import Ge, Le
-from numpy.typing import NDArray
 
 from asperity.ask.carried import Carried
 from asperity.ask.question import Question
@@ -22,8 +21,6 @@ from asperity.lattice import Field
 from asperity.progress import Checkpoint, Progress
 from asperity.solids import Solid
 from asperity.surfaces import Surface
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +72,7 @@ class Law(Question):
     surface: str | Path | Surface
     _: KW_ONLY
     pressures: Annotated[
-        Sequence[float | str] | Floats,
+        Sequence[float | str] | checks.Floats,
         Quantity(
             "load over nominal area",
             "Pa",
@@ -83,7 +80,7 @@ class Law(Question):
         ),
     ]
     times: Annotated[
-        Sequence[float | str] | Floats | float | str | None,
+        Sequence[float | str] | checks.Floats | float | str | None,
         Quantity("ages", "s", more=', such as 0s 1h "1 year". By default 0s, if nothing creeps.'),
     ] = None
     per_decade: Annotated[int, *(Ge(1), Le(1000)), Quantity("pressures in each decade of a range")] = 10

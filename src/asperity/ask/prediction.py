@@ -117,7 +117,7 @@ class Predict(Question):
     first: float | str | None = None
     last: float | str | None = None
     per_decade: int = 4
-    times: Sequence[float | str] | None = None
+    times: Sequence[float | str] | checks.Floats | None = None
     shear_strength: float | str | None = None
     carried: Carried | None = None
     instrument: Mapping[str, float | str] | None = None
