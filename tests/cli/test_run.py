@@ -307,8 +307,6 @@ def test_the_summary_says_what_yielded(scan, tmp_path):
 
 NO_UNIT = {
     "--thickness 3 --pressure 1MPa": 1,
-    "--thickness 3um --pressure 1": 1,
-    "--thickness 3um --load 1": 1,
     "--thickness 3um --pressure 1MPa --hardness 1e11": 1,
     "--thickness 3um --pressure 1MPa --shear-strength 60": 1,
     "--thickness 3um --pressure 1MPa --shear-strength 60MPa": 0,

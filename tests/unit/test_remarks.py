@@ -137,6 +137,23 @@ def test_slopes_that_are_not_small_are_remarked(slope, said):
         assert any_of(remarks_on_bodies(rough, PLASTIC), STEEP) == said
 
 
+@pytest.mark.parametrize(
+    ("pressure", "modulus", "said"),
+    [
+        ("1 MPa", "3 GPa", set()),
+        (5, "3 GPa", {"5 Pa under"}),  # meant as 5 MPa
+        ("3 Pa", 3, {"E* is 3 Pa"}),
+        ("30 GPa", "3 TPa", {"E* is 3e+12 Pa"}),
+    ],
+)
+def test_numbers_that_seem_to_lack_a_unit_are_remarked_in_python(pressure, modulus, said):
+    rough = spectral((32, 32), rms_slope=0.1, **NM)
+    made = remarks_of(lambda: asp.press(rough, half_space(modulus=modulus), pressure=pressure))
+    told = [remark for remark in made if "texts have units" in remark]
+    assert len(told) == len(said)
+    assert all(any(part in remark for remark in told) for part in said)
+
+
 WIDE = "as wide as the cell"
 
 

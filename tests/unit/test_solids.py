@@ -45,6 +45,11 @@ def test_what_is_no_solid_is_refused():
     )
 
 
+def test_a_ratio_that_is_not_given_is_that_of_the_commands():
+    assert half_space(young="3 GPa").modulus == pytest.approx(3e9 / (1 - 0.35**2))
+    assert contact_modulus([3e9, 7e9]) == contact_modulus([3e9, 7e9], [0.35, 0.35])
+
+
 def test_what_is_stated_twice_or_in_part_is_refused():
     law, springs = LaplacianSpectrum(uniform=1.0), Springs(1.0, 3.0)
     shares: dict[str, Any] = {"stiffness": law, "shares": [(0.5, 1.0)]}

@@ -42,6 +42,8 @@ _FEW = 10
 _BEYOND = 3.0
 
 _PITTED = -2.0  # skewness below which pits are named; Gaussian heights have 0
+_MODULI = (1e2, 2e12)  # E* of solids, Pa
+_LIGHT = 1e-8  # pressure over E* that leaves a contact to be seen
 _STEEP = 0.3  # rms slope above which surfaces are not nearly flat: sqrt(1 + 0.3^2) = 1.04
 _WIDE = {"free": 0.9, "reflecting": 0.5, "periodic": 0.5}  # widest contact over its cell, by its edges
 _SOFT = 1e8  # E* of rubbers and gels, which do not yield, Pa
@@ -131,6 +133,8 @@ def remarks_on_bodies(rough: Surface, solid: Solid) -> Iterator[str]:
     if _is_shape(rough) or not (solid.in_lengths and rough.has_lengths):
         return
     measures, modulus = rough.in_si, solid.modulus or math.inf
+    if not _MODULI[0] <= (solid.modulus or 1e9) <= _MODULI[1]:
+        yield f"E* is {modulus:.3g} Pa, and solids have 100 Pa to 2 TPa: numbers are in Pa, texts have units"
     if (slope := measures.rms_slope) > _STEEP:
         yield f"the rms slope is {slope:.2g}: the theory takes surfaces as nearly flat, of {_STEEP:g} at most"
     if solid.adhesion is None and modulus < _SOFT and (work := sticking_work(measures, modulus)) < _WORK:
@@ -178,6 +182,7 @@ def _remarks(rough: Surface, solid: Solid, seen: Resolved, measures: Statistics 
     cause = "strains are large, and the theory is of small ones" if soft else cause
     share = f"{100 * seen.strain:.2g} % of E*" if seen.strain < 1 else f"{seen.strain:.3g} times E*"
     ends = "there the body ends" if rough.edges == "free" else "images beyond the edges disturb it"
+    relative = seen.pressure / (solid.modulus or math.inf)
     wide, small, full = 100 * seen.width, 100 * seen.in_small, 100 * seen.fraction
     said = {
         f"{small:.0f} % of the area {when} lies in patches of fewer than {_FEW} pixels: "
@@ -189,6 +194,8 @@ def _remarks(rough: Surface, solid: Solid, seen: Resolved, measures: Statistics 
         f"the contact is {wide:.0f} % as wide as the cell {when}: {ends}": shape
         and seen.width > _WIDE[rough.edges],
         f"the mean contact pressure is {share} {when}: {cause}": seen.strain > 0.05 and not solid.yields,
+        f"the load over the nominal area is {seen.pressure:.3g} Pa {when}, {relative:.1g} of E*: numbers are "
+        "in Pa or N, texts have units": 0 < relative < _LIGHT and solid.adhesion is None,
         f"{full:.0f} % of the surface touches {when}: "
         "on a larger surface longer waves would keep the bodies further apart": full > 50 and not shape,
     }

@@ -355,8 +355,6 @@ def _of_toml(path: Path, arguments: dict[str, Any]) -> tuple[Solid, Any, tuple[f
         keys["creep"] = law(**{key: keys.pop(name, None) for key, name in names.items()})
     if "modulus" not in keys and "young" not in keys:
         keys |= {name: arguments.pop(name) for name in _ELASTIC if name in arguments}
-    if "young" in keys:
-        keys.setdefault("poisson", POISSON)
     times = None if last is None else (si.quantity(first or 0.0, "s"), si.quantity(last, "s"))
     return half_space(**keys), draws, times
 

@@ -12,6 +12,7 @@ from asperity.base.words import InUnits, written_with_units
 from asperity.creep import LocalCreep, checked_law
 from asperity.errors import InputError
 from asperity.solids.arguments import (
+    POISSON,
     Apparatus,
     Bonded,
     Branches,
@@ -37,7 +38,7 @@ OneOrTwo = float | str | Sequence[float | str]
 """A number or a text with a unit, of one body or of each of two."""
 
 
-def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
+def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float] | None = None) -> float:
     r"""Contact modulus E* of two elastic bodies: 1/E* = sum of (1 - nu^2) / E.
 
     Parameters
@@ -45,7 +46,7 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
     young
         Young's modulus E of the one body that is not rigid, or of both, > 0; also as texts: ``"3 GPa"``.
     poisson
-        Poisson's ratio nu of the same, from -1 to 0.5.
+        Poisson's ratio nu of the same, from -1 to 0.5; by default 0.35.
 
     Returns
     -------
@@ -63,11 +64,11 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
     """
     young = units.either("young", young, "Pa")
     moduli = checks.positive("young", young).reshape(-1)
-    ratios = checks.floats("poisson", poisson).reshape(-1)
+    ratios = checks.floats("poisson", [POISSON] * moduli.size if poisson is None else poisson).reshape(-1)
     if not 1 <= moduli.size <= 2:
         raise InputError("young", expected="one for each of one or two bodies", got=moduli.size)
     if ratios.size != moduli.size:
-        expected, some = f"one for each of {moduli.size} in young", [0.35] * moduli.size
+        expected, some = f"one for each of {moduli.size} in young", [POISSON] * moduli.size
         advice = f"poisson={some if moduli.size > 1 else some[0]}"
         raise InputError("poisson", expected=expected, got=ratios.size, advice=advice)
     for ratio in ratios.tolist():
@@ -80,7 +81,7 @@ def contact_modulus(young: OneOrTwo, poisson: float | Sequence[float]) -> float:
 def checked_modulus(modulus: float | str | None, young: OneOrTwo | None, poisson: Any) -> float:
     """The instantaneous contact modulus, from the one of two moduli that is given."""
     if checks.one_of("modulus='3 GPa'", modulus=modulus, young=young) == "young":
-        return contact_modulus(young, () if poisson is None else poisson)  # type: ignore[arg-type]
+        return contact_modulus(young, poisson)  # type: ignore[arg-type]
     return units.number("modulus", modulus, "Pa", above=0)
 
 
@@ -113,7 +114,8 @@ def half_space(
         Instantaneous contact modulus E*, force per area; see `contact_modulus`. Under a surface with units,
         all numbers here are in SI or texts with a unit: ``"3 GPa"``.
     young, poisson
-        Instead of the modulus: instantaneous Young's modulus and Poisson's ratio, of one body or of both.
+        Instead of the modulus: instantaneous Young's modulus and Poisson's ratio, of one body or of both; by
+        default the ratio is 0.35.
     branches
         Pairs (share of the modulus, relaxation time). Without any the half-space is elastic.
     flow

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -44,9 +43,8 @@ from asperity.theory.heights import HeightLaw
 _REMARKED_SEAM = 3.0
 """Ratio of a step at the periodic seam to a usual one, above which a remark is made."""
 
-_MODULI, _LIGHT, _SOFT = (1e2, 2e12), 1e-9, 1e-7
-"""Moduli of solids, Pa; in units of the modulus, the least pressure that leaves a contact to be seen, and the
-least hardness and shear strength."""
+_SOFT = 1e-7
+"""Least hardness and shear strength, over the modulus."""
 
 _DRAWS = {"solid": ("draws",)}
 """Keys that only a prediction uses, by section."""
@@ -165,21 +163,15 @@ def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tu
     if modulus is None or not rough.has_lengths:
         return ()
     _, spacing = rough.in_meters()
-    sides = [count * step for count, step in zip(rough.shape, spacing, strict=True)]
-    load = math.prod(sides) * modulus
+    longest = max(count * step for count, step in zip(rough.shape, spacing, strict=True))
     stresses = ("Pa", _SOFT * modulus, modulus)
-    young = getattr(config.solid, "young", None)
     doubts: list[tuple[str, float | None, str, float, float]] = [
-        ("modulus", getattr(config.solid, "modulus", None), "Pa", *_MODULI),
-        ("young", young[0] if isinstance(young, list) else young, "Pa", *_MODULI),
-        ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * max(sides)),
+        ("thickness", getattr(config.solid, "thickness", None), "m", min(spacing) / 100, 1000 * longest),
         ("hardness", getattr(config.solid, "hardness", None), *stresses),
         ("shear_strength", config.friction.shear_strength, *stresses),
-        ("pressure", config.contact.pressure, "Pa", _LIGHT * modulus, modulus),
-        ("load", config.contact.load, "N", _LIGHT * load, load),
     ]
     doubts += [
-        ("distance", getattr(leg, "distance", None), "m", min(spacing) / 1000, 1000 * max(sides))
+        ("distance", getattr(leg, "distance", None), "m", min(spacing) / 1000, 1000 * longest)
         for leg in config.written_out
     ]
     return tuple(
