@@ -369,7 +369,7 @@ def test_numbers_with_units_are_in_si_and_remembered_as_such() -> None:
     zero = {"contact": {"load": 1.0}, "output": {"maps_at": ["0 s"]}}
     config = config_from(zero | {"solid": {"kind": "half_space", "modulus": 1.0}}, {}, None)
     assert [(one, one.written) for one in written_with_units(config.tables)] == [(0.0, "0 s")]
-    with refuses("units", "'0 s'"):
+    with refuses("quantities", "'0 s'"):
         execute(config, Progress())
 
 

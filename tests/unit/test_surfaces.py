@@ -249,7 +249,7 @@ def test_a_surface_is_checked_when_it_is_made():
     wrong: list[Any] = ["1 kg", "1", "um", "-1 um", ("1 um", "x"), ("1 um",), (1.0,)]
     each_refuses(
         *(("pixel_size", partial(Surface, pixel_size=size), ROUGH) for size in wrong),
-        got="'1 kg' | '1' | 'um' | -1.0 | 'x' | [1.0] | (1.0,)",
+        got="'1 kg' | '1' | 'um' | -1.0 | 'x' | ['1 um'] | (1.0,)",
     )
     units: tuple[Any, ...] = ("1 parsec", "2 um", "kg", "V", "um^2", 3)
     for name in ("unit", "length_unit"):
