@@ -18,6 +18,7 @@ import importlib
 import importlib.util
 from typing import TYPE_CHECKING
 
+from asperity.base import views as _views
 from asperity.base.version import __version__
 
 if TYPE_CHECKING:
@@ -88,6 +89,8 @@ _HOME = {
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
 }
+_views.rooms += ["asperity.carried", "asperity.results", "asperity.figures"]
+
 _RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""
 

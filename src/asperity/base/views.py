@@ -1,37 +1,53 @@
-"""Views of results: one line, Datasets, pictures, and HTML in notebooks.
+"""Views of results: one line, pictures, and HTML in notebooks; and methods that rooms above define.
 
-A contact cannot import carried quantities, Datasets and figures, which come after it. The rooms `carried`,
-`results` and `figures` register their functions here, and are imported at the first use.
+A contact cannot import carried quantities, Datasets and figures, which come after it. It states such a method
+with its types and its text, and a room above defines it.
 """
 
 from __future__ import annotations
 
+import functools
 import importlib
+import inspect
 from collections.abc import Callable, Sized
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from asperity.base.calls import showing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_Maker = TypeVar("_Maker", bound=Callable[..., Any])
-_MAKERS: dict[str, Callable[..., Any]] = {}
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+_DEFINED: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+rooms: list[str] = []
+"""Rooms that define methods of those before them, in their order; the package names them."""
 
 
-def maker(function: _Maker) -> _Maker:
-    """Register a function by its name."""
-    _MAKERS[function.__name__] = function
-    return function
+def later(stub: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Let a room above define a method; what it does is imported at the first call."""
+
+    @functools.wraps(stub)
+    def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        for room in rooms:
+            if stub not in _DEFINED:
+                importlib.import_module(room)
+        found: _R = _DEFINED[stub](*args, **kwargs)
+        return found
+
+    return call
 
 
-def made_by(name: str) -> Callable[..., Any]:
-    """Return the registered function of a name."""
-    for room in ("asperity.carried", "asperity.results", "asperity.figures"):
-        if name not in _MAKERS:
-            importlib.import_module(room)
-    return _MAKERS[name]
+def defines(method: Callable[_P, _R]) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """Define a method of a room before this one, by a function of the same types."""
+
+    def define(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        _DEFINED[inspect.unwrap(method)] = function
+        return function
+
+    return define
 
 
 class Brief:
@@ -57,13 +73,13 @@ def _brief(value: object) -> str:
 class Pictured:
     """Base of results that `asperity.figures` can plot."""
 
-    def plot(self, kind: str | None = None, ax: Axes | None = None) -> Axes:
+    @later
+    def plot(self, /, kind: str | None = None, ax: Axes | None = None) -> Axes:
         """Draw one kind of picture, by default the first, into these axes or new ones.
 
         Kinds, result and errors are those of `asperity.figures.plot_kind`.
         """
-        axes: Axes = made_by("plot_kind")(self, kind, ax)
-        return axes
+        raise NotImplementedError
 
 
 class InNotebooks:
@@ -72,5 +88,9 @@ class InNotebooks:
     def _repr_html_(self) -> str | None:
         html: str | None = None  # a notebook shows the repr
         with showing("the card"):
-            html = made_by("html_of")(self)
+            html = self._html()
         return html
+
+    @later
+    def _html(self, /) -> str:
+        raise NotImplementedError

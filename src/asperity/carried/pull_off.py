@@ -123,11 +123,14 @@ class PullOff(views.Brief):
         ``patch`` is the map of the patches of the aged contact, from 1, largest first; ``let_go`` the
         approach at which the last site of each opened; ``opened`` the attribute.
         """
-        dataset: xr.Dataset = views.made_by("pull_off_path")(self, self._contact)
-        return dataset
+        return self._path(self._contact)
+
+    @views.later
+    def _path(self, /, contact: Contact) -> xr.Dataset:
+        raise NotImplementedError
 
 
-@views.maker
+@views.defines(Contact.pull_off)
 def pull_off(contact: Contact, work: float | str) -> PullOff:
     """See `Contact.pull_off`."""
     w = _checked(contact, work)

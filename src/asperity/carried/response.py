@@ -43,7 +43,7 @@ def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field
     return -position, -float(u[np.isfinite(contact.system().heights)].mean()), lattice.cut(force)
 
 
-@views.maker
+@views.defines(Contact._normal_stiffness)
 def normal_stiffness(contact: Contact) -> float:
     """See `Contact.normal_stiffness`."""
     lowered = unit_response(contact)[0] if contact.area else math.inf
@@ -57,20 +57,20 @@ def punch(contact: Contact, in_contact: Mask) -> Field:
     return _flat_punch(contact, contact.lattice.embedding.extended(in_contact, beyond=False))[2]
 
 
-@views.maker
+@views.defines(Contact.tangential_stiffness)
 def tangential_stiffness(contact: Contact, poisson: float) -> float:
     """See `Contact.tangential_stiffness`."""
     check_half_space("tangential_stiffness", contact.solid, contact.lattice)
     return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * contact.normal_stiffness
 
 
-@views.maker
+@views.defines(Contact.resistance)
 def resistance(contact: Contact, resistivity: Each) -> float:
     """See `Contact.resistance`."""
     return _of_constrictions(contact, sum(_of_both("resistivity", resistivity, "ohm m", si=contact.si)))
 
 
-@views.maker
+@views.defines(Contact.thermal_resistance)
 def thermal_resistance(contact: Contact, conductivity: Each) -> float:
     """See `Contact.thermal_resistance`."""
     first, second = _of_both("conductivity", conductivity, "W/m/K", si=contact.si)
@@ -116,7 +116,7 @@ def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[floa
     return force, checks.number("friction", friction, above=0)
 
 
-@views.maker
+@views.defines(Contact.partial_slip)
 def partial_slip(
     contact: Contact, shear: float | str, friction: float, poisson: float | None = None
 ) -> PartialSlip:

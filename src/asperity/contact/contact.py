@@ -244,9 +244,14 @@ class Contact(Bodies, views.InNotebooks):
         that of `separation`: with free edges one contact of radius a has 2 E* a; with others, where the
         approach is that of the mean of the surface, it is stiffer, see `asperity.theory.hertz`.
         """
-        return float(views.made_by("normal_stiffness")(self))
+        return self._normal_stiffness()
 
-    def tangential_stiffness(self, poisson: float) -> float:
+    @views.later
+    def _normal_stiffness(self, /) -> float:
+        raise NotImplementedError
+
+    @views.later
+    def tangential_stiffness(self, /, poisson: float) -> float:
         """Stiffness against a small shear force, before anything slips, force / length.
 
         That is 2 (1 - nu) / (2 - nu) times `normal_stiffness`; of half-spaces alone.
@@ -265,9 +270,10 @@ class Contact(Bodies, views.InNotebooks):
         ----------
         K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 7.2.
         """
-        return float(views.made_by("tangential_stiffness")(self, poisson))
+        raise NotImplementedError
 
-    def resistance(self, resistivity: Each) -> float:
+    @views.later
+    def resistance(self, /, resistivity: Each) -> float:
         """Electrical resistance of the constrictions between two half-spaces.
 
         The current passes where the bodies touch, whatever crept before. Films of oxide are not in it.
@@ -291,9 +297,10 @@ class Contact(Bodies, views.InNotebooks):
         ----------
         J. R. Barber, Proc. R. Soc. A 459, 53 (2003), DOI 10.1098/rspa.2002.1038.
         """
-        return float(views.made_by("resistance")(self, resistivity))
+        raise NotImplementedError
 
-    def thermal_resistance(self, conductivity: Each) -> float:
+    @views.later
+    def thermal_resistance(self, /, conductivity: Each) -> float:
         """Thermal resistance of the constrictions between two half-spaces; see `resistance`.
 
         Parameters
@@ -311,9 +318,12 @@ class Contact(Bodies, views.InNotebooks):
         InputError
             As `resistance`.
         """
-        return float(views.made_by("thermal_resistance")(self, conductivity))
+        raise NotImplementedError
 
-    def partial_slip(self, shear: float | str, friction: float, poisson: float | None = None) -> PartialSlip:
+    @views.later
+    def partial_slip(
+        self, /, shear: float | str, friction: float, poisson: float | None = None
+    ) -> PartialSlip:
         """Where the contact sticks and slips under a shear force that does not make it slide.
 
         At once, under a constant normal load: see `asperity.contact.partial_slip` for the equations.
@@ -337,10 +347,10 @@ class Contact(Bodies, views.InNotebooks):
         InputError
             The bodies slide, the solid is no half-space, or a number is out of its range.
         """
-        slip: PartialSlip = views.made_by("partial_slip")(self, shear, friction, poisson)
-        return slip
+        raise NotImplementedError
 
-    def pull_off(self, work: float | str) -> PullOff:
+    @views.later
+    def pull_off(self, /, work: float | str) -> PullOff:
         """Pull the bodies apart instantly, by an adhesion whose range is below the pixel.
 
         From the contacts that have aged without adhesion; creep is frozen, so that rates are out of it. Sites
@@ -362,10 +372,10 @@ class Contact(Bodies, views.InNotebooks):
         InputError
             The solid is defined on sites, or no or all sites are in contact, or the work is out of its range.
         """
-        pulled: PullOff = views.made_by("pull_off")(self, work)
-        return pulled
+        raise NotImplementedError
 
-    def plot(self, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
+    @views.later
+    def plot(self, /, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True) -> Axes:
         """Draw where it touches and with which pressure; see `asperity.figures.plot_contact`.
 
         Parameters
@@ -382,8 +392,7 @@ class Contact(Bodies, views.InNotebooks):
         InputError
             The earlier contact is of another surface.
         """
-        axes: Axes = views.made_by("plot_contact")(self, ax, since=since, colorbar=colorbar)
-        return axes
+        raise NotImplementedError
 
     @property
     def dataset(self) -> xr.Dataset:
@@ -391,15 +400,19 @@ class Contact(Bodies, views.InNotebooks):
 
         Maps are over the sites, ``anchors`` over the branches too: ``contact.dataset["pressure"].plot()``.
         """
-        dataset: xr.Dataset = views.made_by("contact_dataset")(self)
-        return dataset
+        return self._dataset()
 
-    def save(self, path: str | Path, *, overwrite: bool = False) -> None:
+    @views.later
+    def _dataset(self, /) -> xr.Dataset:
+        raise NotImplementedError
+
+    @views.later
+    def save(self, /, path: str | Path, *, overwrite: bool = False) -> None:
         """Write `dataset` to a zarr folder, as `asperity.results.save` does.
 
         `asperity.results.load` reads the Dataset, `asperity.results.load_contact` the contact, to be aged on.
         """
-        views.made_by("save")(self.dataset, path, overwrite=overwrite)
+        raise NotImplementedError
 
     def system(self, control: Control | None = None) -> System:
         """Set up the system that this contact is a state of, under its own control or another."""

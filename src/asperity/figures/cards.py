@@ -39,7 +39,6 @@ _MOST_BRANCHES = 8
 _OWN_UNITS = "Lengths are in the unit of the heights, forces in stiffness × height."
 
 
-@views.maker
 @singledispatch
 def html_of(thing: object) -> str:
     """Write a result as HTML for a notebook.
@@ -55,6 +54,9 @@ def html_of(thing: object) -> str:
         It is anything else.
     """
     raise TypeError(f"no card for a {type(thing).__name__}")
+
+
+views.defines(views.InNotebooks._html)(html_of)
 
 
 @html_of.register

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,6 +23,7 @@ from asperity.errors import InputError, OutputError
 from asperity.figures import style
 from asperity.figures.plots import cells_in, check_series, draw_series, shown_figure
 from asperity.lattice import Field
+from asperity.results.history import History
 from asperity.results.store import whole_file
 
 _SIZE = (9.6, 4.8)
@@ -51,7 +53,11 @@ class Film(FuncAnimation):
         return re.sub(r'<link rel="stylesheet"\s+href="https?://[^>]*>', "", player)
 
 
-@views.maker
+@views.defines(History.animate)
+def _film_of(history: History, path: str | Path | None = None, **how: Any) -> Film:
+    return animate_history(history.dataset, path, **how)
+
+
 def animate_history(
     dataset: xr.Dataset,
     path: str | Path | None = None,

@@ -32,7 +32,7 @@ from asperity.figures.contacts import (
 from asperity.figures.history import draw_legs, shown_series
 from asperity.figures.surface import SurfaceView, draw_heights, draw_map, draw_spectrum
 from asperity.lattice import Field
-from asperity.results.history import check_dataset
+from asperity.results.history import History, check_dataset
 from asperity.surfaces import PowerSpectrum, Surface
 
 _LOWEST = 0.02
@@ -41,7 +41,7 @@ _LOWEST = 0.02
 _SINCE = {SiteState.KEPT: "touches, then and now", SiteState.NEW: "new", SiteState.LOST: "lost"}
 
 
-@views.maker
+@views.defines(Contact.plot)
 @style.drawn
 def plot_contact(
     contact: Contact, ax: Axes | None = None, *, since: Contact | None = None, colorbar: bool = True
@@ -97,7 +97,11 @@ def plot_contact(
     return axes
 
 
-@views.maker
+@views.defines(History.plot)
+def _plot_of(history: History, ax: Axes | None = None, **how: Any) -> Axes:
+    return plot_history(history.dataset, ax, **how)
+
+
 @style.drawn
 def plot_history(
     dataset: xr.Dataset,
@@ -194,7 +198,7 @@ def draw_series(
     return place
 
 
-@views.maker
+@views.defines(Surface.plot)
 @style.drawn
 def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     """Draw a surface as a map of heights, a profile as a line, and of a mirrored scan the scan.
@@ -214,7 +218,7 @@ def plot_surface(surface: Surface, ax: Axes | None = None) -> Axes:
     return axes
 
 
-@views.maker
+@views.defines(PowerSpectrum.plot)
 @style.drawn
 def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
     """Draw a power spectrum, with the power law of its self-affine range if it has one.
@@ -230,7 +234,7 @@ def plot_spectrum(spectrum: PowerSpectrum, ax: Axes | None = None) -> Axes:
     return axes
 
 
-@views.maker
+@views.defines(views.Pictured.plot)
 @style.drawn
 def plot_kind(thing: views.Pictured, kind: str | None = None, ax: Axes | None = None) -> Axes:
     """Draw one panel of a result.

@@ -22,11 +22,11 @@ from asperity.lattice import Lattice
 from asperity.patches import patches
 from asperity.results.dataset import attributes_of, attributes_of_solid, coordinates_of, describe
 from asperity.results.quantities import had_by, units_of
-from asperity.results.store import load
+from asperity.results.store import load, save
 from asperity.solids import Solid
 
 
-@views.maker
+@views.defines(Contact._dataset)
 def contact_dataset(contact: Contact) -> xr.Dataset:
     """Gather the maps and numbers of a contact; see `Contact.dataset`."""
     sites = ("y", "x")[2 - contact.heights.ndim :]
@@ -41,7 +41,13 @@ def contact_dataset(contact: Contact) -> xr.Dataset:
     return dataset.assign_attrs({"title": "A rough contact", **attributes_of(contact, contact.control)})
 
 
-@views.maker
+@views.defines(Contact.save)
+def save_contact(contact: Contact, path: str | Path, *, overwrite: bool = False) -> None:
+    """See `Contact.save`."""
+    save(contact.dataset, path, overwrite=overwrite)
+
+
+@views.defines(PullOff._path)
 def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
     """See `PullOff.path`."""
     numbers = patches(contact.in_contact, edges=contact.lattice.edges)

@@ -103,8 +103,10 @@ class History(views.InNotebooks):
         table.attrs["units"] = {name: self.dataset[name].attrs.get("units", "") for name in ("time", *table)}
         return table
 
+    @views.later
     def plot(
         self,
+        /,
         ax: Axes | None = None,
         *,
         quantity: str = "area",
@@ -116,12 +118,12 @@ class History(views.InNotebooks):
 
         Arguments, result and errors are those of `asperity.figures.plot_history`.
         """
-        plot = views.made_by("plot_history")
-        axes: Axes = plot(self.dataset, ax, quantity=quantity, limit=limit, label=label, color=color)
-        return axes
+        raise NotImplementedError
 
+    @views.later
     def animate(
         self,
+        /,
         path: str | Path | None = None,
         *,
         quantity: str = "area",
@@ -132,10 +134,7 @@ class History(views.InNotebooks):
 
         Arguments, result and errors are those of `asperity.figures.animate_history`.
         """
-        film: FuncAnimation = views.made_by("animate_history")(
-            self.dataset, path, quantity=quantity, frames_per_second=frames_per_second, overwrite=overwrite
-        )
-        return film
+        raise NotImplementedError
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write the dataset; see `asperity.results.save`. To age on later, save ``history.final`` too."""

@@ -17,7 +17,7 @@ import zarr
 from filelock import FileLock
 from zarr.codecs import ZstdCodec
 
-from asperity.base import checks, views
+from asperity.base import checks
 from asperity.base.files import Standing, beside, expanded, kind_of, standing, without_links
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
@@ -32,7 +32,6 @@ _WHOLE = "every_chunk_is_written"
 """Mark of a folder in which a chunk that is not there was lost: zarr would read zeros in its place."""
 
 
-@views.maker
 def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> None:
     """Write a Dataset to a zarr folder, which appears under its name only when it is complete.
 

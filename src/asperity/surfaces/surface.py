@@ -154,10 +154,10 @@ class Surface(views.InNotebooks):
         sentences = doubts.remarks(facts, scan.describe(), self.pixel_size, across)
         return (*facts.get("reader_remarks", ()), *sentences)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
+    @views.later
+    def plot(self, /, ax: Axes | None = None) -> Axes:
         """Draw the heights into axes or a new figure; see `asperity.figures.plot_surface`."""
-        axes: Axes = views.made_by("plot_surface")(self, ax)
-        return axes
+        raise NotImplementedError
 
     @cached_property
     def in_si(self) -> Statistics:
