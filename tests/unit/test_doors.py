@@ -19,6 +19,8 @@ from asperity import protocols, solids, surfaces
 from asperity.app.cli.flags import flags_for, given, keys_for
 from asperity.app.config import RunConfig, config_from
 from asperity.app.config.keys import QUESTIONS, sections
+from asperity.app.config.mistakes import Door
+from asperity.app.config.reading import asked_at, config_at
 from asperity.app.explore.server import Places, read_request
 from asperity.ask.solid import OF_DATA
 from asperity.base.parameters import parameters_of
@@ -243,6 +245,32 @@ def test_what_a_question_is_asked_is_an_argument_and_a_flag(name, verb) -> None:
     assert question.own().keys() <= question.keys().keys() <= arguments.keys()
     assert question.own().keys() <= {key.name for _, key in keys_for(name)}
     assert verb.__doc__ == question.__doc__
+
+
+@pytest.mark.parametrize(
+    ("name", "texts", "numbers", "refused"),
+    [
+        ("prediction", {"ramp": "2.4 s", "resolution_study": True}, {"ramp": 2.4}, {"ramp": "-1 s"}),
+        ("law", {"pressures": ["1 MPa", "20 MPa"], "per_decade": 4}, {}, {"per_decade": 0}),
+        ("prediction", {}, {}, {"rmap": "1 s"}),
+        ("law", {"pressures": ["1 MPa"]}, {"pressures": [1e6]}, {"times": ["1 h"]}),  # ages are in [aging]
+    ],
+)
+def test_keys_of_a_question_stand_in_a_file_or_are_flags(name, texts, numbers, refused, tmp_path) -> None:
+    file, empty = tmp_path / "asked.toml", tmp_path / "empty.toml"
+    file.write_text(tables_to_toml({name: texts}))
+    empty.touch()
+    config, asked = asked_at(Door({}, file), name)
+    assert (config, asked) == asked_at(Door({name: texts}, empty), name)
+    assert asked == {**asked, **numbers}
+    assert asked_at(Door({name: texts}, file), name)[1] == asked  # flags override the file
+    (key,) = refused
+    for door in (Door({name: texts | refused}, empty), Door({name: refused}, file)):
+        with pytest.raises(ConfigError) as raised:
+            asked_at(door, name)
+        assert [one.path for one in raised.value.mistakes] == [(name, key)]
+    with pytest.raises(ConfigError, match=r"no such section"):
+        config_at(Door({}, file))
 
 
 @pytest.mark.parametrize("unit", [*METERS, "micron"])

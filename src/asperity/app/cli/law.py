@@ -67,17 +67,17 @@ def law(
     flags = given(keys, surface=surface, units=True)
     if age is not None:
         check_unit("--age", number(age), "s")
-    if "pressures" not in flags.get("law", {}):
+    file = file_of_run(material, flags)
+    if file is None and "pressures" not in flags.get("law", {}):
         advice = "--pressures 0.1MPa 100MPa"
         raise InputError("--pressures", expected="two pressures or more", got="none", advice=advice)
-    file = file_of_run(material, flags)
     if drawn.figures is not None:
         flags["output"] = {"figures": drawn.figures}
     from asperity.app.config.mistakes import Door
-    from asperity.app.config.reading import config_at, own_keys_at, to_toml
+    from asperity.app.config.reading import asked_at, to_toml
 
     door = Door(flags, file)
-    settings, own = config_at(door), own_keys_at(door, "law")
+    settings, own = asked_at(door, "law")
     if write:
         from asperity.analysis.law_words import place_of
 

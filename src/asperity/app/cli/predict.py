@@ -67,9 +67,9 @@ def predict(
     flags = given(keys, surface=surface, leg=leg, units=True)
     replaceable = check_free(out, overwrite=results.overwrite)
     door = _door(material, flags)
-    from asperity.app.config.reading import config_at, own_keys_at
+    from asperity.app.config.reading import asked_at
 
-    settings, own = config_at(door), own_keys_at(door, "prediction")
+    settings, own = asked_at(door, "prediction")
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.predict import predict_config
     from asperity.app.predict.folder import write_files

@@ -113,7 +113,7 @@ class Door:
     def _typed(self, section: str, *keys: str | int) -> bool:
         """Whether one of these keys came as a flag, or could only come as one."""
         alone = section != "protocol" and bool(self.flags) and self.file is None
-        return alone or section in QUESTIONS or any(key in self.flags.get(section, {}) for key in keys)
+        return alone or any(key in self.flags.get(section, {}) for key in keys)
 
     def _place(self, section: str, rest: list[Any]) -> str:
         if section == "protocol":

@@ -12,8 +12,9 @@ from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
 from asperity.ask.run import FILES, RunConfig
-from asperity.ask.section import KINDS, Section, SectionError
+from asperity.ask.section import KINDS, Section, SectionError, read_keys, unknown_key
 from asperity.ask.surface import MeasuredSurface
+from asperity.base.checks import shown
 from asperity.base.files import content_of, expanded
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, InputError
@@ -61,11 +62,24 @@ def config_at(door: Door, tables: dict[str, Any] | None = None) -> RunConfig:
     return config
 
 
-def own_keys_at(door: Door, question: str) -> dict[str, Any]:
-    """Check the keys of a question that no section has, as they came through a door."""
-    keys, own = QUESTIONS[question].own(), door.flags.get(question, {})
-    with door.answering(RunConfig(), question):
-        return {name: keys[name].read(name, value) for name, value in own.items()}
+def asked_at(door: Door, question: str) -> tuple[RunConfig, dict[str, Any]]:
+    """Check what a question is asked through a door: a configuration, and its own keys that are given.
+
+    These stand in a section of its name. `ConfigError` as above.
+    """
+    tables = {} if door.file is None else read_tables(door.file)
+    table, placed = tables.pop(question, {}), QUESTIONS[question].placed
+    own = {**table, **door.flags.get(question, {})} if isinstance(table, dict) else table
+    config = config_at(door, tables)
+    keys = {name: key for name, key in QUESTIONS[question].own().items() if name not in placed}
+    try:
+        if not isinstance(own, dict):
+            expected = f"a section [{question}]"
+            raise SectionError([InputError(question, expected=expected, got=shown(own), path=(question,))])
+        read = read_keys(keys, own, (question,), unknown=lambda key: unknown_key(key, keys, (question, key)))
+    except SectionError as error:
+        raise door.refused(error.mistakes) from None
+    return config, {name: read[name] for name in own}
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
