@@ -269,7 +269,7 @@ def test_keys_of_a_question_stand_in_a_file_or_are_flags(name, texts, numbers, r
         with pytest.raises(ConfigError) as raised:
             asked_at(door, name)
         assert [one.path for one in raised.value.mistakes] == [(name, key)]
-    with pytest.raises(ConfigError, match=r"no such section"):
+    with pytest.raises(ConfigError, match=f"file of a {name}, not of a run"):
         config_at(Door({}, file))
 
 

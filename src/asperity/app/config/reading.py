@@ -30,6 +30,14 @@ _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
 """Alternative keys of a section: a flag of one replaces the others."""
 
 
+_OF_OTHERS = {
+    "sweep": ("campaign", "asperity sweep FILE --out FOLDER"),
+    "prediction": ("prediction", "asperity predict FILE"),
+    "law": ("law", "asperity law FILE"),
+}
+"""Sections that no run has: of what they are, and the command for it."""
+
+
 def read_config(path: str | Path | None, flags: Sections) -> RunConfig:
     """Read a configuration or the defaults, override it by flags, and check the whole; see `config_at`."""
     return config_at(Door(flags, None if path is None else Path(path)))
@@ -50,9 +58,10 @@ def config_at(door: Door, tables: dict[str, Any] | None = None) -> RunConfig:
     if tables is None:
         tables = {} if door.file is None else read_tables(door.file)
     merged, mistakes = _merged(tables, door.flags), list[InputError]()
-    if merged.pop("sweep", None) is not None:
-        said, advice = "makes this the file of a campaign, not of a run", "asperity sweep FILE --out FOLDER"
-        mistakes.append(InputError("sweep", said=said, advice=advice, path=("sweep",)))
+    for name, (what, advice) in _OF_OTHERS.items():
+        if merged.pop(name, None) is not None:
+            said = f"makes this the file of a {what}, not of a run"
+            mistakes.append(InputError(name, said=said, advice=advice, path=(name,)))
     try:
         config = RunConfig.read(merged)
     except SectionError as error:
