@@ -105,11 +105,8 @@ class Door:
         if name in keys:
             return (name,)
         asked = QUESTIONS.get(question, Question)
-        keys = (
-            {question: asked.own().keys() - asked.placed}
-            | {section: keys[section] for section in asked.sections}
-            | keys
-        )
+        own = {question: asked.own().keys() - asked.placed}
+        keys = own | {section: keys[section] for section in asked.sections} | keys
         homes = [home for home in keys if name in keys[home]]
         homes.sort(key=lambda home: name not in self.flags.get(home, {}))
         return (homes[0], name) if homes else ()
