@@ -162,13 +162,17 @@ def test_a_file_flags_and_python_agree(undrawn, asperity):
     ):
         assert asperity(*call) == (0, "", "")
     in_python = asp.predict(solids()["eyring"], whole, pressure="10 MPa", **SPAN)
-    from_file, from_flags, shared, activated = undrawn
+    from_file, from_flags, shared, activated = undrawn[:4]
     for ours in (from_file, from_flags):
         np.testing.assert_allclose(ours.time, in_python.time)
         np.testing.assert_allclose(ours.series("contact_area"), in_python.series("contact_area"), rtol=1e-9)
         assert ours.growth.band == pytest.approx(in_python.growth.band, rel=1e-6)
     listed = asp.predict(solids()["eyring"], whole, pressure="10 MPa", times=in_python.time)
     np.testing.assert_array_equal(listed.series("contact_area"), in_python.series("contact_area"))
+    times = ("--times", *(f"{time!r}s" for time in in_python.time.tolist()))
+    held = ("--periodic", "wrap", "--pressure", "10MPa", "--quiet")
+    assert asperity(*scan.split(), *flags, *held, *times, "--overwrite") == (0, "", "")
+    np.testing.assert_allclose(undrawn[4].series("contact_area"), from_file.series("contact_area"), rtol=1e-9)
     law = activated.solid.creep
     assert isinstance(law, asp.solids.Eyring)
     assert law.stress == pytest.approx(1.380649e-23 * 298.15 / 0.34e-27)

@@ -251,23 +251,23 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
 
 
 def _of_a_prediction() -> Iterator[tuple[str, Key]]:
-    """Keys of a prediction: of a scan, a half-space, and what else there is."""
-    from asperity.app.config.keys import keys_of
+    """Keys of sections that a prediction takes: of a scan, a half-space, and what else there is."""
+    from asperity.app.config.keys import QUESTIONS, keys_of
     from asperity.ask.laws import OF_LAWS
-    from asperity.ask.run import Aging, Carried, Contact, Friction, Output
+    from asperity.ask.run import Carried, Output
+    from asperity.ask.section import KINDS
     from asperity.ask.solid import OF_TABLES, HalfSpace
     from asperity.ask.surface import MeasuredSurface
 
     of_solid = {*OF_LAWS["creep"], *OF_TABLES.values(), "table_modulus"}
     of_solid |= {"young", "poisson", "branches", "creep", "permanent", "hardness"}
+    question = QUESTIONS["prediction"]
     for section, model, names in (
         ("surface", MeasuredSurface, MeasuredSurface.keys.keys() - {"path", "unit"}),
         ("solid", HalfSpace, of_solid),
-        ("contact", Contact, {"load", "pressure"}),
-        ("aging", Aging, {"first", "last", "per_decade"}),
-        ("friction", Friction, {"shear_strength"}),
-        ("carried", Carried, set(Carried.keys)),
-        ("output", Output, {"figures", "measured", "pixel", "blur", "threshold"}),
+        *((section, KINDS[section][""], question.keys().keys()) for section in question.sections),
+        ("carried", Carried, Carried.keys.keys()),
+        ("output", Output, Output.keys.keys() - {"maps_at"}),
     ):
         for name, key in keys_of(model).items():
             if name in names:
