@@ -43,7 +43,7 @@ def test_bands_see_the_ramp_that_puts_the_load_on():
     made = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=16.0, cutoff=2.0, rms_slope=0.2, seed=0)
     surface = asp.surfaces.Surface(1e-6 * made, "m", (1e-6, 1e-6), "m", edges="reflecting")
     share, relaxing, ramp, pressure = 0.6, 1.0, 4.0, 4e6
-    how: dict[str, Any] = {"first": ramp, "last": 100.0, "per_decade": 1, "resolution_study": True}
+    how: dict[str, Any] = {"first": ramp, "last": 100.0, "per_decade": 3, "resolution_study": True}
     solid = asp.solids.half_space(modulus=1e9, branches=[(share, relaxing)])
     bands = asp.predict(solid, surface, pressure=pressure, ramp=ramp, **how).bands
     retarding = relaxing / (1 - share)  # J E* = 1 + share / (1 - share) [1 - exp(-t / retarding)]
