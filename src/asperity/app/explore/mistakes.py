@@ -9,8 +9,8 @@ from asperity.base.words import reason_of
 from asperity.errors import SHOWN_PROBLEMS, AsperityError, ConfigError, InputError, SurfaceFileError, brief
 
 Mistake = dict[str, str]
-Shown = dict[str, tuple[str, str]]
-"""By absolute path of a file, its names in the form of the page and in texts for the user."""
+Shown = dict[str, tuple[str, str, str]]
+"""By absolute path of a file, its names in the form of the page and in texts for the user, and its field."""
 
 
 def mistake(text: str, where: str = "") -> list[Mistake]:
@@ -25,11 +25,12 @@ def failed(mistakes: list[Mistake]) -> dict[str, Any]:
 
 def mistakes_of(error: BaseException, shown: Shown | None = None) -> list[Mistake]:
     """List the mistakes of an error in one line each, with their keys, such as ``contact.load``, or none."""
-    for path, (_, name) in (shown or {}).items():
-        if isinstance(error, SurfaceFileError) or (isinstance(error, AsperityError) and path in str(error)):
-            where = "solid.relaxation" if "relaxation" in str(error) else "surface.path"
+    for path, (_, name, where) in (shown or {}).items():
+        if isinstance(error, AsperityError) and path in str(error):
             return mistake(brief(str(error).replace(path, name)), where)
     match error:
+        case SurfaceFileError():
+            return mistake(brief(str(error)), "surface.path")
         case ConfigError():
             said = [{"where": _place(one), "text": _told(one)} for one in error.mistakes[:SHOWN_PROBLEMS]]
             return said + [{"where": "", "text": line} for line in error.shown[len(said) :]]

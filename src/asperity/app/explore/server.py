@@ -122,7 +122,8 @@ def read_request(tables: object, places: Places) -> tuple[RunConfig, Shown]:
             except InputError as error:
                 raise Door({}).refused([error.about(key, section, key)]) from None
             table[key] = str(place)
-            shown[table[key]] = name, place.name if place.is_relative_to(places.uploads) else name
+            told = place.name if place.is_relative_to(places.uploads) else name
+            shown[table[key]] = name, told, f"{section}.{key}"
     solid = contents.get("solid")
     if isinstance(solid, dict) and solid.get("apparatus") == "inf":
         solid["apparatus"] = math.inf
