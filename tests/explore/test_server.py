@@ -293,7 +293,7 @@ def test_a_dropped_file_is_not_that_of_the_folder(results_folder: Path) -> None:
         (home / "both.txt").write_bytes(text_of(np.eye(size)))
     for name, known, size in (("both.txt", "both.txt", 12), ("0123/both.txt", "both.txt", 6)):
         config, shown = read_request({"surface": {"kind": "file", "path": name}}, places)
-        assert shown == {str(config.surface.file): (name, known)}
+        assert shown == {str(config.surface.file): (name, known, "surface.path")}
         assert config.surface.build().shape == (size, size)
 
 
