@@ -24,11 +24,13 @@ from asperity.base.version import __version__
 if TYPE_CHECKING:
     from asperity import (
         analysis,
+        contact_law,
         errors,
         figures,
         fits,
         friction,
         inference,
+        prediction,
         protocols,
         relaxation,
         results,
@@ -37,11 +39,13 @@ if TYPE_CHECKING:
         theory,
     )
     from asperity.aging import Frame
-    from asperity.analysis import law, observe, predict
+    from asperity.analysis import observe
     from asperity.app import campaign
     from asperity.carried import Carried
     from asperity.contact import ActiveSet, Contact, Load, Multigrid, Separation
+    from asperity.contact_law import law
     from asperity.inference import infer
+    from asperity.prediction import predict
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, pull, relax, slide
 
@@ -59,6 +63,7 @@ __all__ = [
     "age",
     "analysis",
     "campaign",
+    "contact_law",
     "errors",
     "figures",
     "fits",
@@ -68,6 +73,7 @@ __all__ = [
     "law",
     "observe",
     "predict",
+    "prediction",
     "press",
     "protocols",
     "pull",
@@ -82,10 +88,12 @@ __all__ = [
 
 _HOME = {
     "asperity.aging": ("Frame",),
-    "asperity.analysis": ("law", "observe", "predict"),
+    "asperity.analysis": ("observe",),
     "asperity.carried": ("Carried",),
     "asperity.contact": ("ActiveSet", "Contact", "Load", "Multigrid", "Separation"),
+    "asperity.contact_law": ("law",),
     "asperity.inference": ("infer",),
+    "asperity.prediction": ("predict",),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
 }

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from asperity.analysis import Prediction
 from asperity.app.cli import main
+from asperity.prediction import Prediction
 from tests.refusals import Sentences
 
 SMALL = ("--shape", "32x32", "--last", "10", "--per-decade", "2")

@@ -94,7 +94,7 @@ def test_a_run_carries_on_through_full_contact(asperity, load, full):
     ],
 )
 def test_a_prediction_carries_on_through_full_contact(asperity, monkeypatch, load):
-    monkeypatch.setattr("asperity.analysis.predicting._FEWEST", 2)  # so that the study leaves waves out
+    monkeypatch.setattr("asperity.prediction.predicting._FEWEST", 2)  # so that the study leaves waves out
     text = said(asperity, f"{PREDICT} {load}", "out")
     assert "infinite" in text
     assert "full contact has no pull-off force" in text

@@ -10,7 +10,7 @@ import pytest
 from matplotlib.text import Text
 
 import asperity as asp
-from asperity.analysis.contact_law import OF_LAWS
+from asperity.contact_law.laws import OF_LAWS
 
 HEIGHTS = asp.surfaces.spectral((40, 48), spacing=50.0, hurst=0.8, rms_height=20.0, seed=3)
 LENGTHS = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
@@ -54,7 +54,7 @@ def test_a_table_of_relaxation_gives_a_law_at_each_age(says, scan):
     for name, column in (("approach", "approach_m"), ("stiffness_high", "stiffness_high_Pa_per_m")):
         found = [float(row[column] or "nan") for row in rows]
         assert found == pytest.approx(dataset[name].values.ravel().tolist(), rel=1e-14, nan_ok=True)
-    text = asp.analysis.law_for("moose", dataset, age="1 h", direction="unloading", millimeters=True)
+    text = asp.contact_law.law_for("moose", dataset, age="1 h", direction="unloading", millimeters=True)
     assert Path("law/unloading_moose.i").read_text() == text
     # One input may include loading and unloading, so no two interactions or functions share a name.
     texts = "".join(path.read_text() for path in Path("law").glob("*calculix.inp"))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.analysis.predicting import bands_of
 from asperity.app.cli import main
+from asperity.prediction.predicting import bands_of
 from asperity.progress import Progress
 
 SOLID = asp.solids.half_space(modulus=1e9, branches=[(0.4, 1.0)])

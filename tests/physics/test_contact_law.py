@@ -239,12 +239,12 @@ def numbers(text):
 
 def test_files_of_other_programs_read_back_equal_the_law(law, aged):
     found = table(law)
-    rows = law_rows(asp.analysis.law_for("calculix", law))
+    rows = law_rows(asp.contact_law.law_for("calculix", law))
     expected = [np.append(0, found[name]) for name in ("pressure", "approach")]
     assert rows[0] == pytest.approx(np.transpose(expected), rel=1e-9)
     heat = np.append(0, found["thermal_conductance"])
     assert rows[2] == pytest.approx(np.transpose([heat, expected[0], 0 * heat]), rel=1e-9)
-    functions = asp.analysis.law_for("moose", law)
+    functions = asp.contact_law.law_for("moose", law)
     stiffness = [expected[0], np.append(0, found["stiffness"])]
     for name, curve in (("pressure_of_approach", expected[::-1]), ("stiffness_of_pressure", stiffness)):
         text = re.search(rf"\[{name}\]\n.*PiecewiseLinear\n +x = '(.*)'\n +y = '(.*)'\n", functions)
@@ -252,11 +252,11 @@ def test_files_of_other_programs_read_back_equal_the_law(law, aged):
         x, y = map(numbers, text.groups())
         assert (np.diff(x) > 0).all()
         assert [x, y] == [pytest.approx(values, rel=1e-9) for values in curve]
-    scaled = law_rows(asp.analysis.law_for("calculix", law, millimeters=True))
+    scaled = law_rows(asp.contact_law.law_for("calculix", law, millimeters=True))
     assert scaled[0] == pytest.approx(rows[0] * [1e-6, 1e3], rel=1e-8)
     assert scaled[2] == pytest.approx(rows[2] * [1e-3, 1e-6, 1], rel=1e-8)
-    assert max(len(word) for word in re.findall(r"[\d.e+-]+", asp.analysis.law_for("calculix", law))) <= 20
-    later = law_rows(asp.analysis.law_for("calculix", aged, age="1 h", direction="unloading"))[0]
+    assert max(len(word) for word in re.findall(r"[\d.e+-]+", asp.contact_law.law_for("calculix", law))) <= 20
+    later = law_rows(asp.contact_law.law_for("calculix", aged, age="1 h", direction="unloading"))[0]
     assert later[1:, 1] == pytest.approx(table(aged, "unloading", 1)["approach"].values, rel=1e-9)
     assert 0 < later[0, 1] < later[1, 1]
 
@@ -280,13 +280,13 @@ def test_heat_of_a_current_comes_out_in_the_units_of_the_file(law):
     for name in ("conductance", "thermal_conductance"):
         watts = table(current)[name].values * 0.2 ** (2 if name == "conductance" else 1) * 3e-6
         for millimeters, area, power in ((False, 3e-6, 1.0), (True, 3.0, 1e3)):
-            text = asp.analysis.law_for("moose", current, millimeters=millimeters)
+            text = asp.contact_law.law_for("moose", current, millimeters=millimeters)
             _, written = curve_of(text, f"{name}_of_pressure")
             heat = written[1:] * 0.2 ** (2 if name == "conductance" else 1) * area
             assert heat == pytest.approx(watts * power, rel=1e-9)
     for name in ("stiffness", "tangential_stiffness"):  # pressure over length, whatever the units
         if name in law:
-            factor = asp.analysis.law_for("moose", law, millimeters=True)
+            factor = asp.contact_law.law_for("moose", law, millimeters=True)
             assert curve_of(factor, f"{name}_of_pressure")[1][1:] == pytest.approx(table(law)[name] * 1e-9)
 
 
@@ -300,17 +300,17 @@ def test_tables_of_other_programs_rise(law, millimeters):
             near[name] = (near[name].dims, values, near[name].attrs)
         return near
 
-    moose = asp.analysis.law_for("moose", beside(1e-10), millimeters=millimeters)
-    calculix = law_rows(asp.analysis.law_for("calculix", beside(1e-10), millimeters=millimeters))[0]
+    moose = asp.contact_law.law_for("moose", beside(1e-10), millimeters=millimeters)
+    calculix = law_rows(asp.contact_law.law_for("calculix", beside(1e-10), millimeters=millimeters))[0]
     for x in (*curve_of(moose, "pressure_of_approach"), *calculix.T):
         assert x[2] / x[1] - 1 == pytest.approx(1e-10, rel=1e-2)
     for share in (1e-15, 0.0):
         for program in ("moose", "calculix"):
             with refuses("pressures", "closer ones"):
-                asp.analysis.law_for(program, beside(share), millimeters=millimeters)
+                asp.contact_law.law_for(program, beside(share), millimeters=millimeters)
     folded = law.assign(approach=-law["approach"])
     with refuses("pressures", "closer ones"):
-        asp.analysis.law_for("moose", folded, millimeters=millimeters)
+        asp.contact_law.law_for("moose", folded, millimeters=millimeters)
 
 
 def test_formulas_of_joints_are_found_in_laws_that_are_such(law):
@@ -319,16 +319,16 @@ def test_formulas_of_joints_are_found_in_laws_that_are_such(law):
         ("Barton-Bandis", 2e12, 3e-6, p / (2e12 + p / 3e-6)),
         ("power", 4e-7, 0.3, 4e-7 * (p / 1e6) ** 0.3),
     ):
-        fits = asp.analysis.closure_fits(law.assign(approach=law["approach"] * 0 + approach))
+        fits = asp.contact_law.closure_fits(law.assign(approach=law["approach"] * 0 + approach))
         assert fits.loc[formula].values == pytest.approx([first, second, 0, 0], rel=1e-5, abs=1e-5)
-    assert 0.005 < asp.analysis.closure_fits(law)["rms"].min() < 0.1
+    assert 0.005 < asp.contact_law.closure_fits(law)["rms"].min() < 0.1
 
 
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
 def test_calculix_computes_the_law_between_two_blocks(law, tmp_path):
     """Two cubes of 1 mm, all but rigid, the upper one moved down, then heated."""
     found = table(law)
-    (tmp_path / "law.inp").write_text(asp.analysis.law_for("calculix", law, millimeters=True))
+    (tmp_path / "law.inp").write_text(asp.contact_law.law_for("calculix", law, millimeters=True))
     for approach in np.interp([0.3, 0.62, 0.97], [0, 1], found["approach"].values[[0, -1]]):
         pressure = np.interp(approach, found["approach"], found["pressure"])
         force, _ = blocks(tmp_path, "ROUGH", "NODE TO SURFACE", approach * 1e3)
@@ -391,7 +391,7 @@ TOP, 3, 3, {-approach:.10g}
 
 
 def test_a_checkpoint_keeps_the_pressures_that_are_done(tmp_path, law, monkeypatch):
-    module: Any = asp.analysis.contact_law
+    module: Any = asp.contact_law.laws
     pressed, done = module.pressed, []
 
     def interrupted(*given, **held):
@@ -440,9 +440,9 @@ def test_what_is_wrong_is_refused(changed, name, got):
 def test_files_need_an_age_of_the_law(aged, law):
     for age, got in ((None, "none"), ("2 h", "2 h")):
         with refuses("age", got):
-            asp.analysis.law_for("calculix", aged, age=age)
+            asp.contact_law.law_for("calculix", aged, age=age)
     with refuses("direction", "unloading"):
-        asp.analysis.law_for("moose", law, direction="unloading")
+        asp.contact_law.law_for("moose", law, direction="unloading")
     many = law.interp(pressure=np.geomspace(1e6, 1e7, 200))
     with refuses("pressures", "200"):
-        asp.analysis.law_for("calculix", many)
+        asp.contact_law.law_for("calculix", many)

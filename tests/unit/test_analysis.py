@@ -17,8 +17,8 @@ from asperity import age, press, relax
 from asperity.analysis import SiteState, aging_summary, contact_maps, with_limit
 from asperity.analysis.aging import FAR_APART
 from asperity.analysis.bands import OfScan, draws_of_solid
-from asperity.analysis.prediction import Growth, growth_of
 from asperity.figures.contacts import contact_figure
+from asperity.prediction.results import Growth, growth_of
 from asperity.protocols import Hold, Ramp, Step
 from asperity.relaxation import PronySeries
 from asperity.solids import spring_lattice

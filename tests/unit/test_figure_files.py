@@ -32,7 +32,7 @@ AREA = "time [min];area [mm^2];std error [mm^2]\n0,05;2e-6;1e-7\n1;3e-6;2e-7\n10
 
 
 @pytest.fixture(scope="module")
-def prediction() -> asp.analysis.Prediction:
+def prediction() -> asp.prediction.Prediction:
     how: dict[str, Any] = {"first": "1 s", "last": "1000 s", "per_decade": 2, "shear_strength": "50 MPa"}
     return asp.predict(SOLID, SCAN, pressure="3 MPa", carried=asp.Carried(resistivity=1e-6), **how)
 

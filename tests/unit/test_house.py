@@ -36,6 +36,7 @@ ROOMS = [
     {"friction"},
     {"inference"},
     {"analysis"},
+    {"prediction", "contact_law"},
     {"figures"},
     {"app.config"},
     {"app.runs"},

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 import asperity as asp
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.plausible import remarks_on_history
 from asperity.app.config import config_from
 from asperity.app.predict import predict_config
 from asperity.app.runs import Progress, execute
@@ -23,6 +22,7 @@ from asperity.contact.remarks import (
     remarks_on_contacts,
     sticking_work,
 )
+from asperity.prediction.plausible import remarks_on_history
 from asperity.solids import Dugdale, half_space
 from asperity.surfaces import KINDS, Surface, combined, spectral, statistics
 

@@ -7,11 +7,11 @@ import pytest
 
 import asperity as asp
 import asperity.app.runs.pipeline as module
-from asperity.analysis.predicting import hold_times
 from asperity.app.config import config_from
 from asperity.app.runs import Progress, execute
 from asperity.app.runs.defaults import map_times, modest_load
 from asperity.errors import ConvergenceError, Remark
+from asperity.prediction.predicting import hold_times
 from tests.refusals import refuses
 
 SMALL = config_from({"surface": {"shape": [12, 12]}, "aging": {"last": 0.1}}, {}, None)

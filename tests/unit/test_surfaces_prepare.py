@@ -12,9 +12,9 @@ import pytest
 import scipy.ndimage
 
 from asperity import age, press
-from asperity.analysis.plausible import remarks_on_history
-from asperity.analysis.prediction import resolved
 from asperity.errors import Remark, SurfaceFileError
+from asperity.prediction.plausible import remarks_on_history
+from asperity.prediction.results import resolved
 from asperity.solids import half_space
 from asperity.surfaces import Surface, combined, levelling, prepare, read, spectral
 from tests.refusals import each_refuses, refuses

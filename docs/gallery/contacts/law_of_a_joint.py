@@ -47,7 +47,7 @@ lower.legend()
 # %%
 # The same in the words of CalculiX, in N, mm, s, MPa.
 
-print(asp.analysis.law_for("calculix", law, age="1 h", millimeters=True)[:420])
+print(asp.contact_law.law_for("calculix", law, age="1 h", millimeters=True)[:420])
 
 # %%
 # The verdict.

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from asperity.analysis.aging import aging_summary
-from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import Row, contact_rows, history_rows
 from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
@@ -25,6 +24,7 @@ from asperity.figures.prediction import draw_growth
 from asperity.figures.relaxation import draw_moduli
 from asperity.fits import FitResult
 from asperity.fits.result import parameters_of
+from asperity.prediction.results import Prediction
 from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
 from asperity.solids import Solid

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 
-from asperity.analysis.contact_law import check_law
 from asperity.analysis.scan import readable
 from asperity.base.words import duration
+from asperity.contact_law.laws import check_law
 from asperity.figures import style
 
 _PANELS = {

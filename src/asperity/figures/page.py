@@ -16,7 +16,6 @@ import jinja2
 from matplotlib.figure import Figure
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.calls import showing
@@ -28,6 +27,7 @@ from asperity.figures.carried import carried_figure
 from asperity.figures.history import history_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.fits import Measurements
+from asperity.prediction.results import Prediction
 from asperity.surfaces import statistics
 
 _GROWTH = (

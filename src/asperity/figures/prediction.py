@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.maps import SiteState, color_range
-from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import readable
 from asperity.base.words import power
 from asperity.figures import style
@@ -24,6 +23,7 @@ from asperity.figures.measured import draw_measured
 from asperity.figures.plots import draw_series, pressure_norm
 from asperity.fits import Measurements
 from asperity.fits.measurements import measured as in_units
+from asperity.prediction.results import Prediction
 from asperity.results.quantities import select
 
 _BINS, _WIDE = 60, 28

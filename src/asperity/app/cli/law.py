@@ -79,7 +79,7 @@ def law(
     door = Door(flags, file)
     settings, own = asked_at(door, "law")
     if write:
-        from asperity.analysis.law_words import place_of
+        from asperity.contact_law.programs import place_of
 
         place_of(age, settings.aging.times or [0.0])
     elif asked := [name for name, value in (("age", age), ("millimeters", millimeters)) if value]:

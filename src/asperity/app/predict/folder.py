@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from asperity.analysis.prediction import Prediction
 from asperity.ask.run import Output
 from asperity.base.calls import remark, remarks_made, showing
 from asperity.base.words import tables_to_toml
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.writing import write_each
+from asperity.prediction.results import Prediction
 from asperity.relaxation import Fit
 from asperity.results.quantities import PREDICT, areas_first, select
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from asperity.analysis import predict
-from asperity.analysis.predicting import no_half_space
-from asperity.analysis.prediction import Prediction
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import check_units, completed, unused
 from asperity.ask.prediction import Predict
 from asperity.ask.run import Contact
 from asperity.errors import InputError
+from asperity.prediction import predict
+from asperity.prediction.predicting import no_half_space
+from asperity.prediction.results import Prediction
 from asperity.progress import Checkpoint, Progress
 from asperity.protocols import Hold, Ramp
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.prediction import Prediction
 from asperity.analysis.rows import carried_rows, words_of
 from asperity.analysis.scan import understood, written
 from asperity.base.words import band_ends, thousands
 from asperity.base.words import counted as how_many
+from asperity.prediction.results import Prediction
 
 Row = tuple[str, str]
 

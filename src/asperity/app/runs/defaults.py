@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from asperity.analysis.predicting import USUAL_MAPS
 from asperity.errors import InputError
+from asperity.prediction.predicting import USUAL_MAPS
 
 
 def modest_load(*, k0: float, k1: float, rms: float, sites: int) -> float:

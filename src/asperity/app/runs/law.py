@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from asperity.analysis import law
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
 from asperity.ask.run import Aging, Contact, Friction, Output
 from asperity.base.calls import remarks_made
+from asperity.contact_law import law
 from asperity.errors import InputError
 from asperity.progress import Progress
 

@@ -12,9 +12,6 @@ import xarray as xr
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.plausible import remark_on_loading, remarks_on_history
-from asperity.analysis.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
-from asperity.analysis.prediction import resolved
 from asperity.analysis.scan import written
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
@@ -31,6 +28,9 @@ from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.fits.measurements import measured_area
 from asperity.friction import add_friction
 from asperity.lattice import Field
+from asperity.prediction.plausible import remark_on_loading, remarks_on_history
+from asperity.prediction.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
+from asperity.prediction.results import resolved
 from asperity.progress import Progress
 from asperity.protocols import Ramp, Schedule
 from asperity.results import Checkpoint

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.analysis.law_words import FILES, Program, closure_fits, law_for
 from asperity.analysis.scan import understood, written
 from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
 from asperity.base.tables import with_unit
+from asperity.contact_law.programs import FILES, Program, closure_fits, law_for
 from asperity.figures import law_figure
 from asperity.figures.writing import write_each
 

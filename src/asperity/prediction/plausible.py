@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.prediction import Prediction
 from asperity.analysis.scan import written
 from asperity.base.words import counted
 from asperity.contact.remarks import Resolved, remarks_on_contacts
 from asperity.lattice import Field
+from asperity.prediction.results import Prediction
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 

@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from asperity.analysis.contact_law import check_law
 from asperity.analysis.scan import written
 from asperity.base import checks, units
+from asperity.contact_law.laws import check_law
 from asperity.errors import InputError
 from asperity.lattice import Field
 

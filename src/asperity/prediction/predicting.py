@@ -15,8 +15,6 @@ import xarray as xr
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
-from asperity.analysis.plausible import remarks_on_history, remarks_on_prediction
-from asperity.analysis.prediction import Band, Prediction, growth_of, resolved
 from asperity.analysis.scan import written
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
@@ -26,6 +24,8 @@ from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
 from asperity.friction import add_friction
 from asperity.lattice import Field
+from asperity.prediction.plausible import remarks_on_history, remarks_on_prediction
+from asperity.prediction.results import Band, Prediction, growth_of, resolved
 from asperity.progress import Progress, listener
 from asperity.protocols import Hold, Leg, Ramp, Schedule
 from asperity.relaxation import Material
