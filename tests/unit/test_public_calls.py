@@ -213,16 +213,17 @@ WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
 """What is given in place of a dataset, a result or a name."""
 
 WITHOUT_NUMBERS = {
-    "analysis": "aging_summary closure_fits contact_ages contact_maps distributions law law_for leg_table "
-    "predict turnover with_limit",
+    "analysis": "aging_summary contact_ages contact_maps distributions leg_table turnover with_limit",
     "asperity": "infer law predict",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
+    "contact_law": "closure_fits law law_for",
     "figures": " ".join(
         name for name, one in vars(asp.figures).items() if inspect.isfunction(one) and name[0] != "_"
     ),
     "fits": "jackknife read_measurements",
     "inference": "infer",
     "friction": "add_friction events_of fit_events hold_peaks read_record record_of save_parameters",
+    "prediction": "predict",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",
     "surfaces": "check_square combined",
