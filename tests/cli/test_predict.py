@@ -23,6 +23,7 @@ from asperity.app.runs import Progress
 from asperity.errors import InputError
 from asperity.figures.page import prediction_page, quantity
 from asperity.figures.prediction import growth_figure
+from asperity.protocols import Hold, Ramp
 from asperity.relaxation.data import Modulus
 from asperity.relaxation.materials import relaxing_of
 from tests.cli.conftest import rows_of
@@ -274,6 +275,10 @@ def test_a_protocol_may_put_the_load_on(files, ramped):
     unloaded = type(config.contact)(load=0.0)
     ours = predict_config(config.but(contact=unloaded), Progress())
     np.testing.assert_array_equal(ours.series("area"), ramped[2.4].series("area"))
+    legs = [Ramp("2.4 s", pressure="2 MPa"), Hold("997.6 s")]
+    scan, material = config.surface.scan.build(), config.solid.material
+    in_python = asp.predict(material, scan, protocol=legs, first=10.0)
+    assert in_python.dataset.identical(ours.dataset)
 
 
 @pytest.mark.parametrize("pressure", ["1 Pa", "9 GPa"])

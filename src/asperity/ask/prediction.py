@@ -17,7 +17,7 @@ from asperity.base import checks
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import InputError
 from asperity.progress import Checkpoint, Progress
-from asperity.protocols import Leg, legs_of
+from asperity.protocols import Hold, Leg, Ramp, legs_of
 from asperity.relaxation import Material, Measured, PronySeries, material
 from asperity.solids import Solid
 from asperity.surfaces import Surface
@@ -56,7 +56,8 @@ class Predict(Question):
     protocol
         A history of the load, without ramp and last: a list of legs of `asperity.protocols`, such as
         ``[Ramp("2.4 s", pressure="1 MPa"), Hold("1000 s"), Step(pressure="250 kPa"), Hold("4000 s")]``. One
-        that begins with a ramp needs no load. Slides, and legs that hold or move the body, have no band.
+        that begins with a ramp needs no load; a ramp and a hold alone are the same as `ramp` and `last`.
+        Slides, and legs that hold or move the body, have no band.
     first, last
         First and last time, s; by default those of the table, after the ramp. Without a table both are
         needed. With a protocol, ``first`` counts from each change of the load.
@@ -136,6 +137,7 @@ class Predict(Question):
         legs = () if self.protocol is None else tuple(legs_of(self.protocol))
         object.__setattr__(self, "protocol", legs)
         self._check_legs()
+        self._load_by_legs()
         super().__post_init__()
         seen = checks.instance("instrument", self.instrument or {}, dict, "{'pixel': '0.2 um'}")
         if others := seen.keys() - {*_INSTRUMENT}:
@@ -159,11 +161,21 @@ class Predict(Question):
         given = {name: getattr(self, name) for name in ("load", "pressure")}
         return {name: value for name, value in given.items() if value is not None} or {"load": 0.0}
 
+    def _load_by_legs(self) -> None:
+        """Take a ramp to a load and a hold there for what they are: a loading, whose contact grows."""
+        match self.legs:
+            case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if {
+                self.load,
+                self.pressure,
+            } <= {None, 0} and up.mobility == held.mobility == 1:
+                asked = {"load": up.load, "pressure": up.pressure, "ramp": up.duration, "protocol": ()}
+                for name, value in (asked | {"last": up.duration + held.duration}).items():
+                    object.__setattr__(self, name, value)
+
     def _check_load(self) -> None:
         """Refuse no load and two, but before a ramp, and one that does not press."""
         given: dict[str, Any] = {"load": self.load, "pressure": self.pressure}
-        begins_to_rise = bool(self.legs and self.legs[0].target and self.legs[0].duration)
-        if not begins_to_rise or (self.load, self.pressure) != (None, None):
+        if not begins_to_rise(self.legs) or (self.load, self.pressure) != (None, None):
             name = checks.one_of('pressure="1 MPa"', **given)
             unit = "N" if name == "load" else "Pa"
             checks.number(name, given[name], above=0, expected=f"more than 0 {unit}")
@@ -179,3 +191,8 @@ class Predict(Question):
             if (value := getattr(self, name)) is not None:
                 expected = "none beside a protocol, which has its own times and loads"
                 raise InputError(name, expected=expected, got=checks.shown(value))
+
+
+def begins_to_rise(legs: Sequence[Leg]) -> bool:
+    """Whether a history begins with a ramp, before which a contact bears nothing."""
+    return bool(legs and legs[0].target and legs[0].duration)

@@ -7,14 +7,13 @@ from typing import Any
 
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import check_units, completed, unused
-from asperity.ask.prediction import Predict
+from asperity.ask.prediction import begins_to_rise
 from asperity.ask.run import Contact
 from asperity.errors import InputError
 from asperity.prediction import predict
 from asperity.prediction.predicting import no_half_space
 from asperity.prediction.results import Prediction
 from asperity.progress import Checkpoint, Progress
-from asperity.protocols import Hold, Ramp
 
 _RUN = "asperity run, which takes the same file"
 _UNUSED = {"friction": ("rate_coefficient", "reference_velocity"), "output": ("maps_at",)}
@@ -34,10 +33,9 @@ def predict_config(
         if value not in (None, "load"):
             expected, path = "a load, which a band covers", (section, key)
             raise InputError(key, expected=expected, got=value, advice=_RUN, path=path)
-    ramp = own["ramp"] = Predict.own()["ramp"].read("ramp", own.get("ramp"))
-    if ramp is None:
-        config, own["ramp"] = _loading_of(config)
-    times = _times(config, own["ramp"] or 0.0)
+    if begins_to_rise(config.protocol) and not config.contact.table:
+        config = config.but(contact=Contact(load=0.0))
+    times = _times(config)
     material, surface = config.solid.material, config.surface.scan
     if not material.solid.half_space:
         raise no_half_space("kind", config.solid.kind).about("kind", "solid", "kind")
@@ -68,28 +66,10 @@ def predict_config(
     return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *not_used, *prediction.remarks))))
 
 
-def _times(config: RunConfig, ramp: float) -> dict[str, Any]:
+def _times(config: RunConfig) -> dict[str, Any]:
     """Arguments of a prediction about the times to record."""
-    aging, (first, last) = config.aging, config.span
+    aging, last = config.aging, config.span[1]
     if aging.times is not None:
         return {"times": aging.times}
-    times = {"first": aging.first or max(first, ramp), "per_decade": aging.per_decade}
+    times = {"first": aging.first, "per_decade": aging.per_decade}
     return times if config.protocol else times | {"last": last}
-
-
-def _loading_of(config: RunConfig) -> tuple[RunConfig, float | None]:
-    """Replace a protocol of a ramp and a hold by a load and its ramp; or begin another one at load 0."""
-    pressed = config.contact.table
-    match config.protocol:
-        case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if (
-            pressed in ({}, {"load": 0}) and up.mobility == held.mobility == 1
-        ):
-            asked = {
-                "contact": Contact(load=up.load, pressure=up.pressure),
-                "aging": config.aging.but(last=up.duration + held.duration),
-                "protocol": [],
-            }
-            return config.but(**asked), up.duration
-        case (up, *_) if up.target and up.duration and not pressed:
-            return config.but(contact=Contact(load=0.0)), None
-    return config, None
