@@ -201,12 +201,10 @@ def test_folders_that_are_kept(refused, finished, monkeypatch):
     Path("thesis/text").write_text("years of work")
     shutil.copytree(finished, "run")
     Path("run/notes.txt").touch()
-    shutil.copytree(finished, "old")  # as versions up to 0.4.16 wrote it
-    Path("old", MARKER).unlink()
     Path("sweep").mkdir()
     mark(Path("sweep", MARKER), "campaign", ["plan.json"])
-    assert [kind_of(Path(name)) for name in ("thesis", "old", "sweep")] == ["", "run", "campaign"]
-    for folder in ("thesis/text", ".", "..", "thesis", "run", "old", "sweep"):
+    assert [kind_of(Path(name)) for name in ("thesis", "run", "sweep")] == ["", "run", "campaign"]
+    for folder in ("thesis/text", ".", "..", "thesis", "run", "sweep"):
         refused("run", "--out", folder, "--overwrite")
     refused("run", "--out", "run")
     # Found before anything is computed.

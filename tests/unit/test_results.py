@@ -258,16 +258,6 @@ def test_forces_of_springs_are_kept_and_follow_from_the_fields_where_they_are_no
     np.testing.assert_array_equal(asp.analysis.patch_table(changed)["load"], 2 * with_them["load"])
 
 
-def test_histories_of_versions_that_are_not_read_are_refused() -> None:
-    with_maps = HISTORIES["sites"].dataset
-    with_legs = asp.age(CONTACT, [1.0], protocol=asp.protocols.Hold(1.0)).dataset
-    del with_legs.attrs["switches"]
-    for number, old in enumerate((with_maps.drop_vars("force"), with_legs)):
-        asp.results.save(old.assign_attrs(asperity_version="0.4.7"), f"{number}.zarr")
-        with refuses("path", "which version 0.4.7 wrote"):
-            asp.results.load(f"{number}.zarr")
-
-
 def test_the_page_on_notation_has_every_symbol() -> None:
     page = (Path(__file__).parents[2] / "docs" / "notation.md").read_text(encoding="utf-8")
     symbols: dict[str, set[str]] = {}

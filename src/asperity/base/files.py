@@ -135,14 +135,8 @@ def marker_of(folder: Path) -> dict[str, Any]:
 
 
 def kind_of(folder: Path) -> str:
-    """``"run"``, ``"prediction"``, ``"campaign"``, ...: what the folder of a command holds, or nothing.
-
-    Versions up to 0.4.16 wrote no markers: their runs, predictions and campaigns are known by a file.
-    """
-    if marker := marker_of(folder):
-        return str(marker["kind"])
-    signs = {"plan.json": "campaign", "prediction.html": "prediction", "history.zarr": "run"}
-    return next((kind for name, kind in signs.items() if (folder / name).exists()), "")
+    """``"run"``, ``"prediction"``, ``"campaign"``, ...: what the folder of a command holds, or nothing."""
+    return str(marker_of(folder).get("kind", ""))
 
 
 def named(kind: str) -> str:

@@ -119,13 +119,6 @@ def load(path: str | Path) -> xr.Dataset:
     except Exception as error:  # descriptions are parsed, numbers decoded: a damaged byte leads anywhere
         got = f"{path}: {reason_of(error)}"
         raise InputError("path", expected="a folder that asperity wrote", got=got) from error
-    if "heights" in loaded:  # an earlier version had bodies everywhere
-        loaded.attrs.setdefault("sites", loaded["heights"].size)
-    lacks_legs = "leg" in loaded.coords and "switches" not in loaded.attrs
-    lacks_forces = "field_time" in loaded.dims and not {"force", "pressure"} & set(loaded)
-    if loaded.attrs.get("title") == HISTORY and (lacks_legs or lacks_forces):
-        got = f"{path}, which version {loaded.attrs.get('asperity_version', 'unknown')} wrote"
-        raise InputError("path", expected="a history of version 0.4.17 or later", got=got)
     return loaded
 
 
