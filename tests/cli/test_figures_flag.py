@@ -59,7 +59,7 @@ def test_what_is_no_area_is_refused_before_anything_is_computed(asked, mistaken)
     asked.write_text(asked.read_text() + 'measured = "force.csv"\n')
     for command in ("run", "predict"):
         said = mistaken(command, str(asked), "--quiet", "--out", "out")
-        assert "force.csv: expected values in a unit such as um^2, got mN" in said
+        assert "force.csv: expected one column of area, got columns 'time_s', 'force_mN'" in said
     # An area in um^2 beside a run without units.
     said = mistaken("run", "--shape", "8", "--measured", "area.csv", "--quiet", "--out", "out")
     assert "area.csv: expected times without a unit" in said

@@ -41,7 +41,9 @@ def legend_of(figure):
 def test_friction_in_words_figure_and_numbers(says, friction):
     words = ("--quantity", "static friction", "--unit-time", "s", "--window", "10", "1e5", "--json", "n.json")
     text = says("fit", "mu.csv", *words)
-    assert text.startswith("read mu.csv: time from 'hold time' without a unit, value from 'mu', 33 rows\n")
+    assert text.startswith(
+        "read mu.csv: time from 'hold time' without a unit, value from 'mu', 33 rows; left out 'error'\n"
+    )
     assert "mu.csv: static friction, 33 values; times 1 to 100000 s" in text
     for heading in ("saturation: A0 [a - (a - 1)/(1 + t/t0)^q]", "logarithm: A0 [1 + C ln(1 + t/t0)]"):
         assert heading in text

@@ -66,8 +66,10 @@ def test_the_index_that_pandas_writes_is_no_hold_time():
     counted = read_measurements("mu.csv", time=0, value=2)
     np.testing.assert_array_equal(counted.time, [0, 1])
     assert counted.remarks == ()
-    # An index that is not counted, or that leaves one column only, is the hold time.
+    # An index that is not counted is the hold time where no other column is, or one that leaves one column.
     frame.set_index(pd.Index([3.0, 4.0])).to_csv("mu.csv")
+    np.testing.assert_array_equal(read_measurements("mu.csv").time, [1.5, 10])
+    frame.rename(columns={"hold": "t1"}).set_index(pd.Index([3.0, 4.0])).to_csv("mu.csv")
     np.testing.assert_array_equal(read_measurements("mu.csv").time, [3, 4])
     frame[["mu"]].to_csv("mu.csv")
     np.testing.assert_array_equal(read_measurements("mu.csv").time, [0, 1])
@@ -90,13 +92,11 @@ def test_mistakes_are_named_with_their_line():
         "1,2\n\n2,3,4\n",
         "Experiment 5 of 7\n1 2\n",
         "1\0 2\n",
-        "sample,t,mu\nA,1,2\nB,2,3\n",
         "A,1,2\nB,2,3\n",
         "day,mu\n2024-01-01,2\n2024-01-02,3\n",
         't,mu\n"1,438",2\n"5,438",3\n',
         "t;mu\n1,438.45;2\n5,438.45;3\n",
         "t,mu\n1,5,0,6\n10,0,0,61\n",
-        "T_C,time_s,area\n25,1,2\n25,2,3\n",
     ):
         Path("mu.csv").write_text(text)
         with refuses("mu.csv"):
@@ -105,6 +105,36 @@ def test_mistakes_are_named_with_their_line():
         *((path, read_measurements, path) for path in ("none.csv", str(Path()))),
         got="no such file | a folder",
     )
+
+
+@pytest.mark.parametrize(
+    ("header", "quantity", "taken"),
+    [
+        ("time_s,load_N,area_um2", "area", "area_um2"),
+        ("T_C,time_s,area", "area", "area"),
+        ("temperature_degC,A (mm^2),time_s", "area", "A (mm^2)"),
+        ("time_s,RH_%,mu_s", "friction", "mu_s"),
+        ("time_s,time_std_s,friction", ("area", "friction"), "friction"),
+        ("force_nN,indentation_nm,time_s", ("depth", "radius"), "indentation_nm"),
+        ("time_s,contact_area_m2,area", "area", "area"),
+        ("Zeit (s),Kraft (N),Kontaktradius (um)", ("depth", "radius"), "Kontaktradius (um)"),
+        ("time_s,load_N,depth_nm", "area", None),
+        ("time_s,area_1_um2,area_2_um2", "area", None),
+        ("time_s,x,y", "area", None),
+        ("time_s,segment,length_nm", "area", None),
+        ("time_s,load_N,sd", "friction", None),
+    ],
+)
+def test_values_are_found_by_name_and_unit_whatever_their_place(header, quantity, taken):
+    Path("t.csv").write_text(f"{header}\n1,2,3\n2,3,4\n")
+    if taken is None:
+        with refuses("t.csv", f"columns '{header.split(',')[0]}'"):
+            read_measurements("t.csv", quantity)
+        assert read_measurements("t.csv", quantity, columns="0 1").value_name == header.split(",")[1]
+        return
+    found, place = read_measurements("t.csv", quantity), header.split(",").index(taken)
+    assert found.value_name == taken
+    np.testing.assert_array_equal(found.value, [[1, 2], [2, 3], [3, 4]][place])
 
 
 @pytest.mark.filterwarnings("error")

@@ -15,6 +15,7 @@ import numpy as np
 from asperity.base import units as si
 from asperity.base.checks import Floats
 from asperity.base.tables import GROUPED, Table, read_table
+from asperity.base.words import shortened
 from asperity.errors import LARGEST, InputError
 
 Chosen = Sequence[int | str] | int | str
@@ -90,11 +91,13 @@ class Columns:
 
     @property
     def read(self) -> str:
-        """One line on columns read and their units; `InputError` if `units` name other columns."""
+        """One line on columns read and left out; `InputError` if `units` name other columns."""
         if others := [at for at in self._stated if at not in self._read]:
             expected = f"units of the columns that are read, {', '.join(map(str, self._read))}"
             raise InputError("units", expected=expected, got=f"one of column {others[0]}")
-        return f"{self.table.name}: {', '.join(self._read.values())}, {len(self.table.lines)} rows"
+        names = [repr(name) for at, name in enumerate(self.table.names) if name and at not in self._read]
+        left_out = shortened(f"; left out {', '.join(names)}" * bool(names), 120)
+        return f"{self.table.name}: {', '.join(self._read.values())}, {len(self.table.lines)} rows{left_out}"
 
     def unit(self, role: str, at: int | None = None) -> str:
         """Unit of a column as written, "" for none; `InputError` if it is not understood."""
@@ -128,6 +131,10 @@ class Columns:
         words += " without a unit" * (not unit and wanted.unit not in ("", "1"))
         self._read[at] = words + ", by its antilogarithm" * bool(base)
         return values * factor if convert else values
+
+    def label(self, at: int) -> str:
+        """Name of a column without its unit."""
+        return self._parts[at].label.strip()
 
     def unit_text(self, at: int) -> str:
         """Unit of a column from a row of units, or else from its name, without a role."""

@@ -31,6 +31,9 @@ _ONE_COLUMN = 0.01  # weight of a line of one cell: numbers in two columns or mo
 _OF_EXCEL = re.compile(r"\"?sep=(.)\"?\s*")  # its first line, which states the separator
 _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its unit
 
+_FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|unit[eé]s)|[\w.-]+):\s+(.*)")
+
+_COMMENT = re.compile(r"#(?![;,\t])")  # in "Rec #;Time (s)" it ends a name
 _MISSING = ("", "nan", "na", "n/a", "null")  # in letters of any size
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
@@ -83,7 +86,7 @@ def read_table(
     everything = (text_of(path, failure) if text is None else text).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
     lines = [
-        (number, line.partition("#")[0])
+        (number, _COMMENT.split(line, 1)[0])
         for number, line in enumerate(everything, 1)
         if not line.lstrip().startswith(comments)
     ]
@@ -129,7 +132,7 @@ def read_table(
     # numpy and many instruments write the names as a comment: the last before the numbers.
     notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
     headers = [line for _, line in reversed(lines[: header + 1])]
-    headers += [line.lstrip(" \t#%;") for line in reversed(notes)]
+    headers += [_of_note(line.lstrip(" \t#%;"), separator, decimal) for line in reversed(notes)]
     names, in_row = _names([_named(line, separator, used, width) for line in headers], width)
     kept = max((at for at, name in enumerate(names, 1) if name), default=0)
     # Several empty columns without names are pixels that are undefined.
@@ -157,6 +160,13 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
     named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
     return (first, named[-1], width) if named else (first, first - 1, 0)
+
+
+def _of_note(line: str, separator: str, decimal: str) -> str:
+    """The part of a comment that may name columns or units: no other fact, and nothing with a number."""
+    fact = _FACT.fullmatch(line)
+    line = line if fact is None else fact[2] if fact[1] else ""
+    return "" if _share(_cells(line, separator), decimal) else line
 
 
 def _names(headers: list[list[str]], width: int) -> tuple[list[str], list[str]]:

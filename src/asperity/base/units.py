@@ -35,6 +35,9 @@ _IN_WORDS = {
     "um": r"microns?|mi[ck]romet(?:er|re)s?",
     "nm": r"nanomet(?:er|re)s?",
 }
+_WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
+"""Units that have no prefix, though Pint takes hh for hectohours."""
+
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": ("a pressure", "1 MPa"),
@@ -193,6 +196,9 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     import pint
 
     registry = _registry()
+    named = [registry.parse_unit_name(word)[:1] for word in _WORD.findall(unit)]
+    if any(prefix and name in _WITHOUT_PREFIX for ((prefix, name, _),) in filter(None, named)):
+        return None
     try:
         return float(registry.Quantity(amount, registry.parse_units(unit)).to(target).magnitude)
     except (pint.PintError, tokenize.TokenError, ArithmeticError, *_MISREAD):

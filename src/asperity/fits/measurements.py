@@ -6,22 +6,47 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from asperity.base import units, views
 from asperity.base.checks import Floats
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, position
+from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, normal, position
+from asperity.base.columns import named as columns_named
 from asperity.base.tables import Table, read_table
-from asperity.errors import InputError
+from asperity.errors import InputError, Value
 
 _EXPECTED = {
     "s": ("in a unit such as s or min", "a header such as time_s"),
     "m^2": ("in a unit such as um^2", "a header such as area_um2"),
     "1": ("without a unit, as the run has none", "a header such as time, area"),
 }
-_ROLES = Role("time", "s", rf"{TIME.words}|hold|halte"), Role("value", "", ""), Role("stderr", "", "$^")
+Quantity = Literal["area", "friction", "depth", "radius"]
+"""What a table may be read for."""
+
+_ERROR = (
+    r"\b(std\w*|err\w*|sd|se|sem|sigma|uncert\w*|deviation|abweichung|fehler|ecart\w*)\b|±|\+/-|(std|err)$"
+)
+_OF_VALUES: dict[str, Role] = {
+    "radius": Role("radius", "m", r"radius|rayon"),
+    "depth": Role("depth", "m", r"depth|indent|tiefe|eindring|profondeur|deplacement|displac"),
+    "friction": Role("friction", "1", r"fric|reib|frott|\bmu\b|[µμ]"),
+    "area": Role("area", "m^2", r"area|flache|\baire\b|surface|contact|a ?/ ?a ?\(?0"),
+}
+_ROLES = (
+    Role("", "", rf"(\btime\b|hold|^t\b).*({_ERROR})"),
+    Role("stderr", "", _ERROR),
+    Role("time", "s", rf"{TIME.words}|hold|halte"),
+    Role(
+        "",
+        "",
+        r"load|force|kraft|\blast\b|press|druck|temp|humid|\brh\b|feucht|segment|cycle|volt|speed|residual",
+    ),
+    *_OF_VALUES.values(),
+    Role("value", "", ""),
+)
+"""In this order, as a name may have the words of several; without a name are those that no values have."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,6 +61,8 @@ class Measurements(views.Brief):
         Standard errors of the values, above 0, shape (n,); or None.
     time_name, value_name
         Names of the columns in the file's header, or "" without any.
+    quantity
+        What the values are, by the name of their column; "" where it says nothing known.
     remarks
         Decisions about the table.
     time_unit, value_unit
@@ -49,6 +76,7 @@ class Measurements(views.Brief):
     stderr: Floats | None
     time_name: str
     value_name: str
+    quantity: str = ""
     remarks: tuple[str, ...] = ()
     time_unit: str = ""
     value_unit: str = ""
@@ -57,6 +85,7 @@ class Measurements(views.Brief):
 
 def read_measurements(
     path: Path | str,
+    quantity: Quantity | Sequence[Quantity] | None = None,
     *,
     time: int | str | None = None,
     value: int | str | None = None,
@@ -75,9 +104,11 @@ def read_measurements(
     ----------
     path
         A text file with one line for each measurement; also the ``aging.csv`` of a run.
+    quantity
+        What the values are: ``"area"``, ``"friction"``, ``"depth"``, ``"radius"``, or several; default any.
     time, value, stderr
-        The columns: a name in the file's header, or a number, counted from 0. By default time and value
-        are the first two, after the index 0, 1, 2, ... that pandas writes before them, if there is one.
+        The columns: a name in the file's header, or a number, counted from 0. By default those with the name
+        or the unit of a time and of the quantity; without names the first two.
     columns
         The same in one list or text, such as ``"0,2"``.
     units
@@ -86,33 +117,32 @@ def read_measurements(
     Raises
     ------
     InputError
-        There is no such column; a cell is not a finite number, a time is below 0, a value or standard error
-        not above 0. The message names the line.
+        There is no such column, or several; the unit is that of another quantity; a cell is not a finite
+        number, a time is below 0, a value or standard error not above 0. The message names the line.
     """
     columns_read = Columns(path, _ROLES, columns, units)
     table, indexed = columns_read.table, _begins_with_index(columns_read.table)
+    quantities: Sequence[str] = (quantity,) if isinstance(quantity, str) else quantity or (*_OF_VALUES,)
     asked: dict[str, int | str | None] = {"time": time, "value": value, "stderr": stderr}
     if columns is not None:
         if asked != dict.fromkeys(asked) or len(columns_read.chosen) not in (2, 3):
             expected = "time, value and perhaps stderr, and no other choice"
             raise InputError("columns", expected=expected, got=" ".join(map(str, columns_read.chosen)))
         asked |= zip(asked, columns_read.chosen, strict=False)
-    usual = {"time": int(indexed), "value": 1 + int(indexed), "stderr": None}
-    chosen = {name: usual[name] if column is None else column for name, column in asked.items()}
-    places = {name: position(table, column) for name, column in chosen.items() if column is not None}
+    places = {name: position(table, column) for name, column in asked.items() if column is not None}
+    places = {"time": _time(columns_read, first=int(indexed)), **places}
+    if "value" not in places:
+        places["value"] = _value(columns_read, {*places.values()}, quantities)
+    places = {name: places[name] for name in asked if name in places}
     if len(set(places.values())) < len(places):
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
-    called = [at for at, role in enumerate(columns_read.roles) if role == "time"]
-    if time is columns is None and len(called) == 1 and called[0] != places["time"] and table.names[0]:
-        expected = f"hold times in column {places['time']}, or a choice of columns"
-        got = f"{table.names[called[0]]!r} in column {called[0]}"
-        raise InputError(str(path), expected=expected, got=got, advice=f'columns="{called[0]} ..." to choose')
     read = {name: _checked(columns_read, at, name) for name, at in places.items()}
     of_values, of_errors = (columns_read.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):
         about = f"column {table.names[places['stderr']]!r} of {path}"
         raise InputError(about, expected=f"the unit of the values, {of_values or 'none'}", got=of_errors)
+    role = columns_read.roles[places["value"]]
     time_name, value_name = table.names[places["time"]], table.names[places["value"]]
     remark = f"column 0, without a name, counts the lines: took {time_name!r} for the hold times"
     return Measurements(
@@ -121,6 +151,7 @@ def read_measurements(
         stderr=read.get("stderr"),
         time_name=time_name,
         value_name=value_name,
+        quantity=role if role in _OF_VALUES else "",
         remarks=(remark,) if indexed and asked["time"] is None else (),
         time_unit=columns_read.unit("time", places["time"]),
         value_unit=of_values,
@@ -129,7 +160,7 @@ def read_measurements(
 
 
 def measured(source: Path | str | Measurements, *, time: str = "s", value: str = "m^2") -> Measurements:
-    """Read measurements, with the column of their errors if there is one, in other units.
+    """Read measured areas, with the column of their errors if there is one, in other units.
 
     Parameters
     ----------
@@ -146,7 +177,8 @@ def measured(source: Path | str | Measurements, *, time: str = "s", value: str =
     name = "measured"
     if not isinstance(source, Measurements):
         name = str(source)
-        source = read_measurements(source, stderr=errors_beside(read_table(Path(source)).names))
+        errors = errors_beside(read_table(Path(source)).names)
+        source = read_measurements(source, "area", stderr=errors)
     factors = []
     for quantity, unit, target in (("times", source.time_unit, time), ("values", source.value_unit, value)):
         written = units.spelled(unit or "1") or ""
@@ -168,13 +200,46 @@ def measured_area(source: Path | str | Measurements, *, si: bool) -> Measurement
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
     """Name of the column of standard errors, or None; `InputError` if that is not clear."""
-    error, time = "std|err|sigma|uncert", "t(ime)?\\b|hold"
-    matching = [name for name in names if re.search(error, name, re.I) and not re.match(time, name, re.I)]
+    of_time, error = _ROLES[0].words, _ROLES[1].words
+    matching = [
+        name for name in names if re.search(error, normal(name)) and not re.search(of_time, normal(name))
+    ]
     if len(matching) > 1 or any(re.search("%|percent|rel", name, re.I) for name in matching):
         expected = "one column of standard errors, in the unit of the values"
         got = ", ".join(map(repr, matching))
         raise InputError("stderr", expected=expected, got=got, advice=advice)
     return matching[0] if matching else None
+
+
+def _time(columns: Columns, first: int) -> int:
+    """Column of the hold times: that with such a name, or the first one."""
+    named = [at for at in columns.chosen if columns.roles[at] == "time"]
+    if len(named) > 1:
+        return columns.by_role["time"]  # refused
+    return named[0] if named else first
+
+
+def _value(columns: Columns, taken: set[int], quantities: Sequence[str]) -> int:
+    """Column of the values: that with name or unit of a quantity; `InputError` unless there is one."""
+    table, wanted = columns.table, [_OF_VALUES[name] for name in quantities]
+    others = [at for at in columns.chosen if at not in taken and columns.roles[at] not in ("time", "stderr")]
+    if not any(table.names):
+        return others[0]
+
+    def fits(at: int) -> bool:
+        unit = units.spelled(columns.unit_text(at) or "1") or ""
+        return any(unit == "1" or units.factor(unit, role.unit) is not None for role in wanted)
+
+    named = [at for at in others if columns.roles[at] in quantities]
+    called = [at for at in named if normal(columns.label(at)) in quantities]
+    unnamed = [at for at in others if columns.roles[at] == "value" and fits(at)]
+    found = called if len(called) == 1 else named or unnamed
+    if len(found) != 1:
+        expected = f"one column of {' or '.join(quantities)}"
+        other = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
+        cure: dict[str, Value] = {"quantity": other[0]} if len(other) == 1 else {"columns": "0 1"}
+        raise InputError(table.name, expected=expected, got=columns_named(table), cure=cure)
+    return found[0]
 
 
 def _begins_with_index(table: Table) -> bool:

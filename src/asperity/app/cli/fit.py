@@ -69,7 +69,7 @@ def fit(
         raise InputError("--window", expected="two times, T1 < T2", got=" ".join(f"{t:g}" for t in window))
     from asperity.fits import measured_growth, read_measurements
 
-    data = read_measurements(file, **columns.chosen(), **vars(reading))
+    data = read_measurements(file, None, **columns.chosen(), **vars(reading))
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
     from asperity.app.cli.report import aligned
     from asperity.app.cli.reports.fit import growth_report, write_numbers

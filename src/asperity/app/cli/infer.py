@@ -160,13 +160,25 @@ def _data(
     if chosen["stderr"] is None and error is None and reading["columns"] is None:
         with naming(stderr="--column-stderr"):
             chosen["stderr"] = errors_beside(names, "its name, or --error 1%")
-    table = read_measurements(file, **chosen, **reading)
+    wanted: Any = {"ball": quantity or ("depth", "radius"), "healing": ("friction", "area")}.get(
+        model, "area"
+    )
+    try:
+        table = read_measurements(file, wanted, **chosen, **reading)
+    except InputError as mistake:
+        if "quantity" not in mistake.cure:
+            raise
+        expected, got = mistake.expected, mistake.got
+        raise InputError(mistake.name, expected=expected, got=got, cure={"model": "ball"}) from None
     if error is not None and table.stderr is not None:
         raise InputError("--error", expected="none beside --column-stderr", got=error)
     unit_time, unit_area = units
     seconds = _factor("--unit-time", unit_time or table.time_unit or "s", "s", "a unit of time, such as min")
     if model == "ball":
-        quantity, unit_area = _of_ball(quantity, table.value_name), unit_area or table.value_unit or None
+        quantity, unit_area = quantity or table.quantity, unit_area or table.value_unit or None
+        if quantity not in ("depth", "radius"):
+            expected, got = "depth or radius of the contact of the ball", f"a column {table.value_name!r}"
+            raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
     target, example = {
         "lattice": ("1", "1, for areas over the nominal one"),
         "ball": ("m", "a unit of length, such as nm"),
@@ -180,19 +192,6 @@ def _data(
     value = square * table.value
     errors = _error(error, value, square) if table.stderr is None else square * table.stderr
     return seconds * table.time, value, errors, remarks, table.source, about
-
-
-def _of_ball(quantity: str | None, name: str) -> str:
-    """Return the measured quantity, from a flag or from the name of the column."""
-    patterns = {
-        "depth": "depth|indent|tiefe|eindring|profondeur|deplacement|displac",
-        "radius": "radius|rayon",
-    }
-    matching = [one for one, words in patterns.items() if re.search(words, name, re.I)]
-    if quantity is None and len(matching) != 1:
-        expected, got = "depth or radius of the contact of the ball", f"a column {name!r}"
-        raise InputError("--quantity", expected=expected, got=got, advice="--quantity depth")
-    return quantity or matching[0]
 
 
 def _error(error: float | str | None, value: Any, unit: float) -> Any:
