@@ -272,6 +272,34 @@ def test_a_run_takes_a_table_of_any_names_and_of_a_shear_modulus():
         contact_modulus(units="0=kg")
 
 
+@pytest.mark.parametrize(
+    ("header", "factor_of_values"),
+    [
+        ("t/aT (s);J (10^-6/MPa)", 1e-12),
+        ("aT*t [s];J (µε/MPa)", 1e-12),
+        ("t/a_T [s];J (10^-3 1/GPa)", 1e-12),
+        ("Zeit (s);J (microstrain/kPa)", 1e-9),
+        ("time_s;J (10-6/psi)", 1e-6 / 6894.757293168361),
+    ],
+)
+def test_powers_of_ten_strains_and_reduced_times(header, factor_of_values):
+    data = read(written(header, RISING[:, :2]))
+    assert isinstance(data, Creep)
+    np.testing.assert_array_equal(data.time, RISING[:, 0])
+    np.testing.assert_allclose(data.compliance, factor_of_values * RISING[:, 1], rtol=1e-12)
+
+
+def test_rows_of_equal_times_count_as_their_mean():
+    doubled = np.repeat(FALLING, 2, axis=0).astype(float)
+    doubled[1::2, 1] -= 1
+    data = read(written("time_s;E_MPa", doubled))
+    assert isinstance(data, Relaxation)
+    np.testing.assert_array_equal([data.time, data.modulus / 1e6], [FALLING[:, 0], FALLING[:, 1] - 0.5])
+    assert data.source.endswith("10 rows; means of rows of equal time: 5")
+    with refuses("t.csv, time", "2 after 4"):
+        read(written("time_s;E_MPa", FALLING[[0, 2, 1, 3, 4]]))
+
+
 def test_a_labelled_comment_names_columns_and_another_fact_does_not():
     facts = "# date: Mon Jan 2015\n# columns: height vDeflection time\n# slots: nominal force elapsed\n"
     Path("t.txt").write_text(f"{facts}# units: m N s\n# 1 2 3\n1 2 3\n4 5 6\n")

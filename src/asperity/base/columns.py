@@ -48,7 +48,7 @@ class Role:
     words: str
 
 
-TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t$")
+TIME = Role("time", "s", r"\btime\b|zeit|temps|duree|dauer|elapsed|ecoule|^t( ?/ ?a ?t)?$|^a ?t ?[*·]? ?t$")
 
 
 class Columns:

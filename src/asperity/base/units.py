@@ -38,6 +38,7 @@ _IN_WORDS = {
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")
 """Units that have no prefix, though Pint takes hh for hectohours."""
 
+_POWER = re.compile(r"10\^?(-?\d{1,2})(?:[ *]+(?=[A-Za-z1])|(?=/|$))")
 _WORD = re.compile("[A-Za-zµμΩÅ]+")
 _EXAMPLES = {
     "Pa": ("a pressure", "1 MPa"),
@@ -190,6 +191,9 @@ def factor(unit: str, target: str) -> float | None:
 def _converted(amount: float, unit: str, target: str) -> float | None:
     unit = unit.replace("⁻", "-").replace("¹", "1").replace("²", "2").replace("³", "3").replace("·", "*")
     unit = re.sub(r"\s*/\s*", "/", _EXPONENT.sub(r"^\1", unit).replace("Ohm", "ohm"))
+    unit = re.sub("[µμu]ε|µstrain|microstrain", "10^-6", unit)
+    if power := _POWER.match(unit):
+        amount, unit = amount * 10.0 ** int(power[1]), unit[power.end() :] or "1"
     unit = f"1{unit}" if unit.startswith("/") else unit
     if len(unit) > 40 or not _UNIT.fullmatch(unit):
         return None

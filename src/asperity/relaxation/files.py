@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, cast, get_args
 
+import numpy as np
+
 from asperity.base import checks
 from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named, normal
 from asperity.errors import InputError
@@ -19,7 +21,7 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force"
+        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force"
         r"|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
@@ -88,7 +90,13 @@ def read(
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
         called = role if at == places[0] else which + names.get(role, role)
         numbers.append(reading.values(role, at, bare=False, called=called))
-    source, make = reading.read, cast(Callable[..., Measured], _KINDS[chosen])
+    source, rows = reading.read, np.diff(numbers[0], prepend=np.nan) != 0
+    if not rows.all():
+        starts = np.flatnonzero(rows)
+        counts = np.diff(starts, append=rows.size)
+        numbers = [np.add.reduceat(values, starts) / counts for values in numbers]
+        source += f"; means of rows of equal {_KINDS[chosen].names()[0]}: {starts.size}"
+    make = cast(Callable[..., Measured], _KINDS[chosen])
     try:
         return make(*numbers, noise=noise, measured=meant, source=source)
     except InputError as error:
