@@ -305,6 +305,10 @@ def test_a_labelled_comment_names_columns_and_another_fact_does_not():
     Path("t.txt").write_text(f"{facts}# units: m N s\n# 1 2 3\n1 2 3\n4 5 6\n")
     table = read_table(Path("t.txt"))
     assert (table.names, table.units) == (["height", "vDeflection", "time"], ["m", "N", "s"])
+    with Path("t.txt").open("a") as file:
+        file.write("# segment: retract\n# columns: height vDeflection time\n7 8 9\n")
+    with refuses("t.txt", "header in line 9"):
+        read_table(Path("t.txt"))
     for header in ("Rec #;time_s;area", "Pt #,time_s,area", "no.#\ttime_s\tarea"):
         separator = re.findall(r"[;,\t]", header)[0]
         Path("t.txt").write_text(f"{header}\n{separator.join('123')} # noted\n{separator.join('456')}\n")

@@ -13,6 +13,7 @@ import functools
 import math
 import re
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -129,6 +130,7 @@ def read_table(
             raise fail(expected=f"only numbers in line {number}", got=got, advice=advice)
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
         used = next((count for count in range(len(cells), used, -1) if cells[count - 1]), used)
+    _check_one_block(everything, rows[0][0], comments, fail)
     # numpy and many instruments write the names as a comment: the last before the numbers.
     notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
     headers = [line for _, line in reversed(lines[: header + 1])]
@@ -160,6 +162,17 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
     named = [at for at, pair in enumerate(shapes) if pair == (width, 0.0) and lines[at].strip(separator)]
     first = next(at for at, (_, share) in enumerate(shapes) if share and at > max(named, default=-1))
     return (first, named[-1], width) if named else (first, first - 1, 0)
+
+
+def _check_one_block(
+    lines: list[str], first: int, comments: tuple[str, ...], fail: Callable[..., InputError]
+) -> None:
+    """Refuse lines of which one after the first row names columns again."""
+    for number, line in enumerate(lines[first:], first + 1):
+        fact = _FACT.fullmatch(line.lstrip(" \t#%;")) if line.lstrip().startswith(comments) else None
+        if fact and fact[1]:
+            got = f"another with a header in line {number}"
+            raise fail(expected="one block of numbers", got=got, advice="a file of one of them")
 
 
 def _of_note(line: str, separator: str, decimal: str) -> str:

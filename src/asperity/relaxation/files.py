@@ -21,8 +21,8 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform|force"
-        r"|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform"
+        r"|force|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
