@@ -228,7 +228,7 @@ def test_names_that_are_not_marked_as_code_are_looked_up_too(tmp_path, source):
 
 
 def test_rooms_of_contributing_are_those_of_the_house():
-    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8").split("so do imports:")[1].split("Each folder")[0]
+    text = (ROOT / "CONTRIBUTING.md").read_text("utf-8").split("in one direction:")[1].split("Each folder")[0]
     library, app, research = re.split(r"app:|research:", text)
     for said, rooms in ((library, ROOMS), (app, ROOMS), (research, ROOMS_OF_RESEARCH)):
         prefix = "app." if said == app else ""
