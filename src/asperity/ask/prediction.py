@@ -163,14 +163,11 @@ class Predict(Question):
 
     def _load_by_legs(self) -> None:
         """Take a ramp to a load and a hold there for what they are: a loading, whose contact grows."""
-        match self.legs:
-            case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held) if {
-                self.load,
-                self.pressure,
-            } <= {None, 0} and up.mobility == held.mobility == 1:
-                asked = {"load": up.load, "pressure": up.pressure, "ramp": up.duration, "protocol": ()}
-                for name, value in (asked | {"last": up.duration + held.duration}).items():
-                    object.__setattr__(self, name, value)
+        if loading := loading_of(self.legs, self.load, self.pressure):
+            up, held = loading
+            asked = {"load": up.load, "pressure": up.pressure, "ramp": up.duration, "protocol": ()}
+            for name, value in (asked | {"last": up.duration + held.duration}).items():
+                object.__setattr__(self, name, value)
 
     def _check_load(self) -> None:
         """Refuse no load and two, but before a ramp, and one that does not press."""
@@ -196,3 +193,12 @@ class Predict(Question):
 def begins_to_rise(legs: Sequence[Leg]) -> bool:
     """Whether a history begins with a ramp, before which a contact bears nothing."""
     return bool(legs and legs[0].target and legs[0].duration)
+
+
+def loading_of(legs: Sequence[Leg], *loads: object) -> tuple[Ramp, Hold] | None:
+    """The ramp and the hold of a history that is a loading and no more, unless it begins under a load."""
+    match legs:
+        case (Ramp(separation=None, approach=None) as up, Hold(hold=None | "load") as held):
+            is_one = {*loads} <= {None, 0} and up.mobility == held.mobility == 1
+            return (up, held) if is_one else None
+    return None

@@ -7,7 +7,7 @@ from typing import Any
 
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import check_units, completed, unused
-from asperity.ask.prediction import begins_to_rise
+from asperity.ask.prediction import Predict, begins_to_rise, loading_of
 from asperity.ask.run import Contact
 from asperity.errors import InputError
 from asperity.prediction import predict
@@ -35,7 +35,9 @@ def predict_config(
             raise InputError(key, expected=expected, got=value, advice=_RUN, path=path)
     if begins_to_rise(config.protocol) and not config.contact.table:
         config = config.but(contact=Contact(load=0.0))
-    times = _times(config)
+    loading = loading_of(config.protocol, *config.contact.table.values())
+    ramp = loading[0].duration if loading else Predict.own()["ramp"].read("ramp", own.get("ramp"))
+    times = _times(config, ramp or 0.0)
     material, surface = config.solid.material, config.surface.scan
     if not material.solid.half_space:
         raise no_half_space("kind", config.solid.kind).about("kind", "solid", "kind")
@@ -66,10 +68,10 @@ def predict_config(
     return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *not_used, *prediction.remarks))))
 
 
-def _times(config: RunConfig) -> dict[str, Any]:
+def _times(config: RunConfig, ramp: float) -> dict[str, Any]:
     """Arguments of a prediction about the times to record."""
-    aging, last = config.aging, config.span[1]
+    aging, (first, last) = config.aging, config.span
     if aging.times is not None:
         return {"times": aging.times}
-    times = {"first": aging.first, "per_decade": aging.per_decade}
+    times = {"first": aging.first or max(first, ramp), "per_decade": aging.per_decade}
     return times if config.protocol else times | {"last": last}
