@@ -531,10 +531,11 @@ def measured(
     ],
     *,
     columns: Annotated[
-        Sequence[str] | None, Quantity("columns to read, names or numbers from 0", swept=False)
+        Sequence[int | str] | int | str | None,
+        Quantity("columns to read, names or numbers from 0", swept=False),
     ] = None,
     units: Annotated[
-        Sequence[str] | None, Quantity("units of columns that lack them: load=mN", swept=False)
+        Sequence[str] | str | None, Quantity("units of columns that lack them: load=mN", swept=False)
     ] = None,
     compression: Annotated[
         Literal["positive", "negative"] | None, Quantity("sign of what presses in the table", swept=False)
