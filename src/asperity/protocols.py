@@ -25,7 +25,7 @@ from annotated_types import Ge, Gt, Le
 
 from asperity.base import checks
 from asperity.base.calls import answered as _answered
-from asperity.base.columns import TIME, Columns, Role, in_line, named
+from asperity.base.columns import TIME, Chosen, Columns, Role, in_line, named
 from asperity.base.parameters import Checked, Quantity, parameters_of
 from asperity.base.tables import Table
 from asperity.errors import LARGEST, InputError
@@ -525,24 +525,12 @@ class MeasuredHistory(tuple[Leg, ...]):
 
 
 def measured(
-    file: Annotated[
-        str | Path | Mapping[str, Any],
-        Quantity("table of a measured load or separation against time", swept=False),
-    ],
+    file: Annotated[str | Path | Mapping[str, Any], Quantity("table of a measured load or separation")],
     *,
-    columns: Annotated[
-        Sequence[int | str] | int | str | None,
-        Quantity("columns to read, names or numbers from 0", swept=False),
-    ] = None,
-    units: Annotated[
-        Sequence[str] | str | None, Quantity("units of columns that lack them: load=mN", swept=False)
-    ] = None,
-    compression: Annotated[
-        Literal["positive", "negative"] | None, Quantity("sign of what presses in the table", swept=False)
-    ] = None,
-    within: Annotated[
-        float, Ge(0), Quantity("deviation up to which rows of the table are one ramp", swept=False)
-    ] = 0.0,
+    columns: Annotated[Chosen | None, Quantity("columns to read, names or numbers from 0")] = None,
+    units: Annotated[Sequence[str] | str | None, Quantity("units of its columns: load=mN")] = None,
+    compression: Annotated[Literal["positive", "negative"] | None, Quantity("sign of what presses")] = None,
+    within: Annotated[float, Ge(0), Quantity("deviation up to which rows are one ramp")] = 0.0,
 ) -> MeasuredHistory:
     """Legs of a history as a machine wrote it: ramps from row to row, of which rows on a line are one.
 
@@ -590,22 +578,18 @@ def measured(
     if compression and target == "separation":
         raise InputError("compression", expected="none of a separation", got=repr(compression))
     if target in ("load", "pressure") and compression is None and values.max() <= 0 > values.min():
-        raise InputError(
-            "compression",
-            expected=f"the sign of a {target} that presses, as none in {read.table.name} is above 0",
-            got="none",
-            cure={"compression": "negative"},
-        )
+        expected = f"the sign of a {target} that presses, as none in {read.table.name} is above 0"
+        raise InputError("compression", expected=expected, got="none", cure={"compression": "negative"})
     sign = -1.0 if compression == "negative" else 1.0
     values = sign * (values - values[0] if target == "approach" else values) + 0.0
     new = np.diff(times, prepend=-math.inf) + np.abs(np.diff(values, prepend=math.inf)) > 0
     times, values = times[new], values[new]
     corners = _corners(times, values, float(keys["within"] or 0.0))
     history = MeasuredHistory(_legs_between(target, times[corners], values[corners]))
-    history.start = {} if target == "approach" else {target: float(values[0])}
-    history.read = f"{read.read}, {len(history)} legs, {'below' if sign < 0 else 'above'} 0 presses"
-    if target == "separation":
-        history.read = history.read.rpartition(", ")[0]
+    pressed_by = target if values[0] else target.replace("pressure", "load")  # both touch only
+    history.start = {} if target == "approach" else {pressed_by: float(values[0])}
+    side = "" if target == "separation" else f", {'below' if sign < 0 else 'above'} 0 presses"
+    history.read = f"{read.read}, {len(history)} legs{side}"
     return history
 
 
@@ -622,10 +606,8 @@ def check_start(protocol: object, contact: Any) -> None:
 
 def _table_of(arrays: Any) -> Table:
     """Table of arrays by their names; `InputError` unless they are numbers in as many rows."""
-    columns = checks.broadcast(
-        **{str(name): checks.line(str(name), arrays[name]) for name in [*arrays.keys()]}
-    )
-    values, names = np.column_stack(columns), [str(name) for name in arrays.keys()]  # noqa: SIM118 - data frames
+    names = [*map(str, arrays.keys())]
+    values = np.column_stack(checks.broadcast(**{name: checks.line(name, arrays[name]) for name in names}))
     lines = [(number, ", ".join(map(str, row))) for number, row in enumerate(values.tolist(), 1)]
     return Table("history", names, [""] * len(names), values, lines, ",")
 
@@ -657,11 +639,9 @@ def _slope(times: np.ndarray, values: np.ndarray, begin: int, end: int) -> tuple
 
 def _legs_between(target: str, times: np.ndarray, values: np.ndarray) -> Iterator[Leg]:
     """Steps, holds and ramps between rows."""
-    for lapse, value, same in zip(
-        np.diff(times).tolist(), values[1:].tolist(), np.diff(values) == 0, strict=True
-    ):
+    for lapse, value, rise in zip(np.diff(times).tolist(), values[1:].tolist(), np.diff(values), strict=True):
         change: Any = {target: value}
-        yield Step(**change) if not lapse else Hold(lapse) if same else Ramp(lapse, **change)
+        yield Step(**change) if not lapse else Ramp(lapse, **change) if rise else Hold(lapse)
 
 
 @dataclass(frozen=True)

@@ -22,10 +22,10 @@ def keys_of_leg(kind: str) -> Keys:
 
 
 def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
-    """Legs of a list of tables, or of the file of a table; `SectionError` with every mistake, and its place."""
+    """Legs of a list of tables, or of a file; `SectionError` with every mistake, and its place."""
     if isinstance(tables, tuple) and all(isinstance(leg, Leg) for leg in tables):
         return tables
-    if isinstance(tables, dict) and "file" in tables:
+    if isinstance(tables, dict):
         return _measured(tables, path)
     if not isinstance(tables, list | tuple):
         advice = (

@@ -34,6 +34,7 @@ def predict_config(
         if value not in (None, "load"):
             expected, path = "a load, which a band covers", (section, key)
             raise InputError(key, expected=expected, got=value, advice=_RUN, path=path)
+    read = getattr(config.protocol, "read", "")
     ramp = own["ramp"] = Predict.own()["ramp"].read("ramp", own.get("ramp"))
     if ramp is None:
         config, own["ramp"] = _loading_of(config)
@@ -65,7 +66,8 @@ def predict_config(
         checkpoint=checkpoint,
         **own,
     )
-    return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *not_used, *prediction.remarks))))
+    said = read, *remarks, *not_used, *prediction.remarks
+    return replace(prediction, remarks=tuple(filter(None, dict.fromkeys(said))))
 
 
 def _times(config: RunConfig, ramp: float) -> dict[str, Any]:
