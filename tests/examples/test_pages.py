@@ -37,7 +37,7 @@ TEN_LINES = r"sites in contact: ([\d ]+)"
 
 SMALLER = {
     r"asperity run .*--times": "--quiet",
-    r"asperity run .*(--(leg|history)|(history|sliding|measured).toml)": "--shape 48 48 --per-decade 1 --quiet",
+    r"asperity run .*(--(leg|history)|(history|sliding|measured).toml)": "--shape 48 48 --per-decade 1 -q",
     r"asperity run .*self_affine": "--size 32 --last 10 --per-decade 2 --quiet",
     r"asperity run problems/": "--quiet",
     r"asperity run .*--file": "--last 10 --per-decade 2 --quiet",
