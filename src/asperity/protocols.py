@@ -128,8 +128,9 @@ class Leg(Checked):
             checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
         for name, parameter in parameters.items():
             value = getattr(self, name)
-            if parameter.bounds.get("above") == 0 and value is not None and value < 1 / LARGEST:
-                raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=f"{value:g}")
+            if parameter.bounds.get("above") == 0 and value is not None and np.min(value) < 1 / LARGEST:
+                got = f"{np.min(value):g}"
+                raise InputError(name, expected=f"a number of at least {1 / LARGEST:g}", got=got)
 
     def value(self, time: float, start: float) -> float:
         """Prescribed value at a time since the beginning of the leg, where it was ``start``."""

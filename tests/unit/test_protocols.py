@@ -2,13 +2,30 @@
 
 import json
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
+from annotated_types import Gt
 
 import asperity as asp
 from asperity.analysis.legs import leg_table, protocol_of
-from asperity.protocols import Hold, Ramp, Repeat, Slide, Step, described, in_words, leg_of, legs_of, measured
+from asperity.base.parameters import Quantity
+from asperity.protocols import (
+    Hold,
+    Leg,
+    Ramp,
+    Repeat,
+    Slide,
+    Step,
+    described,
+    in_words,
+    leg_of,
+    legs_of,
+    measured,
+)
 from tests.refusals import each_refuses
 from tests.surfaces import uncorrelated
 
@@ -268,6 +285,30 @@ def test_rows_within_the_noise_are_one_ramp():
     ends = np.interp(times, at, rising["load"][at.astype(int)])
     assert len(at) < 20
     assert abs(ends - rising["load"]).max() <= 0.2 * (1 + 1e-12)
+
+
+@dataclass(frozen=True)
+class Course(Leg):
+    """A load by its values at some times."""
+
+    times: Annotated[Sequence[float], Quantity("times", "s")]
+    loads: Annotated[Sequence[float], Gt(0), Quantity("loads", "N")]
+    target = "load"
+
+    @property
+    def duration(self):  # type: ignore[override]
+        return self.times[-1]
+
+    def value(self, time, start):
+        return float(np.interp(time, self.times, self.loads))
+
+
+def test_a_leg_of_ones_own_holds_arrays():
+    course = Course(np.array([0.0, 1.0, 2.0]), np.array([10.0, 20.0, 15.0]))
+    history = asp.age(CONTACT, [0.5, 1.0], protocol=course)
+    np.testing.assert_allclose(history.dataset["load"], [10, 15, 20, 15], rtol=1e-9)
+    assert protocol_of(history.dataset) == [course]
+    each_refuses(("loads", "1e-200", Course, [0.0, 1.0], [1.0, 1e-200]))
 
 
 def test_what_presses_is_said():
