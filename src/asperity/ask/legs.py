@@ -25,7 +25,7 @@ def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
     """Legs of a list of tables, or of a file; `SectionError` with every mistake, and its place."""
     if isinstance(tables, tuple) and all(isinstance(leg, Leg) for leg in tables):
         return tables
-    if isinstance(tables, dict):
+    if isinstance(tables, dict) and tables.keys() & keys_of_maker(measured).keys():
         return _measured(tables, path)
     if not isinstance(tables, list | tuple):
         advice = (
