@@ -33,7 +33,15 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Checkpoint, listener
 from asperity.protocols import Hold as HoldLeg
-from asperity.protocols import Leg, Schedule, check_edges, checked_direction, legs_of, sites_along
+from asperity.protocols import (
+    Leg,
+    Schedule,
+    check_edges,
+    check_start,
+    checked_direction,
+    legs_of,
+    sites_along,
+)
 from asperity.results.checkpoint import Keeper, Place, fingerprint_of
 from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
 from asperity.results.history import History
@@ -324,6 +332,7 @@ def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | Non
     else:
         legs = list(legs_of(protocol))
         checks.instance("contact", contact, Contact, WHERE_FROM)
+        check_start(protocol, contact)
         line = contact.lattice.dimension == 1
         units.check_units([vars(leg) for leg in legs], si=contact.si, line=line)
         schedule = Schedule.of(legs, times)

@@ -178,3 +178,77 @@ def test_pairs_are_one_word_or_two():
             [0.7, "1s"],
             [0.2, "10s"],
         ]
+
+
+_RUN = "[surface]\nshape = [16, 16]\n[aging]\ntimes = [1.5]\n[output]\nfigures = []\nmaps_at = []\n"
+_FILE = 'file = "force.csv"\nunits = "Zeit=min"\ncompression = "negative"\n'
+
+
+@pytest.fixture
+def force(tmp_path):
+    """A file of forces that press below 0, in seconds and newtons, and a configuration in its folder."""
+    table = "Zeit;Kraft (mN)\n0;-20e3\n0,01;-30e3\n0,02;-40e3\n0,04;-40e3\n0,04;-30e3\n"
+    (tmp_path / "force.csv").write_text(table)
+    (tmp_path / "run.toml").write_text(f"{_RUN}[protocol]\n{_FILE}")
+    return tmp_path
+
+
+def test_a_measured_history_is_a_file_of_the_protocol_and_what_is_recorded_repeats_it(force, tmp_path):
+    config = read_config(force / "run.toml", {})
+    lines = [Ramp(1.2, load=40.0), Hold(1.2), Step(load=30.0)]
+    for read, written in zip(config.protocol, lines, strict=True):
+        assert type(read) is type(written)
+        assert vars(read) == pytest.approx(vars(written), rel=1e-12)
+    assert config.contact.load == 20.0
+    assert main(["run", str(force / "run.toml"), "--quiet", "--out", str(tmp_path / "out")]) == 0
+    (force / "force.csv").unlink()
+    assert main(["run", str(tmp_path / "out/config.toml"), "--quiet", "--out", str(tmp_path / "again")]) == 0
+    first, second = (results.load(tmp_path / name) for name in ("out", "again"))
+    for name in ("time", "load", "area"):
+        np.testing.assert_array_equal(first[name], second[name])
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (('compression = "negative"', ""), r'\[protocol\] compression: .*try compression = "negative"'),
+        (('units = "Zeit=min"', ""), r"protocol: column 'Zeit' of .*unit of time.*try units = "),
+        (("units", "unit"), r"\[protocol\] unit: no such key; try units"),
+        (("[protocol]", "[contact]\nload = 3.0\n[protocol]"), r"\[contact\] load: .*measured history.*3"),
+        (("force.csv", "none.csv"), "protocol.*none.csv"),
+    ],
+)
+def test_a_mistake_of_a_measured_history_names_its_key(force, change, place):
+    (force / "run.toml").write_text(f"{_RUN}[protocol]\n{_FILE}".replace(*change))
+    with pytest.raises(ConfigError, match=place):
+        read_config(force / "run.toml", {})
+
+
+def test_a_measured_history_by_flags_is_that_of_the_file(force, tmp_path, capsys):
+    flags = ("--history-units", "Zeit=min", "--history-compression", "negative", "--quiet", "--out")
+    small = ("--shape", "16x16", "--times", "1.5", "--figures", "", "--history", str(force / "force.csv"))
+    assert main(["run", *small, *flags, str(tmp_path / "flags")]) == 0
+    assert main(["run", str(force / "run.toml"), "--quiet", "--out", str(tmp_path / "file")]) == 0
+    first, second = (results.load(tmp_path / name) for name in ("flags", "file"))
+    np.testing.assert_array_equal(first["load"], second["load"])
+    assert main(["run", *small, "--quiet"]) == 2
+    assert main(["run", *small, "--leg", "hold 1"]) == 2
+    told = capsys.readouterr().err
+    assert "try --history-units Zeit=min" in told
+    assert "--history: expected none beside --leg" in told
+
+
+def test_a_prediction_follows_a_measured_pressure(tmp_path):
+    heights = 0.05 * gaussian((16, 16), rms=1.0, seed=0)
+    np.savetxt(tmp_path / "scan.txt", heights)
+    (tmp_path / "h.csv").write_text("time_s,pressure_MPa\n0,0\n10,1\n20,1\n60,0.5\n")
+    scan = (
+        f"--surface {tmp_path}/scan.txt --file-unit um --pixel-size 1um --young 1GPa --poisson 0.4 --branch"
+    )
+    words = [*scan.split(), "0.5 10s", "--first", "1s", "--figures", "", "--quiet"]
+    legs = ["--leg", "ramp 10s pressure=1MPa", "--leg", "hold 10s", "--leg", "ramp 40s pressure=0.5MPa"]
+    for name, how in {"file": ["--history", str(tmp_path / "h.csv")], "legs": legs}.items():
+        assert main(["predict", *words, *how, "--out", str(tmp_path / name)]) == 0
+    first, second = (results.load(tmp_path / name / "history.zarr") for name in ("file", "legs"))
+    np.testing.assert_allclose(first["contact_area"], second["contact_area"], rtol=1e-9)
+    assert "3 legs, above 0 presses" in (tmp_path / "file" / "summary.txt").read_text()

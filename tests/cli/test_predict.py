@@ -275,7 +275,7 @@ def test_a_protocol_may_put_the_load_on(files, ramped):
     unloaded = type(config.contact)(load=0.0)
     ours = predict_config(config.but(contact=unloaded), Progress())
     np.testing.assert_array_equal(ours.series("area"), ramped[2.4].series("area"))
-    legs = [Ramp("2.4 s", pressure="2 MPa"), Hold("997.6 s")]
+    legs = [Ramp(2.4, pressure=2e6), Hold(997.6)]
     scan, material = config.surface.scan.build(), config.solid.material
     in_python = asp.predict(material, scan, protocol=legs, first=10.0)
     assert in_python.dataset.identical(ours.dataset)

@@ -37,7 +37,7 @@ TEN_LINES = r"sites in contact: ([\d ]+)"
 
 SMALLER = {
     r"asperity run .*--times": "--quiet",
-    r"asperity run .*(--leg|(history|sliding)\.toml)": "--shape 48 48 --per-decade 1 --quiet",
+    r"asperity run .*(--(leg|history)|(history|sliding|measured).toml)": "--shape 48 48 --per-decade 1 -q",
     r"asperity run .*self_affine": "--size 32 --last 10 --per-decade 2 --quiet",
     r"asperity run problems/": "--quiet",
     r"asperity run .*--file": "--last 10 --per-decade 2 --quiet",
@@ -174,6 +174,7 @@ def test_what_a_page_shows_works(page, tmp_path, monkeypatch, capsys):
     if "scan.opd" in page.read_text(encoding="utf-8"):
         surface_file("scan.opd")
     shutil.copy(ROOT / "docs" / "data" / "pmma_like_relaxation.csv", "relaxation.csv")
+    shutil.copy(ROOT / "docs" / "data" / "force.csv", "force.csv")
     found = blocks(page)
     for language, text in found:
         assert language in ("sh", "toml", "python"), f"```{language}: no rule for this language"

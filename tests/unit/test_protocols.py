@@ -2,13 +2,30 @@
 
 import json
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pytest
+from annotated_types import Gt
 
 import asperity as asp
 from asperity.analysis.legs import leg_table, protocol_of
-from asperity.protocols import Hold, Ramp, Repeat, Slide, Step, described, in_words, leg_of, legs_of
+from asperity.base.parameters import Quantity
+from asperity.protocols import (
+    Hold,
+    Leg,
+    Ramp,
+    Repeat,
+    Slide,
+    Step,
+    described,
+    in_words,
+    leg_of,
+    legs_of,
+    measured,
+)
 from tests.refusals import each_refuses
 from tests.surfaces import uncorrelated
 
@@ -214,3 +231,116 @@ def test_a_ramp_that_takes_no_time_is_a_step():
         np.testing.assert_array_equal(ramped.final.u, stepped.final.u)
         np.testing.assert_array_equal(ramped["load"].values, stepped["load"].values)
     each_refuses(("duration", "-1.0", Ramp, -1.0, 20.0), ("duration", "0", Hold, 0))
+
+
+_WRITTEN = [Hold(3.0), Step(load=16.0), Ramp(4.0, load=6.0), Step(load=8.0), Ramp(2.0, load=12.0), Hold(5.0)]
+_SAMPLES = {
+    "time": [0, 1, 1.5, 3, 3, 4, 5.5, 7, 7, 7, 8, 8.25, 9, 9, 11, 14],
+    "load": [10, 10, 10, 10, 16, 13.5, 9.75, 6, 6, 8, 10, 10.5, 12, 12, 12, 12],
+}
+
+
+@pytest.mark.parametrize(
+    ("head", "scales"),
+    [
+        ("time (s),Load (N)", (1, 1)),
+        ("Zeit / min;Kraft / mN", (1 / 60, 1000)),
+        ("temps_s\tcharge_kN", (1, 1e-3)),
+        ("temp_C,time_s,F (N),shear force (N)", (1, 1)),
+    ],
+)
+def test_a_measured_history_is_that_of_its_legs(tmp_path, head, scales):
+    table = np.transpose([_SAMPLES["time"], _SAMPLES["load"]]) * scales
+    table = np.column_stack([table[:, 0] + 20, table, table[:, 1]]) if "temp_C" in head else table
+    separator = next(one for one in ";\t," if one in head)
+    np.savetxt(tmp_path / "h.csv", table, "%.15g", separator, header=head, comments="")
+    history = measured(tmp_path / "h.csv")
+    assert [type(leg) for leg in history] == [type(leg) for leg in _WRITTEN]
+    assert history.start == {"load": pytest.approx(10.0, rel=1e-12)}
+    times = [1.0, 2.0, 6.5, 8.0, 14.0]
+    read, written = (asp.age(CONTACT, times, protocol=legs).dataset for legs in (history, _WRITTEN))
+    for name in ("time", "load", "area", "separation"):
+        np.testing.assert_allclose(read[name], written[name], rtol=1e-9, atol=1e-9)
+    assert "16 rows" in history.read and history.read.endswith("6 legs, above 0 presses")
+
+
+@pytest.mark.parametrize("quantity", ["load", "pressure", "separation", "displacement"])
+def test_an_uneven_history_is_that_of_the_machine(quantity):
+    rng = np.random.default_rng(1)
+    corners, values = np.cumsum(rng.uniform(0.01, 100, 41)), rng.uniform(5, 9, 41)
+    times = np.union1d(corners, rng.uniform(corners[0], corners[-1], 3000))
+    history = measured({"time": times, quantity: np.interp(times, corners, values)})
+    ends = [getattr(leg, leg.target) for leg in history]
+    values -= values[0] * (quantity == "displacement")
+    np.testing.assert_allclose(ends, values[1:], rtol=1e-12)
+    np.testing.assert_allclose(np.cumsum([leg.duration for leg in history]), corners[1:] - corners[0])
+
+
+def test_rows_within_the_noise_are_one_ramp():
+    noise = np.random.default_rng(2).uniform(-0.1, 0.1, 500)
+    times = np.arange(500.0)
+    rising = {"time": times, "load": 10 + 0.1 * times + noise}
+    assert len(measured(rising)) > 400
+    at = np.cumsum([0.0] + [leg.duration for leg in measured(rising, within=0.2)])
+    ends = np.interp(times, at, rising["load"][at.astype(int)])
+    assert len(at) < 20
+    assert abs(ends - rising["load"]).max() <= 0.2 * (1 + 1e-12)
+
+
+@dataclass(frozen=True)
+class Course(Leg):
+    """A load by its values at some times."""
+
+    times: Annotated[Sequence[float], Quantity("times", "s")]
+    loads: Annotated[Sequence[float], Gt(0), Quantity("loads", "N")]
+    target = "load"
+
+    @property
+    def duration(self):  # type: ignore[override]
+        return self.times[-1]
+
+    def value(self, time, start):
+        return float(np.interp(time, self.times, self.loads))
+
+
+def test_a_leg_of_ones_own_holds_arrays():
+    arrays: Any = (np.array([0.0, 1.0, 2.0]), np.array([10.0, 20.0, 15.0]))
+    course = Course(*arrays)
+    history = asp.age(CONTACT, [0.5, 1.0], protocol=course)
+    np.testing.assert_allclose(history.dataset["load"], [10, 15, 20, 15], rtol=1e-9)
+    assert protocol_of(history.dataset) == [course]
+    each_refuses(("loads", "1e-200", Course, [0.0, 1.0], [1.0, 1e-200]))
+
+
+def test_what_presses_is_said():
+    pulled = {"time": [0, 1, 2], "load": [-1, -3, -2]}
+    history: Any = measured(pulled, compression="negative")
+    assert [leg.load for leg in history] == [3.0, 2.0]
+    assert "below 0 presses" in history.read
+    approach = {"time": [0, 1, 2], "stroke": [7, 5, 6]}
+    moved: Any = measured(approach, compression="negative")
+    assert [leg.approach for leg in moved] == [2.0, 1.0]
+    assert measured(pulled, compression="positive").start == {"load": -1.0}
+
+
+def test_what_is_no_history(tmp_path):
+    def of(text, **choices):
+        (tmp_path / "h.csv").write_text(text)
+        return measured(tmp_path / "h.csv", **choices)
+
+    two = "time_s,load_N,gap_um\n0,1,2\n1,2,1\n"
+    name = str(tmp_path / "h.csv")
+    assert len(of(two, columns=["time_s", "gap_um"])) == 1
+    each_refuses(
+        ("compression", "none", lambda: of("time_s,load_N\n0,-1\n1,-2\n")),
+        ("compression", "'negative'", lambda: of("time_s,gap_um\n0,1\n1,2\n", compression="negative")),
+        (name, "load and separation", lambda: of(two)),
+        (name, "'0,2'", lambda: of("time_s,load_N\n1,1\n0,2\n")),
+        (name, "'1,nan'", lambda: of("time_s,load_N\n0,1\n1,nan\n")),
+        (name, "1", lambda: of("time_s,load_N\n0,1\n")),
+        (f"column 'load' of {name}", "none", lambda: of("time_s,load\n0,1\n1,2\n")),
+        ("protocol", "10", lambda: asp.age(CONTACT, [1.0], protocol=measured({"t": [0, 1], "F": [3, 4]}))),
+        ("load", "0", lambda: asp.age(CONTACT, [1.0], protocol=measured({"t": [0, 1], "F": [10, 0]}))),
+        ("F", "1", lambda: measured({"t": [0, 1, 2], "F": [3, NAN, 4]})),
+        ("t, F", "(3,)", lambda: measured({"t": [0, 1, 2], "F": [3, 4]})),
+    )

@@ -88,6 +88,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     call(asp.protocols.Step, separation=0.5),
     call(asp.protocols.Slide, distance=8.0, velocity="inf", substeps=2, every=3, mobility=2.0),
     call(asp.protocols.Repeat, legs=(asp.protocols.Hold(1.0),), count=2),
+    call(asp.protocols.measured, file={"time": [0.0, 8.0], "load": [1.0, 2.0]}, within=0.5),
     call(asp.friction.ShearStrength, strength=8.0, rate_coefficient=0.5, reference_velocity=2.0),
     call(asp.friction.ShearStrength(8.0, 0.5, 2.0).at, velocity=[1.0, 2.0]),
     call(asp.friction.slide_hold_slide, holds=[1.0, 8.0], velocity=2.0, distance=8.0, run_in=4.0),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from asperity.ask.section import Keys, SectionError, read_keys, unknown_key
+from asperity.ask.section import Keys, SectionError, keys_of_maker, read_keys, unknown_key
 from asperity.base.checks import choice, shown
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
-from asperity.protocols import KINDS, Leg
+from asperity.protocols import KINDS, Leg, measured
 
 Place = tuple[str | int, ...]
 
@@ -22,17 +22,31 @@ def keys_of_leg(kind: str) -> Keys:
 
 
 def read_legs(tables: object, path: Place = ("protocol",)) -> tuple[Leg, ...]:
-    """Legs of a list of tables; `SectionError` with every mistake, and its place in the list."""
+    """Legs of a list of tables, or of a file; `SectionError` with every mistake, and its place."""
     if isinstance(tables, tuple) and all(isinstance(leg, Leg) for leg in tables):
         return tables
+    if isinstance(tables, dict) and tables.keys() & keys_of_maker(measured).keys():
+        return _measured(tables, path)
     if not isinstance(tables, list | tuple):
-        advice = '[[protocol]] with kind = "hold" and duration = 10.0'
+        advice = (
+            '[[protocol]] with kind = "hold" and duration = 10.0, or [protocol] with file = "history.csv"'
+        )
         raise SectionError([InputError("protocol", said="expected a list of legs", advice=advice, path=path)])
     legs: list[Leg] = []
     mistakes = [one for number, leg in enumerate(tables) for one in _read(leg, (*path, number), legs)]
     if mistakes:
         raise SectionError(mistakes)
     return tuple(legs)
+
+
+def _measured(table: dict[str, Any], path: Place) -> tuple[Leg, ...]:
+    """Legs of the file that a table names."""
+    keys = keys_of_maker(measured)
+    read = read_keys(keys, table, path, unknown=lambda key: unknown_key(key, keys, (*path, key)))
+    try:
+        return measured(**{key: read[key] for key in table})
+    except InputError as error:
+        raise SectionError([error.about(error.name, *path, *[error.name] * (error.name in keys))]) from None
 
 
 def _read(table: Any, path: Place, legs: list[Leg]) -> Iterator[InputError]:

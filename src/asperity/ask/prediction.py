@@ -17,7 +17,7 @@ from asperity.base import checks
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import InputError
 from asperity.progress import Checkpoint, Progress
-from asperity.protocols import Hold, Leg, Ramp, legs_of
+from asperity.protocols import Hold, Leg, MeasuredHistory, Ramp, legs_of
 from asperity.relaxation import Material, Measured, PronySeries, material
 from asperity.solids import Solid
 from asperity.surfaces import Surface
@@ -56,8 +56,8 @@ class Predict(Question):
     protocol
         A history of the load, without ramp and last: a list of legs of `asperity.protocols`, such as
         ``[Ramp("2.4 s", pressure="1 MPa"), Hold("1000 s"), Step(pressure="250 kPa"), Hold("4000 s")]``. One
-        that begins with a ramp needs no load; a ramp and a hold alone are the same as `ramp` and `last`.
-        Slides, and legs that hold or move the body, have no band.
+        that begins with a ramp, or is `asperity.protocols.measured`, needs no load; a ramp and a hold alone
+        are the same as `ramp` and `last`. Slides, and legs that hold or move the body, have no band.
     first, last
         First and last time, s; by default those of the table, after the ramp. Without a table both are
         needed. With a protocol, ``first`` counts from each change of the load.
@@ -135,6 +135,10 @@ class Predict(Question):
 
     def __post_init__(self) -> None:
         legs = () if self.protocol is None else tuple(legs_of(self.protocol))
+        legs = self.protocol if isinstance(self.protocol, MeasuredHistory) else legs
+        if self.load is None and self.pressure is None:
+            for name in ("load", "pressure"):
+                object.__setattr__(self, name, getattr(legs, "start", {}).get(name) or None)
         object.__setattr__(self, "protocol", legs)
         self._check_legs()
         self._load_by_legs()

@@ -251,6 +251,9 @@ class RunConfig:
                 mistakes.append(error)
         if mistakes:
             raise SectionError(mistakes)
+        start = getattr(parts.get("protocol"), "start", {})
+        if start and not getattr(parts.get("contact"), "table", None):
+            parts["contact"] = Contact(**start)
         config = cls(**parts)
         try:
             config.check()
@@ -298,6 +301,11 @@ class RunConfig:
             value = getattr(self.aging, key)
             if key in self.aging.stated and value is not None:
                 raise self.aging.wrong(key, expected=expected, got=shown(value))
+        start, pressed = getattr(self.protocol, "start", {}), self.contact.table
+        if start and pressed != start:
+            key, value = next(iter(pressed.items()))
+            expected = "none beside a measured history, which says where it begins"
+            raise self.contact.wrong(key, expected=expected, got=shown(value))
 
     def _check_known(self) -> None:
         """Refuse times beyond the data of the solid."""

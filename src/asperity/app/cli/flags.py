@@ -50,6 +50,7 @@ _METAVARS = {
     "path": "PATH",
     "text": "TEXT",
     "text or whole": "TEXT",
+    "file": "PATH",
     "shape": "N",
     "times": "T",
     "maps_at": "T",
@@ -106,6 +107,8 @@ def given(
     if surface is not None:
         sections.setdefault("surface", {})["path"] = str(surface)
     if leg:
+        if "protocol" in sections:
+            raise InputError("--history", expected="none beside --leg", got="both")
         legs = legs_from_words(leg)
         sections["protocol"] = {"legs": legs}
         for each in legs if units else ():
@@ -217,7 +220,7 @@ def listed(written: Iterable[str]) -> list[str]:
 
 def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     """Yield the name of a section with each of its keys; a key of several kinds lists these kinds."""
-    from asperity.app.config.keys import QUESTIONS, Key, keys_of, own_keys, sections
+    from asperity.app.config.keys import HISTORY, QUESTIONS, Key, keys_of, own_keys, sections
     from asperity.ask.surface import MeasuredSurface
 
     if section in QUESTIONS:
@@ -230,7 +233,7 @@ def keys_for(section: str) -> Iterator[tuple[str, Key]]:
     if section == "preparation":
         yield from (("surface", key) for key in keys_of(MeasuredSurface).values() if key.name != "path")
         return
-    kinds = sections(short=True)[section]
+    kinds = {"": HISTORY} if section == "protocol" else sections(short=True)[section]
     if "" in kinds:
         yield from ((section, key) for key in kinds[""].values())
         return
@@ -293,7 +296,7 @@ def _annotation(section: str, key: Key, quantity: str) -> object:
         text += f" [default: {' '.join(words)}]"
     paired = key.what in ("pair", "pairs")  # two words in one argument, which may be given again
     parameter = Parameter(
-        name=("--unit", name) if key.name == "units" and quantity == "QUANTITY" else name,
+        name=("--unit", name) if name == "--units" and quantity == "QUANTITY" else name,
         group=group,
         help=text,
         metavar=_METAVARS.get(key.name) or (quantity if key.unit else _METAVARS[key.what.removesuffix("s")]),

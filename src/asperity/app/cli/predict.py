@@ -32,7 +32,7 @@ _CHECKPOINT_EVERY = 3.0
 _RESULTS = Results()
 
 
-@command("prediction")
+@command("prediction", "protocol")
 def predict(
     material: Path | None = None,
     /,
@@ -95,8 +95,10 @@ def _door(material: Path | None, flags: dict[str, dict[str, object]]) -> Door:
     from asperity.app.config.mistakes import Door
 
     if material is None or material.suffix != ".toml":
-        contact, legs = flags.get("contact", {}), cast(list[Any], flags.get("protocol", {}).get("legs", []))
-        if len(contact) != 1 and (contact or not legs or legs[0]["kind"] != "ramp"):
+        contact, protocol = flags.get("contact", {}), flags.get("protocol", {})
+        legs = cast(list[Any], protocol.get("legs", []))
+        begins = "file" in protocol or bool(legs and legs[0]["kind"] == "ramp")
+        if len(contact) != 1 and (contact or not begins):
             got = "both" if contact else "neither"
             raise InputError("--pressure", expected="a pressure or a load", got=got, advice="--pressure 1MPa")
         if material is None and "young" not in flags.get("solid", {}):

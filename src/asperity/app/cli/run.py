@@ -20,7 +20,7 @@ _CHECKPOINT_EVERY = 20.0
 """Seconds between checkpoints: shorter runs leave none."""
 
 
-@command("surface", "preparation", "solid", "contact", "aging", "friction", "carried", "output")
+@command("surface", "preparation", "solid", "contact", "aging", "protocol", "friction", "carried", "output")
 def run(
     config: Path | None = None,
     /,
@@ -59,7 +59,8 @@ def run(
     from asperity.app.runs import execute
     from asperity.app.runs.words import run_rows
 
-    read = "" if table is None else table.data.source
+    sources = "" if table is None else table.data.source, getattr(settings.protocol, "read", "")
+    read = "; ".join(filter(None, sources))
     with door.answering(settings):
         compute_into(
             "run",

@@ -12,11 +12,12 @@ from asperity.ask.legs import keys_of_leg
 from asperity.ask.prediction import Predict
 from asperity.ask.question import Question
 from asperity.ask.run import FILES
-from asperity.ask.section import KINDS, Section
+from asperity.ask.section import KINDS, Section, keys_of_maker
 from asperity.ask.section import Keys as Parameters
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
 from asperity.protocols import KINDS as LEGS
+from asperity.protocols import measured
 
 What = Literal[
     "number",
@@ -167,3 +168,7 @@ def _bounds(one: Parameter, sort: str) -> dict[str, float]:
         bounds = ({} if "above" in bounds else {"least": -LARGEST}) | bounds
         bounds = ({} if "below" in bounds else {"most": LARGEST}) | bounds
     return bounds
+
+
+HISTORY: Keys = _keys(keys_of_maker(measured))
+"""Keys of a measured history, in place of legs."""

@@ -29,6 +29,8 @@ _FLAGS = {
     ("solid", "per_decade"): "branches-per-decade",
     ("solid", "table_kind"): "kind",
     ("solid", "free_branches"): "branches",
+    ("protocol", "file"): "history",
+    **{("protocol", key): f"history-{key}" for key in ("columns", "units", "compression", "within")},
 }
 
 
@@ -114,10 +116,12 @@ class Door:
     def _typed(self, section: str, *keys: str | int) -> bool:
         """Whether one of these keys came as a flag, or could only come as one."""
         alone = section != "protocol" and bool(self.flags) and self.file is None
-        return alone or any(key in self.flags.get(section, {}) for key in keys)
+        return alone or any(key in self.flags.get(section, {}) for key in (*keys, "file"))
 
     def _place(self, section: str, rest: list[Any]) -> str:
-        if section == "protocol":
+        if section == "protocol" and not (rest and isinstance(rest[0], str)):
+            if self._typed(section):
+                return flag_of(section, "file")
             legs = "".join(f"[{part}]" if isinstance(part, int) else f" {part}" for part in rest)
             return f"--leg {legs}" if section in self.flags else self._in_file(f"protocol{legs}")
         if not rest and "kind" in self.flags.get(section, {}):
@@ -147,5 +151,5 @@ def flag_in(section: str, key: str) -> str:
     """The flag of a key of this section, or of another that has it; empty where there is neither."""
     homes = [section, *KINDS]
     owners = (one for one in homes if any(key in kind.keys for kind in KINDS.get(one, {}).values()))
-    home = next(owners, section)
+    home = section if section == "protocol" else next(owners, section)
     return flag_of(home, key) if home else ""

@@ -144,7 +144,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
         raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
     except OSError as error:
         raise ConfigError([f"{path}: {error.strerror}"]) from None
-    for section, key in FILES.items():
+    for section, key in (*FILES.items(), ("protocol", "file")):
         table = tables.get(section)
         if isinstance(table, dict) and isinstance(table.get(key), str):
             table[key] = str(path.parent / expanded(table[key]))
@@ -157,7 +157,8 @@ def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
         if section in QUESTIONS:
             continue
         if section == "protocol":
-            merged[section] = keys["legs"]
+            of_file = merged.get(section)
+            merged[section] = keys.get("legs") or {**(of_file if isinstance(of_file, dict) else {}), **keys}
             continue
         table = merged.setdefault(section, {})
         if not isinstance(table, dict):  # a mistake of the file; it is reported

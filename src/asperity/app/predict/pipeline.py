@@ -33,6 +33,7 @@ def predict_config(
         if value not in (None, "load"):
             expected, path = "a load, which a band covers", (section, key)
             raise InputError(key, expected=expected, got=value, advice=_RUN, path=path)
+    read = getattr(config.protocol, "read", "")
     if begins_to_rise(config.protocol) and not config.contact.table:
         config = config.but(contact=Contact(load=0.0))
     loading = loading_of(config.protocol, *config.contact.table.values())
@@ -65,7 +66,8 @@ def predict_config(
         checkpoint=checkpoint,
         **own,
     )
-    return replace(prediction, remarks=tuple(dict.fromkeys((*remarks, *not_used, *prediction.remarks))))
+    said = read, *remarks, *not_used, *prediction.remarks
+    return replace(prediction, remarks=tuple(filter(None, dict.fromkeys(said))))
 
 
 def _times(config: RunConfig, ramp: float) -> dict[str, Any]:
