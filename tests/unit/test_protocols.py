@@ -4,7 +4,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -261,7 +261,8 @@ def test_a_measured_history_is_that_of_its_legs(tmp_path, head, scales):
     read, written = (asp.age(CONTACT, times, protocol=legs).dataset for legs in (history, _WRITTEN))
     for name in ("time", "load", "area", "separation"):
         np.testing.assert_allclose(read[name], written[name], rtol=1e-9, atol=1e-9)
-    assert "16 rows" in history.read and history.read.endswith("6 legs, above 0 presses")
+    assert "16 rows" in history.read
+    assert history.read.endswith("6 legs, above 0 presses")
 
 
 @pytest.mark.parametrize("quantity", ["load", "pressure", "separation", "displacement"])
