@@ -119,6 +119,8 @@ def test_mistakes_are_named_with_their_line():
         ("time_s,contact_area_m2,area", "area", "area"),
         ("Zeit (s),Kraft (N),Kontaktradius (um)", ("depth", "radius"), "Kontaktradius (um)"),
         ("time_s,load_N,depth_nm", "area", None),
+        ("time_s,contact_um,load_N", "area", None),
+        ("time_s,load_N,area_px", "area", "area_px"),
         ("time_s,area_1_um2,area_2_um2", "area", None),
         ("time_s,x,y", "area", None),
         ("time_s,segment,length_nm", "area", None),

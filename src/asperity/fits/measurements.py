@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -130,7 +130,8 @@ def read_measurements(
             raise InputError("columns", expected=expected, got=" ".join(map(str, columns_read.chosen)))
         asked |= zip(asked, columns_read.chosen, strict=False)
     places = {name: position(table, column) for name, column in asked.items() if column is not None}
-    places = {"time": _time(columns_read, first=int(indexed)), **places}
+    if "time" not in places:
+        places["time"] = _time(columns_read, first=int(indexed))
     if "value" not in places:
         places["value"] = _value(columns_read, {*places.values()}, quantities)
     places = {name: places[name] for name in asked if name in places}
@@ -226,13 +227,15 @@ def _value(columns: Columns, taken: set[int], quantities: Sequence[str]) -> int:
     if not any(table.names):
         return others[0]
 
-    def fits(at: int) -> bool:
+    def has_unit_of(at: int, kinds: Iterable[str]) -> bool:
         unit = units.spelled(columns.unit_text(at) or "1") or ""
-        return any(unit == "1" or units.factor(unit, role.unit) is not None for role in wanted)
+        return unit != "1" and any(units.factor(unit, kind) is not None for kind in kinds)
 
-    named = [at for at in others if columns.roles[at] in quantities]
+    mine = {role.unit for role in wanted}
+    named = [at for at in others if columns.roles[at] in quantities and not has_unit_of(at, _KINDS - mine)]
     called = [at for at in named if normal(columns.label(at)) in quantities]
-    unnamed = [at for at in others if columns.roles[at] == "value" and fits(at)]
+    unnamed = [at for at in others if columns.roles[at] == "value"]
+    unnamed = [at for at in unnamed if columns.unit_text(at) in ("", "1", "-") or has_unit_of(at, mine)]
     found = called if len(called) == 1 else named or unnamed
     if len(found) != 1:
         expected = f"one column of {' or '.join(quantities)}"
@@ -240,6 +243,10 @@ def _value(columns: Columns, taken: set[int], quantities: Sequence[str]) -> int:
         cure: dict[str, Value] = {"quantity": other[0]} if len(other) == 1 else {"columns": "0 1"}
         raise InputError(table.name, expected=expected, got=columns_named(table), cure=cure)
     return found[0]
+
+
+_KINDS = {"m", "m^2", "N", "Pa", "K"}
+"""Units of which a value has that of its quantity, if any: a length is no area."""
 
 
 def _begins_with_index(table: Table) -> bool:
