@@ -75,7 +75,7 @@ def test_single_figures_never_replace_the_table_that_they_are_about(asperity):
         assert (status, Path("fit.csv").read_text()) == (0, text)
         assert "fit.pdf, fit.svg; its data: fit_data.csv" in said
     # Nor is that of another figure replaced by its own.
-    assert asperity("fit", "fit_data.csv", "--out", "fit_data.png", "--overwrite")[0] == 0
+    assert asperity("fit", "fit_data.csv", "--columns", "0 1", "--out", "fit_data.png", "--overwrite")[0] == 0
     assert Path("fit_data_data.csv").exists()
     assert asperity("fit", "fit.csv", "--figures", "pdf")[0] == 2  # it is there
     assert "expected some of png, pdf, svg, got jpg" in asperity("fit", "fit.csv", "--figures", "jpg")[2]
