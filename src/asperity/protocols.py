@@ -526,7 +526,10 @@ class MeasuredHistory(tuple[Leg, ...]):
 
 
 def measured(
-    file: Annotated[str | Path | Mapping[str, Any], Quantity("table of a measured load or separation")],
+    file: Annotated[
+        str | Path | Mapping[str, Sequence[float] | checks.Floats],
+        Quantity("table of a measured load or separation"),
+    ],
     *,
     columns: Annotated[Chosen | None, Quantity("columns to read, names or numbers from 0")] = None,
     units: Annotated[Sequence[str] | str | None, Quantity("units of its columns: load=mN")] = None,
