@@ -597,9 +597,14 @@ def measured(
     return history
 
 
+def start_of(protocol: object) -> dict[str, float]:
+    """Where a measured history begins; empty for other legs."""
+    return protocol.start if isinstance(protocol, MeasuredHistory) else {}
+
+
 def check_start(protocol: object, contact: Any) -> None:
     """`InputError` if a measured history begins elsewhere than the contact is."""
-    for name, value in getattr(protocol, "start", {}).items():
+    for name, value in start_of(protocol).items():
         present = contact.separation if name == "separation" else contact.load
         present /= contact.nominal_area if name == "pressure" else 1.0
         if abs(present - value) > _SAME_START * max(abs(present), abs(value)):

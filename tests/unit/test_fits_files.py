@@ -139,6 +139,12 @@ def test_values_are_found_by_name_and_unit_whatever_their_place(header, quantity
     np.testing.assert_array_equal(found.value, [[1, 2], [2, 3], [3, 4]][place])
 
 
+def test_two_columns_without_names_hold_no_errors_beside_values():
+    Path("t.csv").write_text("1,2\n2,3\n")
+    with refuses("t.csv", "2 columns without names"):
+        read_measurements("t.csv", stderr=1)
+
+
 @pytest.mark.filterwarnings("error")
 def test_values_at_one_hold_time_do_not_grow():
     with refuses("mu", "1 ... 9"):

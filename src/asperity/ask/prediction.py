@@ -17,7 +17,7 @@ from asperity.base import checks
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import InputError
 from asperity.progress import Checkpoint, Progress
-from asperity.protocols import Hold, Leg, MeasuredHistory, Ramp, legs_of
+from asperity.protocols import Hold, Leg, MeasuredHistory, Ramp, legs_of, start_of
 from asperity.relaxation import Material, Measured, PronySeries, material
 from asperity.solids import Solid
 from asperity.surfaces import Surface
@@ -138,7 +138,7 @@ class Predict(Question):
         legs = self.protocol if isinstance(self.protocol, MeasuredHistory) else legs
         if self.load is None and self.pressure is None:
             for name in ("load", "pressure"):
-                object.__setattr__(self, name, getattr(legs, "start", {}).get(name) or None)
+                object.__setattr__(self, name, start_of(legs).get(name) or None)
         object.__setattr__(self, "protocol", legs)
         self._check_legs()
         self._load_by_legs()

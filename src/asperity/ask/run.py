@@ -24,7 +24,7 @@ from asperity.base.checks import choice, shown
 from asperity.base.files import Format
 from asperity.base.parameters import Parameter, Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name
-from asperity.protocols import Leg, described
+from asperity.protocols import Leg, described, start_of
 
 FILES = {"surface": "path", "solid": "relaxation", "output": "measured"}
 """Keys that name files, by their sections."""
@@ -251,7 +251,7 @@ class RunConfig:
                 mistakes.append(error)
         if mistakes:
             raise SectionError(mistakes)
-        start = getattr(parts.get("protocol"), "start", {})
+        start = start_of(parts.get("protocol"))
         if start and not getattr(parts.get("contact"), "table", None):
             parts["contact"] = Contact(**start)
         config = cls(**parts)
@@ -301,7 +301,7 @@ class RunConfig:
             value = getattr(self.aging, key)
             if key in self.aging.stated and value is not None:
                 raise self.aging.wrong(key, expected=expected, got=shown(value))
-        start, pressed = getattr(self.protocol, "start", {}), self.contact.table
+        start, pressed = start_of(self.protocol), self.contact.table
         if start and pressed != start:
             key, value = next(iter(pressed.items()))
             expected = "none beside a measured history, which says where it begins"

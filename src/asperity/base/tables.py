@@ -86,11 +86,7 @@ def read_table(
     fail = functools.partial(failure, str(path))
     everything = (text_of(path, failure) if text is None else text).split("\n")
     comments = ("#", "%") if matrix else ("#", "%", ";")
-    lines = [
-        (number, _COMMENT.split(line, 1)[0])
-        for number, line in enumerate(everything, 1)
-        if not line.lstrip().startswith(comments)
-    ]
+    lines, notes = _separated(everything, comments)
     dialects = _DIALECTS
     if not matrix and (stated := _OF_EXCEL.fullmatch(everything[0])):
         dialects = tuple(dialect for dialect in _DIALECTS if dialect[0] == stated[1]) or _DIALECTS
@@ -130,16 +126,29 @@ def read_table(
             raise fail(expected=f"only numbers in line {number}", got=got, advice=advice)
         values[row, : len(cells)] = numbers  # numpy makes NaN of None
         used = next((count for count in range(len(cells), used, -1) if cells[count - 1]), used)
-    _check_one_block(everything, rows[0][0], comments, fail)
     # numpy and many instruments write the names as a comment: the last before the numbers.
-    notes = [line for line in everything[: lines[first][0] - 1] if line.lstrip().startswith(comments)]
+    above = [note for number, note in notes if number < lines[first][0]]
+    _check_one_block(notes[len(above) :], fail)
     headers = [line for _, line in reversed(lines[: header + 1])]
-    headers += [_of_note(line.lstrip(" \t#%;"), separator, decimal) for line in reversed(notes)]
+    headers += [_of_note(note, separator, decimal) for note in reversed(above)]
     names, in_row = _names([_named(line, separator, used, width) for line in headers], width)
     kept = max((at for at, name in enumerate(names, 1) if name), default=0)
     # Several empty columns without names are pixels that are undefined.
     kept = max(kept, width if matrix and not kept and used < width - 1 else used)
     return Table(str(path), names[:kept], in_row[:kept], values[:, :kept], rows, separator)
+
+
+def _separated(
+    everything: list[str], comments: tuple[str, ...]
+) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Number and text of the lines without comments, and of the lines that are comments, without marks."""
+    lines, notes = [], []
+    for number, line in enumerate(everything, 1):
+        if line.lstrip().startswith(comments):
+            notes.append((number, line.lstrip(" \t#%;")))
+        else:
+            lines.append((number, _COMMENT.split(line, 1)[0] if "#" in line else line))
+    return lines, notes
 
 
 def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) -> tuple[int, int, int]:
@@ -164,13 +173,10 @@ def _beginning(lines: list[str], rows: list[str], separator: str, decimal: str) 
     return (first, named[-1], width) if named else (first, first - 1, 0)
 
 
-def _check_one_block(
-    lines: list[str], first: int, comments: tuple[str, ...], fail: Callable[..., InputError]
-) -> None:
-    """Refuse lines of which one after the first row names columns again."""
-    for number, line in enumerate(lines[first:], first + 1):
-        fact = _FACT.fullmatch(line.lstrip(" \t#%;")) if line.lstrip().startswith(comments) else None
-        if fact and fact[1]:
+def _check_one_block(notes: list[tuple[int, str]], fail: Callable[..., InputError]) -> None:
+    """Refuse comments after the first row of which one names columns again."""
+    for number, note in notes:
+        if (fact := _FACT.fullmatch(note)) and fact[1]:
             got = f"another with a header in line {number}"
             raise fail(expected="one block of numbers", got=got, advice="a file of one of them")
 

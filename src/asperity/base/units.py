@@ -200,10 +200,12 @@ def _converted(amount: float, unit: str, target: str) -> float | None:
     import pint
 
     registry = _registry()
-    named = [registry.parse_unit_name(word)[:1] for word in _WORD.findall(unit)]
-    if any(prefix and name in _WITHOUT_PREFIX for ((prefix, name, _),) in filter(None, named)):
-        return None
     try:
+        for word in _WORD.findall(unit):
+            if any(
+                prefix and name in _WITHOUT_PREFIX for prefix, name, _ in registry.parse_unit_name(word)[:1]
+            ):
+                return None
         return float(registry.Quantity(amount, registry.parse_units(unit)).to(target).magnitude)
     except (pint.PintError, tokenize.TokenError, ArithmeticError, *_MISREAD):
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -25,7 +25,7 @@ _EXPECTED = {
 Quantity = Literal["area", "friction", "depth", "radius"]
 """What a table may be read for."""
 
-_ERROR = (
+_ERRORS = (
     r"\b(std\w*|err\w*|sd|se|sem|sigma|uncert\w*|deviation|abweichung|fehler|ecart\w*)\b|±|\+/-|(std|err)$"
 )
 _OF_VALUES: dict[str, Role] = {
@@ -34,9 +34,11 @@ _OF_VALUES: dict[str, Role] = {
     "friction": Role("friction", "1", r"fric|reib|frott|\bmu\b|[µμ]"),
     "area": Role("area", "m^2", r"area|flache|\baire\b|surface|contact|a ?/ ?a ?\(?0"),
 }
+_ERROR_OF_TIME = Role("", "", rf"(\btime\b|hold|^t\b).*({_ERRORS})")
+_ERROR = Role("stderr", "", _ERRORS)
 _ROLES = (
-    Role("", "", rf"(\btime\b|hold|^t\b).*({_ERROR})"),
-    Role("stderr", "", _ERROR),
+    _ERROR_OF_TIME,
+    _ERROR,
     Role("time", "s", rf"{TIME.words}|hold|halte"),
     Role(
         "",
@@ -201,10 +203,8 @@ def measured_area(source: Path | str | Measurements, *, si: bool) -> Measurement
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:
     """Name of the column of standard errors, or None; `InputError` if that is not clear."""
-    of_time, error = _ROLES[0].words, _ROLES[1].words
-    matching = [
-        name for name in names if re.search(error, normal(name)) and not re.search(of_time, normal(name))
-    ]
+    of_time, error = (re.compile(role.words) for role in (_ERROR_OF_TIME, _ERROR))
+    matching = [name for name in names if error.search(normal(name)) and not of_time.search(normal(name))]
     if len(matching) > 1 or any(re.search("%|percent|rel", name, re.I) for name in matching):
         expected = "one column of standard errors, in the unit of the values"
         got = ", ".join(map(repr, matching))
@@ -215,33 +215,35 @@ def errors_beside(names: Sequence[str], advice: str = "one such name in the head
 def _time(columns: Columns, first: int) -> int:
     """Column of the hold times: that with such a name, or the first one."""
     named = [at for at in columns.chosen if columns.roles[at] == "time"]
-    if len(named) > 1:
-        return columns.by_role["time"]  # refused
-    return named[0] if named else first
+    return _only(columns, named or [first], "time", {"columns": "0 1"})
 
 
 def _value(columns: Columns, taken: set[int], quantities: Sequence[str]) -> int:
-    """Column of the values: that with name or unit of a quantity; `InputError` unless there is one."""
-    table, wanted = columns.table, [_OF_VALUES[name] for name in quantities]
+    """Column of the values: that with name or unit of a quantity, or the first one that is not taken."""
+    wanted = {_OF_VALUES[name].unit for name in quantities}
     others = [at for at in columns.chosen if at not in taken and columns.roles[at] not in ("time", "stderr")]
-    if not any(table.names):
-        return others[0]
+    what, cure = " or ".join(quantities), dict[str, Value](columns="0 1")
+    if not any(columns.table.names):
+        return _only(columns, others[:1], what, cure)
 
     def has_unit_of(at: int, kinds: Iterable[str]) -> bool:
         unit = units.spelled(columns.unit_text(at) or "1") or ""
         return unit != "1" and any(units.factor(unit, kind) is not None for kind in kinds)
 
-    mine = {role.unit for role in wanted}
-    named = [at for at in others if columns.roles[at] in quantities and not has_unit_of(at, _KINDS - mine)]
+    named = [at for at in others if columns.roles[at] in quantities and not has_unit_of(at, _KINDS - wanted)]
     called = [at for at in named if normal(columns.label(at)) in quantities]
     unnamed = [at for at in others if columns.roles[at] == "value"]
-    unnamed = [at for at in unnamed if columns.unit_text(at) in ("", "1", "-") or has_unit_of(at, mine)]
-    found = called if len(called) == 1 else named or unnamed
+    unnamed = [at for at in unnamed if columns.unit_text(at) in ("", "1", "-") or has_unit_of(at, wanted)]
+    known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
+    cure = {"quantity": known[0]} if len(known) == 1 else cure
+    return _only(columns, called if len(called) == 1 else named or unnamed, what, cure)
+
+
+def _only(columns: Columns, found: Sequence[int], what: str, cure: Mapping[str, Value]) -> int:
+    """The one column that was found; `InputError` unless there is one."""
     if len(found) != 1:
-        expected = f"one column of {' or '.join(quantities)}"
-        other = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
-        cure: dict[str, Value] = {"quantity": other[0]} if len(other) == 1 else {"columns": "0 1"}
-        raise InputError(table.name, expected=expected, got=columns_named(table), cure=cure)
+        expected, got = f"one column of {what}", columns_named(columns.table)
+        raise InputError(columns.table.name, expected=expected, got=got, cure=cure)
     return found[0]
 
 

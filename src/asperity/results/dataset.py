@@ -20,7 +20,6 @@ from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
-from asperity.results.store import HISTORY
 from asperity.solids import Solid
 
 Row = dict[str, float]
@@ -86,7 +85,7 @@ def dataset_of(
     if snapshots:
         dataset = _with_fields(dataset, start, snapshots, slides=slides, legs=protocol is not None)
     describe(dataset, start)
-    attributes = {"title": HISTORY, "rtol": rtol, **attributes_of(start, control)}
+    attributes = {"title": "Aging of a rough contact", "rtol": rtol, **attributes_of(start, control)}
     if keeps_area:
         attributes |= {"held": "area", "held_area": start.area}
     exact = {bool(row["exact"]) for row in rows if row["time"] > 0}

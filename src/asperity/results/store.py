@@ -25,9 +25,6 @@ from asperity.errors import InputError, OutputError
 _OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
 """Suffixes of files that are no zarr folders."""
 
-HISTORY = "Aging of a rough contact"
-"""Title of the Dataset of a history."""
-
 _WHOLE = "every_chunk_is_written"
 """Mark of a folder in which a chunk that is not there was lost: zarr would read zeros in its place."""
 

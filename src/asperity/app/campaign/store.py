@@ -315,14 +315,14 @@ def _write_group(folder: Path, identity: str, outcome: Outcome, seconds: float) 
 
 
 def _completed(series: Field, quantities: Sequence[str]) -> Field:
-    """The series of `QUANTITIES`, undefined where an earlier version kept none."""
+    """The series of `QUANTITIES`, undefined where a run has none."""
     columns = dict(zip(quantities, series, strict=True))
     missing = np.full(series.shape[1:], np.nan)
     return np.stack([columns.get(name, missing) for name in QUANTITIES])
 
 
 def _maps_of(group: zarr.Group, facts: dict[str, Any]) -> xr.Dataset | None:
-    """What the maps of a run know of patches; None where it has no maps, or an earlier version wrote it."""
+    """What the maps of a run know of patches; None where it has no maps."""
     if not facts.get(_OF_MAPS):
         return None
     values, row, series = np.asarray(group[_OF_MAPS]), 0, {}

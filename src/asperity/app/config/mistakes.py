@@ -115,8 +115,9 @@ class Door:
 
     def _typed(self, section: str, *keys: str | int) -> bool:
         """Whether one of these keys came as a flag, or could only come as one."""
-        alone = section != "protocol" and bool(self.flags) and self.file is None
-        return alone or any(key in self.flags.get(section, {}) for key in (*keys, "file"))
+        of_section = self.flags.get(section, {})
+        alone = "file" in of_section if section == "protocol" else bool(self.flags) and self.file is None
+        return alone or any(key in of_section for key in keys)
 
     def _place(self, section: str, rest: list[Any]) -> str:
         if section == "protocol" and not (rest and isinstance(rest[0], str)):
