@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -273,6 +274,23 @@ def in_line(
     name, (number, line) = table.names[at], table.lines[row]
     expected = f"{repr(name) if name else f'a {role}'} {expected} in line {number}"
     return InputError(table.name, expected=expected, got=repr(line.strip()[:60]), advice=advice)
+
+
+def check_one_series(table: Table, at: int) -> None:
+    """Refuse blocks of rows, between which lines without numbers stand, that overlap in a column.
+
+    Rows without a line between them may stand in any order: they are one series.
+    """
+    numbers, column = np.array([number for number, _ in table.lines]), table.values[:, at]
+    starts = np.flatnonzero(np.diff(numbers, prepend=numbers[:1]) > 1)
+    blocks = [block for block in np.split(np.arange(len(numbers)), starts) if block.size > 1]
+    for before, after in pairwise(blocks):
+        (low, high), (least, most) = ((column[rows].min(), column[rows].max()) for rows in (before, after))
+        if low < most and least < high:
+            expected = f"one series of {table.names[at] or f'column {at}'}"
+            got = f"one up to line {numbers[before[-1]]}, another from line {numbers[after[0]]} on"
+            advice = "a file of one of them; of one series no lines between its rows"
+            raise InputError(table.name, expected=expected, got=got, advice=advice)
 
 
 def named(table: Table) -> str:
