@@ -11,9 +11,9 @@ import scipy.stats
 import xarray
 
 import asperity
-from asperity.analysis.scan import understood
 from asperity.errors import InputError
 from asperity.surfaces import Surface, check_heights, check_square, combined, gaussian, read, statistics
+from asperity.surfaces.provenance import understood
 from tests.refusals import each_refuses, refuses
 
 ROUGH = gaussian((24, 30), seed=4)

@@ -12,7 +12,7 @@ import xarray as xr
 
 from asperity.analysis.aging import AgingSummary
 from asperity.analysis.legs import leg_table
-from asperity.analysis.scan import readable, written
+from asperity.base.readable import readable, written
 from asperity.base.words import counted, thousands, to_digits
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError

@@ -36,11 +36,11 @@ from scipy.stats import gumbel_r
 
 from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.flow import hydraulic_gap
-from asperity.analysis.scan import written
 from asperity.ask.contact_law import Law
 from asperity.ask.question import answers
 from asperity.base import checks
 from asperity.base.calls import remark
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.carried import Carried
 from asperity.carried.record import quantities

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 
 from asperity.analysis.aging import aging_summary
 from asperity.analysis.rows import Row, contact_rows, history_rows
-from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
 from asperity.base.calls import showing
+from asperity.base.readable import written
 from asperity.base.words import band_ends, uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
@@ -29,6 +29,7 @@ from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
 from asperity.solids import Solid
 from asperity.surfaces import Surface
+from asperity.surfaces.provenance import lateral_unit
 
 _SIZE, _DPI = (3.6, 2.7), 100
 """Size of a picture in inches, and its dots per inch."""

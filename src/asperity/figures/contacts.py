@@ -16,8 +16,8 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from asperity.analysis import ContactMaps, SiteState
-from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.readable import readable, written
 from asperity.base.words import counted, power, thousands
 from asperity.figures import style
 from asperity.lattice import Field

@@ -16,9 +16,9 @@ import jinja2
 from matplotlib.figure import Figure
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.calls import showing
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -29,6 +29,7 @@ from asperity.figures.relaxation import relaxation_figure
 from asperity.fits import Measurements
 from asperity.prediction.results import Prediction
 from asperity.surfaces import statistics
+from asperity.surfaces.provenance import understood
 
 _GROWTH = (
     "Real contact area against time, with its 95 % band; below, its growth in each decade and on average."

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.maps import SiteState, color_range
-from asperity.analysis.scan import readable
+from asperity.base.readable import readable
 from asperity.base.words import power
 from asperity.figures import style
 from asperity.figures.contacts import COLORS

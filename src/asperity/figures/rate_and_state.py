@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable
 from asperity.base import checks
+from asperity.base.readable import readable
 from asperity.base.words import uncertain
 from asperity.figures import style
 from asperity.friction import MachineFit, StateLaws

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.readable import readable, written
 from asperity.base.words import counted
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit

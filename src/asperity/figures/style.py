@@ -26,7 +26,7 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from asperity.analysis.scan import readable, written
+from asperity.base.readable import readable, written
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
 

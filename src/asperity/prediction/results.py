@@ -20,9 +20,9 @@ from asperity.analysis.field_values import lattice_of
 from asperity.analysis.legs import protocol_of
 from asperity.analysis.maps import on_the_surface
 from asperity.analysis.observation import Observation
-from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
+from asperity.base.readable import written
 from asperity.base.words import band_ends, counted
 from asperity.contact.bodies import Bodies
 from asperity.contact.remarks import Resolved

@@ -17,7 +17,6 @@ import xarray as xr
 import asperity.results as results
 from asperity.analysis import aging_summary
 from asperity.analysis.rows import history_rows, words_of
-from asperity.analysis.scan import written
 from asperity.app.campaign.plan import Plan, Run, load_plan
 from asperity.app.campaign.store import QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, config_from
@@ -26,6 +25,7 @@ from asperity.app.explore.scene import Arrays, Header, Recording, ending, record
 from asperity.app.runs import recorded_times
 from asperity.app.runs.pipeline import height_law
 from asperity.base import files
+from asperity.base.readable import written
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import Schedule, described
 from asperity.results.dataset import attributes_of_solid

@@ -6,10 +6,11 @@ import numpy as np
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.rows import carried_rows, words_of
-from asperity.analysis.scan import understood, written
+from asperity.base.readable import written
 from asperity.base.words import band_ends, thousands
 from asperity.base.words import counted as how_many
 from asperity.prediction.results import Prediction
+from asperity.surfaces.provenance import understood
 
 Row = tuple[str, str]
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import xarray as xr
 
 from asperity.analysis.rows import Row, history_rows
-from asperity.analysis.scan import written
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import Outcome
 from asperity.ask.surface import SurfaceSection
+from asperity.base.readable import written
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
 

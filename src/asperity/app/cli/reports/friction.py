@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from asperity.analysis.scan import written
 from asperity.app.cli.report import Row, table_row
+from asperity.base.readable import written
 from asperity.base.words import counted, uncertain
 from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
 from asperity.friction.export import columns_of

@@ -8,14 +8,15 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.analysis.scan import understood, written
 from asperity.app.cli.report import Row
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
+from asperity.base.readable import written
 from asperity.base.tables import with_unit
 from asperity.contact_law.programs import FILES, Program, closure_fits, law_for
 from asperity.figures import law_figure
 from asperity.figures.writing import write_each
+from asperity.surfaces.provenance import understood
 
 
 def law_report(outcome: Outcome, *, seconds: float, resumed: bool = False) -> list[Row]:

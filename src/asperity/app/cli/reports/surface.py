@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
 from asperity.app.runs.words import described
 from asperity.ask.surface import MeasuredSurface, SurfaceSection
+from asperity.base.readable import is_length, readable
 from asperity.base.words import to_digits
 from asperity.figures import surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
-from asperity.surfaces.prepare import is_length, is_square
+from asperity.surfaces.prepare import is_square
+from asperity.surfaces.provenance import understood
 
 
 def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure], str]:

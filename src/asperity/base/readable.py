@@ -1,13 +1,20 @@
-"""Quantities in readable units, and what was understood of the file of a scan."""
+"""Quantities in units in which people read them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+from typing import TypeGuard
 
 from asperity.base.words import to_digits
-from asperity.surfaces.prepare import display_unit, is_length
+
+_EXPONENTS = {"km": 3, "m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
+"""Powers of ten of the units of length."""
+
+LENGTHS = tuple(_EXPONENTS)
+"""Units of length."""
+
+_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")
+"""Units of length of figures and texts, rising by thousands."""
 
 _PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 _PREFIXED = {
@@ -62,11 +69,6 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     return unit, 1.0
 
 
-def lateral_unit(unit: str | None, origin: Mapping[str, object]) -> str:
-    """Name the unit of the pixels of a surface; a file may not state it, and a made surface may have none."""
-    return unit or ("unit of the file" if "file" in origin else "length unit")
-
-
 def written(value: float, unit: str, digits: int = 4) -> str:
     """Write a quantity: in SI with a prefix, of a user's own units the number alone; see `to_digits`."""
     if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
@@ -78,19 +80,27 @@ def written(value: float, unit: str, digits: int = 4) -> str:
     return f"{float(number):.0f} {name}" if number.endswith(("e+03", "e+04")) else f"{number} {name}"
 
 
-def understood(origin: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Channel, orientation and units that a reader took from a file, as rows of a name and words."""
-    channels, undefined = origin.get("channels") or [], origin.get("undefined_by") or []
-    others = f", of {', '.join(map(str, channels))}" if len(channels) > 1 else ""
-    sources = ("heights", "original_unit", "unit_from"), ("pixels", "length_unit", "size_from")
-    lengths = []
-    for quantity, unit, how in sources:
-        named = f"in {origin[unit]}" if origin.get(unit) not in (None, "", "1") else "without a unit"
-        lengths += [f"{quantity} {named} (from {origin[how]})"] if origin.get(how) else []
-    rows = {
-        "channel": f"{origin.get('channel') or ''}{others}",
-        "orientation": str(origin.get("orientation") or ""),
-        "undefined": "; ".join(map(str, undefined)),
-        "units": ", ".join(lengths),
-    }
-    return [(name, words) for name, words in rows.items() if words]
+def is_length(unit: str | None) -> TypeGuard[str]:
+    """Whether this is a unit of length that can be converted."""
+    return unit in _EXPONENTS
+
+
+def conversion(unit: str | None, target: str | None) -> float | None:
+    """One `unit` in the `target` unit; None if one of them is no length."""
+    return length_factor(unit, target) if is_length(unit) and is_length(target) else None
+
+
+def display_unit(unit: str | None, span: float) -> tuple[str, float] | None:
+    """Unit of length in which a span is a number from 1 to 1000, and the factor to it; else None."""
+    for name in _DISPLAY_UNITS:
+        factor = 1.0 if name == unit else conversion(unit, name)
+        if factor is not None and 1 <= span * factor < 1000:
+            return name, factor
+    return None
+
+
+def length_factor(unit: str, target: str) -> float:
+    """One `unit` in the `target` unit; both are lengths."""
+    power = _EXPONENTS[unit] - _EXPONENTS[target]
+    # A division by a whole power of ten rounds once; a product with 1e-3 would round twice.
+    return 10.0**power if power >= 0 else 1 / 10.0**-power
