@@ -159,9 +159,8 @@ def test_what_is_no_time_is_not_taken_for_one_as_it_is_first():
 @pytest.mark.parametrize("between", ["", "# second hold", "; time area", "time,area"])
 def test_blocks_whose_times_overlap_are_no_series(between):
     Path("t.csv").write_text(f"time,area\n1,2\n2,3\n4,5\n{between}\n1,2\n2,4\n")
-    with refuses(
-        "t.csv", "time,area" if between == "time,area" else "one up to line 4, another from line 6 on"
-    ):
+    apart = "one up to line 4, another from line 6 on"
+    with refuses("t.csv", between if between == "time,area" else apart):
         read_measurements("t.csv")
     Path("t.csv").write_text("time_s,E_MPa\n1,5\n2,4\n4,3\n\n1,5\n2,4\n")
     with refuses("t.csv", apart):
