@@ -97,7 +97,7 @@ _HOME = {
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
 }
-_views.rooms += ["asperity.carried", "asperity.results", "asperity.figures"]
+_views.rooms += ["asperity.carried", "asperity.results", "asperity.analysis.rows", "asperity.figures"]
 
 _RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import TypeGuard
 
 from asperity.base.words import to_digits
@@ -44,6 +45,9 @@ _LEAST = {"m^2": 0.1}
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
 
+_OWN = re.compile("unit|lattice|^$|^sites?$")
+"""What is in the names of a user's own units, which are not written."""
+
 _SMALLEST = 1e-3
 """The smallest number that is written with the smallest prefix; one below it is written without."""
 
@@ -69,15 +73,20 @@ def readable(unit: str, span: float) -> tuple[str, float]:
     return unit, 1.0
 
 
+def in_unit(value: float, unit: str) -> tuple[str, float]:
+    """Unit in which a quantity is written, and the factor to it; "" for pure numbers and own units."""
+    if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
+        return "" if unit == "1" or _OWN.search(unit) or math.isnan(value) else unit, 1.0
+    name, factor = readable(unit, abs(value))
+    return (unit, 1.0) if value and abs(value) * factor < _SMALLEST else (name, factor)
+
+
 def written(value: float, unit: str, digits: int = 4) -> str:
     """Write a quantity: in SI with a prefix, of a user's own units the number alone; see `to_digits`."""
-    if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
-        return to_digits(value, digits)
-    name, factor = readable(unit, abs(value))
-    if value and abs(value) * factor < _SMALLEST:
-        name, factor = unit, 1.0
-    number = f"{value * factor:.{digits}g}"
-    return f"{float(number):.0f} {name}" if number.endswith(("e+03", "e+04")) else f"{number} {name}"
+    name, factor = in_unit(value, unit)
+    number = to_digits(value * factor, digits)
+    number = f"{float(number):.0f}" if name and number.endswith(("e+03", "e+04")) else number
+    return f"{number} {name}".rstrip()
 
 
 def is_length(unit: str | None) -> TypeGuard[str]:

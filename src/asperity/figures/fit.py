@@ -14,6 +14,7 @@ from asperity.base.words import thousands, uncertain
 from asperity.figures import style
 from asperity.fits import GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
+from asperity.fits.rows import UNDETERMINED, determined
 
 _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),
@@ -22,13 +23,6 @@ _LINES: dict[Law, tuple[str, str, str]] = {
 
 _BARS: dict[str, Any] = {"ecolor": style.GRAY, "elinewidth": 1.2, "capsize": 2.5}
 """How error bars look: their width, and half that of their ends, in points."""
-
-UNDETERMINED = "not determined by these times"
-
-
-def determined(value: float, stderr: float) -> bool:
-    """Whether a parameter is known better than to a factor of about two; an exact one is."""
-    return stderr < abs(value)
 
 
 @style.drawn

@@ -2,6 +2,7 @@
 
 from asperity.ask.strength import ShearStrength
 from asperity.base.calls import answered as _answered
+from asperity.friction import rows as rows  # defines StateLaws.rows
 from asperity.friction.comparing import StateLaws, compare_state_laws
 from asperity.friction.events import Event, HoldPeaks, events_of, hold_peaks
 from asperity.friction.experiments import slide_hold_slide, synthetic_record, velocity_steps

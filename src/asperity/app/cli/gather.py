@@ -35,8 +35,8 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     import asperity.app.campaign as campaign
     from asperity.app.campaign.gather import with_ends
     from asperity.app.cli.output import write_figures
-    from asperity.app.cli.report import aligned
     from asperity.base.files import standing
+    from asperity.base.rows import aligned
     from asperity.base.tables import with_unit
     from asperity.figures import campaign_figure
     from asperity.results import save
