@@ -93,9 +93,15 @@ def friction(
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
-    from asperity.figures import rate_and_state_figure
     from asperity.figures.writing import write_each
-    from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
+    from asperity.friction import (
+        MachineFit,
+        compare_state_laws,
+        events_of,
+        fit_events,
+        rate_and_state_figure,
+        save_parameters,
+    )
     from asperity.friction.export import events_table
     from asperity.friction.rows import rows_of_events
 

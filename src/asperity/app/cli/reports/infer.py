@@ -9,9 +9,8 @@ from pathlib import Path
 from asperity.base.calls import showing
 from asperity.base.files import Format
 from asperity.base.words import tables_to_toml
-from asperity.figures import inference_page, inference_pictures
 from asperity.figures.writing import write_each
-from asperity.inference import Inference
+from asperity.inference import Inference, inference_page, inference_pictures
 
 
 def write_inference(

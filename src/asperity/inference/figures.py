@@ -14,7 +14,7 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pictures_of, written_page
-from asperity.inference import Inference
+from asperity.inference.inferring import Inference
 from asperity.inference.verdicts import EXCLUDED
 
 _COLUMNS = 3

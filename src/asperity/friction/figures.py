@@ -13,8 +13,9 @@ from asperity.base import checks
 from asperity.base.readable import readable
 from asperity.base.words import uncertain
 from asperity.figures import style
-from asperity.friction import MachineFit, StateLaws
+from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.parameters import MachineFit
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
 _RINGS = {"markersize": 3.5, "markeredgewidth": 1, "markerfacecolor": "white"}
