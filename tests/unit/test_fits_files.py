@@ -183,3 +183,13 @@ def test_two_columns_without_names_hold_no_errors_beside_values():
 def test_values_at_one_hold_time_do_not_grow():
     with refuses("mu", "1 ... 9"):
         measured_growth(np.full(9, 25.0), np.arange(1.0, 10.0), name="mu")
+
+
+def test_a_row_in_the_line_of_the_header_and_units_with_a_point_are_read():
+    Path("t.txt").write_text("Depth (nm)\tTime (sec.)\tVoltage (V)4\t1\t0.5\n5\t2\t0.6\n6\t3\t0.7\n")
+    read = read_measurements("t.txt", "depth")
+    np.testing.assert_array_equal([read.time, read.value], [[1, 2, 3], [4, 5, 6]])
+    assert (read.time_name, read.value_name, read.time_unit) == ("Time (sec.)", "Depth (nm)", "sec.")
+    Path("t.txt").write_text("Zeit [Std.];Reibung beim Start;x\n1;0.2;7\n2;0.3;8\n")
+    read = read_measurements("t.txt", columns="Zeit [Std.], Reibung beim Start")
+    assert (read.time_unit, read.value_name) == ("Std.", "Reibung beim Start")

@@ -304,10 +304,14 @@ def positions(table: Table, columns: Chosen) -> list[int]:
     places = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
-        words = [word for word in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if word]
-        if text in table.names or not all(word in table.names or word.isdecimal() for word in words):
-            words = [text]
-        places += [position(table, word) for word in words or [text]]
+        inner = text.strip("[]() ")
+        ways = (
+            [text],
+            *(re.split(r"\s*[,;]\s*", one) for one in (text, inner)),
+            re.findall(r"[^,;\s]+", inner),
+        )
+        known = (words for words in ways if all(word in table.names or word.isdecimal() for word in words))
+        places += [position(table, word) for word in next(known, [text]) or [text]]
     return places
 
 
