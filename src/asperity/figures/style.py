@@ -11,6 +11,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
 from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
@@ -21,12 +22,16 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import FillBetweenPolyCollection
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable, written
+from asperity.base.checks import Floats
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
 
@@ -71,6 +76,55 @@ PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
 _MARGIN = 12.0
 """Kept free beside a text that is as wide as its figure, points."""
 
+_NUMBERS = suppress(TypeError, ValueError)
+"""What has no column in a table is drawn all the same: dates, names, several curves at once."""
+
+
+class RecordingAxes(Axes):
+    """Axes that keep the numbers they are given to draw, for the table beside their figure."""
+
+    def clear(self) -> None:
+        """Begin anew."""
+        super().clear()
+        self.series: list[tuple[int, str, Floats, dict[str, Floats]]] = []
+
+    def plot(self, *args: Any, **kwargs: Any) -> list[Line2D]:
+        """Draw a curve."""
+        with _NUMBERS:
+            x, y = (values for values in args if not isinstance(values, str))
+            self._keep(0, kwargs, x, {"": y})
+        return super().plot(*args, **kwargs)
+
+    def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> ErrorbarContainer:
+        """Draw points and their errors."""
+        with _NUMBERS:
+            ends = () if yerr is None else np.asarray(y) + np.multiply([[-1], [1]], yerr)
+            self._keep(1, kwargs, x, dict(zip(("", " low", " high"), (y, *ends), strict=False)))
+        return super().errorbar(x, y, yerr, *args, **kwargs)
+
+    def stairs(self, values: Any, edges: Any = None, **kwargs: Any) -> StepPatch:
+        """Draw a value between each two edges."""
+        with _NUMBERS:
+            self._keep(2, kwargs, edges, {" up to the next": np.append(values, np.nan)})
+        return super().stairs(values, edges, **kwargs)
+
+    def fill_between(
+        self, x: Any, y1: Any, y2: Any = 0, *args: Any, **kwargs: Any
+    ) -> FillBetweenPolyCollection:
+        """Draw a band, which is not drawn where an end is unknown."""
+        with _NUMBERS:
+            place, low, high = np.broadcast_arrays(*map(_floats, (x, y1, y2)))
+            known = np.isfinite(low + high)
+            self._keep(3, kwargs, place[known], {" low": low[known], " high": high[known]})
+        return super().fill_between(x, y1, y2, *args, **kwargs)
+
+    def _keep(self, order: int, look: Mapping[str, Any], x: Any, values: Mapping[str, Any]) -> None:
+        """Keep a series with its place in the table, unless it only marks a place in the picture."""
+        place, *columns = np.broadcast_arrays(*map(_floats, (x, *values.values())))
+        if place.size and "transform" not in look:
+            series = dict(zip(values, columns, strict=True))
+            self.series.append((order, str(look.get("label") or ""), place, series))
+
 
 class Drawing(Figure):
     """A figure in the letters that journals ask for, written at `RESOLUTION`.
@@ -80,13 +134,18 @@ class Drawing(Figure):
     """
 
     table: Mapping[str, object] | None = None
-    """What is drawn, by columns "name [unit]", where its artists do not tell."""
+    """What is drawn, by columns "name [unit]", where that is not what its axes keep."""
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
     def __init__(self, *, figsize: tuple[float, float]) -> None:
         super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
+
+    def add_subplot(self, *args: Any, **kwargs: Any) -> Any:
+        """Add axes, as matplotlib does."""
+        kind = {} if kwargs.keys() & {"projection", "polar"} else {"axes_class": RecordingAxes}
+        return super().add_subplot(*args, **{**kind, **kwargs})
 
     def savefig(
         self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object
@@ -301,6 +360,11 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
     right.yaxis.set_major_formatter("{x:g}")
     if axes.get_ylim()[1] > 100.0 / percent:  # else the limits stay free for what the user adds
         axes.set_ylim(top=100.0 / percent)
+
+
+def _floats(values: Any) -> Floats:
+    """Copy numbers, NaN where they are masked."""
+    return np.ma.filled(np.ma.array(values, dtype=np.float64), np.nan).flatten()
 
 
 def _width(text: str, size: float) -> float:

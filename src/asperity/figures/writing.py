@@ -5,21 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
-from matplotlib.patches import StepPatch
 
 from asperity.base import checks
 from asperity.base.calls import showing
 from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
 from asperity.errors import InputError
-from asperity.figures.style import Drawing
+from asperity.figures.style import Drawing, RecordingAxes
 
 _PLAIN = {
     **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
@@ -124,7 +121,7 @@ def _unlike(columns: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
 def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
     place: tuple[str, Any] = ("", ())
     for axes in figure.axes:
-        if axes.get_label() == "<colorbar>" or not axes.get_visible():
+        if not isinstance(axes, RecordingAxes):  # the colors of a map
             continue
         shared = axes.get_shared_x_axes().get_siblings(axes)
         title = axes.get_title().partition("\n")[0]
@@ -132,7 +129,7 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
             (each.get_xlabel() for each in (axes, *shared[::-1]) if each.get_xlabel()), title or "x"
         )
         along = axes.get_ylabel() or title or "y"
-        for label, x, series in _curves(axes):
+        for _, label, x, series in sorted(axes.series, key=itemgetter(0)):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place
@@ -140,33 +137,3 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
             for ending, values in series.items():
                 quantity, bracket, unit = along.partition(" [")
                 yield f"{named}{quantity}{ending}{bracket}{unit}", values
-
-
-def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """Name, places and values of what is drawn by its data: curves, error bars, histograms and bands."""
-    bars = [
-        item for item in axes.containers if isinstance(item, ErrorbarContainer) and item.lines[0] is not None
-    ]
-    taken = {id(line) for item in bars for line in (item.lines[0], *item.lines[1])}
-    for line in axes.lines:
-        if id(line) not in taken and line.get_transform() == axes.transData and np.size(line.get_xdata()) > 0:
-            yield str(line.get_label()), line.get_xdata(orig=False), {"": line.get_ydata(orig=False)}
-    for bar in bars:
-        x, y = bar.lines[0].get_data(orig=False)
-        series = {"": y}
-        if bar.lines[2]:
-            segments = [np.asarray(item) for item in bar.lines[2][0].get_segments()]
-            ends = np.array([item[:, 1] if item.shape == (2, 2) else np.full(2, np.nan) for item in segments])
-            series |= {" low": ends[:, 0], " high": ends[:, 1]}
-        yield str(bar.get_label()), x, series
-    for patch in axes.patches:
-        if isinstance(patch, StepPatch):
-            values, edges, _ = patch.get_data()
-            yield str(patch.get_label() or ""), edges, {" up to the next": np.append(values, np.nan)}
-    for band in axes.collections:
-        if isinstance(band, PolyCollection) and len(band.get_paths()) == 1:
-            corners = np.asarray(band.get_paths()[0].vertices)
-            count = (len(corners) - 3) // 2
-            low, high = corners[1 : count + 1], corners[count + 2 : 2 * count + 2][::-1]
-            if count > 0 and np.array_equal(low[:, 0], high[:, 0]):
-                yield str(band.get_label()), low[:, 0], {" low": low[:, 1], " high": high[:, 1]}
