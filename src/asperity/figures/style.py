@@ -22,12 +22,9 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backend_bases import RendererBase
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import FillBetweenPolyCollection
-from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import StepPatch
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.scan import readable, written
@@ -76,8 +73,11 @@ PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
 _MARGIN = 12.0
 """Kept free beside a text that is as wide as its figure, points."""
 
-_NUMBERS = suppress(TypeError, ValueError)
-"""What has no column in a table is drawn all the same: dates, names, several curves at once."""
+_ENDS = {
+    **{"curve": ("",), "points": ("",), "errors": ("", " low", " high")},
+    **{"steps": (" up to the next",), "band": (" low", " high")},
+}
+"""How the names of columns end, by kinds of series in the order of a table."""
 
 
 class RecordingAxes(Axes):
@@ -86,44 +86,40 @@ class RecordingAxes(Axes):
     def clear(self) -> None:
         """Begin anew."""
         super().clear()
-        self.series: list[tuple[int, str, Floats, dict[str, Floats]]] = []
+        self.series: dict[str, list[tuple[str, Floats, dict[str, Floats]]]] = {kind: [] for kind in _ENDS}
 
-    def plot(self, *args: Any, **kwargs: Any) -> list[Line2D]:
+    def plot(self, *args: Any, **kwargs: Any) -> Any:
         """Draw a curve."""
-        with _NUMBERS:
-            x, y = (values for values in args if not isinstance(values, str))
-            self._keep(0, kwargs, x, {"": y})
+        self._keep("curve", kwargs, *(values for values in args if not isinstance(values, str)))
         return super().plot(*args, **kwargs)
 
-    def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> ErrorbarContainer:
+    def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> Any:
         """Draw points and their errors."""
-        with _NUMBERS:
-            ends = () if yerr is None else np.asarray(y) + np.multiply([[-1], [1]], yerr)
-            self._keep(1, kwargs, x, dict(zip(("", " low", " high"), (y, *ends), strict=False)))
+        bare = yerr is None or "data" in kwargs
+        ends = () if bare else np.ma.asarray(y) + np.multiply([[-1], [1]], yerr)
+        self._keep("points" if bare else "errors", kwargs, x, y, *ends)
         return super().errorbar(x, y, yerr, *args, **kwargs)
 
-    def stairs(self, values: Any, edges: Any = None, **kwargs: Any) -> StepPatch:
+    def stairs(self, values: Any, edges: Any = None, **kwargs: Any) -> Any:
         """Draw a value between each two edges."""
-        with _NUMBERS:
-            self._keep(2, kwargs, edges, {" up to the next": np.append(values, np.nan)})
+        self._keep("steps", kwargs, edges, np.append(values, np.nan))
         return super().stairs(values, edges, **kwargs)
 
-    def fill_between(
-        self, x: Any, y1: Any, y2: Any = 0, *args: Any, **kwargs: Any
-    ) -> FillBetweenPolyCollection:
-        """Draw a band, which is not drawn where an end is unknown."""
-        with _NUMBERS:
-            place, low, high = np.broadcast_arrays(*map(_floats, (x, y1, y2)))
-            known = np.isfinite(low + high)
-            self._keep(3, kwargs, place[known], {" low": low[known], " high": high[known]})
+    def fill_between(self, x: Any, y1: Any, y2: Any = 0, *args: Any, **kwargs: Any) -> Any:
+        """Draw a band."""
+        self._keep("band", kwargs, x, y1, y2)
         return super().fill_between(x, y1, y2, *args, **kwargs)
 
-    def _keep(self, order: int, look: Mapping[str, Any], x: Any, values: Mapping[str, Any]) -> None:
-        """Keep a series with its place in the table, unless it only marks a place in the picture."""
-        place, *columns = np.broadcast_arrays(*map(_floats, (x, *values.values())))
-        if place.size and "transform" not in look:
-            series = dict(zip(values, columns, strict=True))
-            self.series.append((order, str(look.get("label") or ""), place, series))
+    def _keep(self, kind: str, look: Mapping[str, Any], *numbers: Any) -> None:
+        """Keep a series, of a kind of `_ENDS`, unless it only marks a place in the picture."""
+        with suppress(TypeError, ValueError):  # dates, names, several curves at once: drawn without a column
+            filled: Any = [np.ma.filled(np.ma.array(one, dtype=float), np.nan).ravel() for one in numbers]
+            rows = np.array(np.broadcast_arrays(*filled))
+            if kind == "band":  # where an end is unknown there is no band
+                rows = rows[:, np.isfinite(rows).all(axis=0)]
+            if rows.size and "transform" not in look:
+                values = dict(zip(_ENDS[kind], rows[1:], strict=True))
+                self.series[kind].append((str(look.get("label") or ""), rows[0], values))
 
 
 class Drawing(Figure):
@@ -133,7 +129,7 @@ class Drawing(Figure):
     belongs into a caption, and stands in the table that `asperity.figures.write` writes beside the figure.
     """
 
-    table: Mapping[str, object] | None = None
+    table: Mapping[str, Any] | None = None
     """What is drawn, by columns "name [unit]", where that is not what its axes keep."""
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
@@ -360,11 +356,6 @@ def count_nominal_area(axes: Axes, percent: float) -> None:
     right.yaxis.set_major_formatter("{x:g}")
     if axes.get_ylim()[1] > 100.0 / percent:  # else the limits stay free for what the user adds
         axes.set_ylim(top=100.0 / percent)
-
-
-def _floats(values: Any) -> Floats:
-    """Copy numbers, NaN where they are masked."""
-    return np.ma.filled(np.ma.array(values, dtype=np.float64), np.nan).flatten()
 
 
 def _width(text: str, size: float) -> float:

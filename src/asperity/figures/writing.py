@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import zip_longest
-from operator import itemgetter
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from asperity.base import checks
 from asperity.base.calls import showing
 from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
 from asperity.errors import InputError
-from asperity.figures.style import Drawing, RecordingAxes
+from asperity.figures.style import Drawing
 
 _PLAIN = {
     **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
@@ -32,7 +31,7 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     Parameters
     ----------
     figure
-        Of this package; of any other the table has its curves, error bars, bands and histograms.
+        Of this package; one of your own is drawn into the axes of a `Drawing`.
     path
         Its name; without formats, its suffix is the one.
     formats
@@ -47,25 +46,25 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     Raises
     ------
     InputError
-        There is no such format.
+        There is no such format; or the figure is not a `Drawing`, which alone keeps its numbers.
     """
-    checks.instance("figure", figure, Figure, "asperity.figures.history_figure(history.dataset)")
+    advice = "axes of asperity.figures.Drawing(figsize=(3.3, 2.6)).subplots(), or figure.savefig"
+    drawing = checks.instance("figure", figure, Drawing, advice)
     path = expanded(path)
-    if formats is None:
-        formats = [path.suffix.removeprefix(".")]  # type: ignore[list-item]
-    suffixes = [formats] if isinstance(formats, str) else list(formats)
+    given = path.suffix.removeprefix(".") if formats is None else formats
+    suffixes = [given] if isinstance(given, str) else list(given)
     for suffix in suffixes:
         if suffix not in FORMATS:
             raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=suffix or "none")
     files = [path.with_name(f"{path.stem}.{suffix}") for suffix in suffixes]
     files += [table_beside(path)] * bool(files)
     for file in files:
-        write_one(figure, file)
+        write_one(drawing, file)
     return files
 
 
 def write_each(
-    draws: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[Format] | None
+    draws: Mapping[str, Callable[[], Drawing]], folder: Path, formats: Sequence[Format] | None
 ) -> None:
     """Draw figures, and write them under their names; one that fails is left out with a remark."""
     for name, draw in draws.items() if formats else ():
@@ -73,7 +72,7 @@ def write_each(
             write(draw(), folder / name, formats)
 
 
-def write_one(figure: Figure, file: Path) -> None:
+def write_one(figure: Drawing, file: Path) -> None:
     """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
     if file.suffix == ".csv":
         file.write_text(table_of(figure), encoding="utf-8")
@@ -85,17 +84,13 @@ def write_one(figure: Figure, file: Path) -> None:
         raise
 
 
-def table_of(figure: Figure) -> str:
+def table_of(figure: Drawing) -> str:
     """What a figure draws, as a table in text, which `asperity` reads: the title as a comment, and columns.
 
     Each curve has a column, after one of its places along the axis unless the curve before has the same.
     """
-    about = figure.get_suptitle().splitlines()
-    columns: Mapping[str, Any] = {}
-    if isinstance(figure, Drawing):
-        about += [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
-        columns = figure.table or {}
-    columns = columns or dict(_unlike(_columns(figure)))
+    about = figure.get_suptitle().splitlines() + [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
+    columns = figure.table or dict(_unlike(_columns(figure)))
     cells = ([f"{value:.12g}" for value in np.ravel(values).astype(float)] for values in columns.values())
     rows = [",".join(row) for row in zip_longest(*cells, fillvalue="")]
     names = ",".join(f'"{plain(name)}"' for name in columns)
@@ -118,18 +113,14 @@ def _unlike(columns: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
         yield (name if seen[name] == 1 else f"{quantity} ({seen[name]}){bracket}{unit}"), values
 
 
-def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
+def _columns(figure: Drawing) -> Iterator[tuple[str, Any]]:
     place: tuple[str, Any] = ("", ())
     for axes in figure.axes:
-        if not isinstance(axes, RecordingAxes):  # the colors of a map
-            continue
-        shared = axes.get_shared_x_axes().get_siblings(axes)
+        shared = axes.get_shared_x_axes().get_siblings(axes)[::-1]
         title = axes.get_title().partition("\n")[0]
-        across = next(
-            (each.get_xlabel() for each in (axes, *shared[::-1]) if each.get_xlabel()), title or "x"
-        )
+        across = next(filter(None, [*(each.get_xlabel() for each in (axes, *shared)), title, "x"]))
         along = axes.get_ylabel() or title or "y"
-        for _, label, x, series in sorted(axes.series, key=itemgetter(0)):
+        for label, x, series in chain(*getattr(axes, "series", {}).values()):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place

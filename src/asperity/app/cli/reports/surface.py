@@ -8,19 +8,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from asperity.analysis.scan import readable, understood
 from asperity.app.cli.report import Row, aligned
 from asperity.app.runs.words import described
 from asperity.ask.surface import MeasuredSurface, SurfaceSection
 from asperity.base.words import to_digits
-from asperity.figures import surface_figure
+from asperity.figures import Drawing, surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_length, is_square
 
 
-def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure], str]:
+def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Drawing], str]:
     """Make or read a surface: what draws it, and its description; `AsperityError` if it cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
