@@ -95,9 +95,8 @@ class RecordingAxes(Axes):
 
     def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> Any:
         """Draw points and their errors."""
-        bare = yerr is None or "data" in kwargs
-        ends = () if bare else np.ma.asarray(y) + np.multiply([[-1], [1]], yerr)
-        self._keep("points" if bare else "errors", kwargs, x, y, *ends)
+        ends = () if yerr is None or "data" in kwargs else np.ma.asarray(y) + np.multiply([[-1], [1]], yerr)
+        self._keep("errors" if len(ends) else "points", kwargs, x, y, *ends)
         return super().errorbar(x, y, yerr, *args, **kwargs)
 
     def stairs(self, values: Any, edges: Any = None, **kwargs: Any) -> Any:

@@ -13,9 +13,10 @@ from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
+from asperity.base.files import FORMATS, OF_FIGURES, Format, Standing, expanded, table_beside
 from asperity.errors import InputError
 from asperity.figures.style import Drawing
+from asperity.results.store import whole_file
 
 _PLAIN = {
     **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
@@ -59,7 +60,7 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     files = [path.with_name(f"{path.stem}.{suffix}") for suffix in suffixes]
     files += [table_beside(path)] * bool(files)
     for file in files:
-        write_one(drawing, file)
+        write_figure(drawing, file)
     return files
 
 
@@ -72,16 +73,16 @@ def write_each(
             write(draw(), folder / name, formats)
 
 
-def write_one(figure: Drawing, file: Path) -> None:
-    """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
-    if file.suffix == ".csv":
-        file.write_text(table_of(figure), encoding="utf-8")
-        return
-    try:
-        figure.savefig(file)
-    except BaseException:  # PDF and SVG are written while they are drawn
-        file.unlink(missing_ok=True)
-        raise
+def write_figure(figure: Drawing, path: Path, *, overwrite: bool | Standing = True) -> None:
+    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused.
+
+    With the suffix .csv it is the table of what the figure draws.
+    """
+    with whole_file(path, overwrite=overwrite) as part:
+        if part.suffix == ".csv":
+            part.write_text(table_of(figure), encoding="utf-8")
+        else:
+            figure.savefig(part)
 
 
 def table_of(figure: Drawing) -> str:

@@ -22,9 +22,9 @@ from asperity.figures import (
     patch_figure,
     sliding_figure,
 )
-from asperity.figures.writing import write_each, write_one
+from asperity.figures.writing import write_each
+from asperity.figures.writing import write_figure as write_figure
 from asperity.results.quantities import RUN, select
-from asperity.results.store import whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,15 +56,6 @@ def write_figures(draw: Callable[[], Drawing], files: Mapping[Path, Standing]) -
                 write_figure(figure, path, overwrite=before)
             written.append(f"figure written: {', '.join(pictures)}; its data: {table}")
     return written
-
-
-def write_figure(figure: Drawing, path: Path, *, overwrite: bool | Standing = True) -> None:
-    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused.
-
-    With the suffix .csv it is the table of what the figure draws.
-    """
-    with whole_file(path, overwrite=overwrite) as part:
-        write_one(figure, part)
 
 
 def _write_figures(outcome: Outcome, folder: Path) -> None:
