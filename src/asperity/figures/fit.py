@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.words import thousands, uncertain
@@ -26,7 +25,7 @@ _BARS: dict[str, Any] = {"ecolor": style.GRAY, "elinewidth": 1.2, "capsize": 2.5
 
 
 @style.drawn
-def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> Figure:
+def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> style.Drawing:
     """Draw data and laws, with their numbers in the legend, and a strip of residuals.
 
     Quantity and unit of time, which may be "", are names for the axes. With a window the straight line of

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from matplotlib.figure import Figure
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.base import checks
@@ -55,7 +54,7 @@ class Picture:
     """A figure, and what it shows."""
 
     caption: str
-    figure: Figure
+    figure: style.Drawing
     data: str
     """The pixels as text."""
 
@@ -89,7 +88,7 @@ def prediction_pictures(
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, fit = prediction.dataset, prediction.fit
-    draws: dict[str, Callable[[], Figure]] = {}
+    draws: dict[str, Callable[[], style.Drawing]] = {}
     if prediction.growth is None:
         draws["history"] = partial(history_figure, dataset, measured)
     else:
@@ -108,7 +107,7 @@ def prediction_pictures(
     return pictures_of({name: (captions[name], draw) for name, draw in draws.items()})
 
 
-def pictures_of(draws: Mapping[str, tuple[str, Callable[[], Figure]]]) -> dict[str, Picture]:
+def pictures_of(draws: Mapping[str, tuple[str, Callable[[], style.Drawing]]]) -> dict[str, Picture]:
     """Draw figures with captions, by name; one that fails is left out with a remark."""
     pictures = {}
     for name, (caption, draw) in draws.items():
@@ -216,7 +215,7 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     ]
 
 
-def pixels(figure: Figure, **options: Any) -> str:
+def pixels(figure: style.Drawing, **options: Any) -> str:
     """Draw a figure as PNG for a page, with options of its ``savefig``."""
     stream = BytesIO()
     figure.savefig(stream, format="png", **options)

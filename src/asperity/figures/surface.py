@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -76,7 +75,7 @@ class SurfaceView:
 @style.drawn
 def surface_figure(
     surface: Surface, *, title: str, note: str = "", spectrum: PowerSpectrum | None = None
-) -> Figure:
+) -> style.Drawing:
     """Draw a surface: map (if it has two axes), profile, histogram of the heights, and power spectrum.
 
     Parameters

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.readable import readable
@@ -24,7 +23,7 @@ _MANY = 400
 
 
 @style.drawn
-def rate_and_state_figure(found: StateLaws) -> Figure:
+def rate_and_state_figure(found: StateLaws) -> style.Drawing:
     """Draw record, both laws, their residuals, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     panels = style.panels_of(found)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from asperity.app.runs.words import described
 from asperity.ask.surface import MeasuredSurface, SurfaceSection
@@ -16,13 +15,13 @@ from asperity.base.readable import is_length, readable
 from asperity.base.rows import Row, aligned, words_of
 from asperity.base.rows import remarks as rows_of_remarks
 from asperity.base.words import to_digits
-from asperity.figures import surface_figure
+from asperity.figures import Drawing, surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
 from asperity.surfaces.prepare import is_square
 from asperity.surfaces.provenance import understood
 
 
-def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure], str]:
+def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Drawing], str]:
     """Make or read a surface: what draws it, and its description; `AsperityError` if it cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
