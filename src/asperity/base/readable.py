@@ -76,7 +76,7 @@ def readable(unit: str, span: float) -> tuple[str, float]:
 def in_unit(value: float, unit: str) -> tuple[str, float]:
     """Unit in which a quantity is written, and the factor to it; "" for pure numbers and own units."""
     if not (unit in _PREFIXED or is_length(unit)) or not math.isfinite(value):
-        return "" if unit == "1" or _OWN.search(unit) or math.isnan(value) else unit, 1.0
+        return "" if unit == "1" or _OWN.search(unit) or not math.isfinite(value) else unit, 1.0
     name, factor = readable(unit, abs(value))
     return (unit, 1.0) if value and abs(value) * factor < _SMALLEST else (name, factor)
 
@@ -85,7 +85,7 @@ def written(value: float, unit: str, digits: int = 4) -> str:
     """Write a quantity: in SI with a prefix, of a user's own units the number alone; see `to_digits`."""
     name, factor = in_unit(value, unit)
     number = to_digits(value * factor, digits)
-    number = f"{float(number):.0f}" if name and number.endswith(("e+03", "e+04")) else number
+    number = f"{float(number):.0f}" if name and number.endswith(("e+03", "e+04", "e+05")) else number
     return f"{number} {name}".rstrip()
 
 
