@@ -45,6 +45,8 @@ _LEAST = {"m^2": 0.1}
 _PLAIN = (1e-2, 1e5)
 """Range of numbers without a unit that are written as they are."""
 
+_MICRO = re.compile("^u(?=(?:m|N|J|Pa|s|ohm)\\b)")
+
 _OWN = re.compile("unit|lattice|^$|^sites?$")
 """What is in the names of a user's own units, which are not written."""
 
@@ -87,6 +89,11 @@ def written(value: float, unit: str, digits: int = 4) -> str:
     number = to_digits(value * factor, digits)
     number = f"{float(number):.0f}" if name and number.endswith(("e+03", "e+04", "e+05")) else number
     return f"{number} {name}".rstrip()
+
+
+def printed(unit: str) -> str:
+    """Spell a unit as it is printed: ``um^2`` as µm²."""
+    return _MICRO.sub("µ", unit).replace("ohm", "Ω").replace("^2", "²").replace("^3", "³")
 
 
 def is_length(unit: str | None) -> TypeGuard[str]:

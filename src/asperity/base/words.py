@@ -11,6 +11,12 @@ from typing import Any, Self
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?(\s*[^\W\d][^,]*)?")
 
+PLAIN = {
+    **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁴": "^4", "Å": "angstrom", "Ω": "ohm", "−": "-", "×": "x"},
+    **{"χ": "chi", "θ": "theta", "→": "to", "±": "+-", "\u00a0": " ", "\u202f": " "},
+}
+"""Letters that not every terminal and no header of a table has, and what stands for them."""
+
 MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
 """Arguments and keys that people write, and what to write where there is such a one."""
 

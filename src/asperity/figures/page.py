@@ -17,7 +17,7 @@ import jinja2
 from asperity.analysis.bands import rows_of_maps
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.readable import written
+from asperity.base.readable import printed, written
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -191,7 +191,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
         mantissa, ten = number.split("e")
         raised = str(int(ten)).translate(_RAISED)
         number = f"{mantissa} × 10{raised}"
-    return f"{number.removeprefix('1 × ')} {name.replace('^2', '²').replace('u', 'µ')}"
+    return f"{number.removeprefix('1 × ')} {printed(name)}"
 
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:

@@ -28,7 +28,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.base.checks import Floats
-from asperity.base.readable import readable, written
+from asperity.base.readable import printed, readable, written
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
 
@@ -386,7 +386,4 @@ def spelled(unit: str) -> str:
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
     names = {"angstrom": "Å", "rms": "rms height"}
-    unit = unit.replace("ohm", "Ω")
-    if re.fullmatch(r"[pnumkMGT]?(Ω|m|m\^2|m\^3|N|J|Pa|Pa/m|S/m\^2|W/m\^2/K|N/m|J/m|m/s|s)", unit):
-        return re.sub(r"^u(?=[mNJPsΩ])", "µ", unit).replace("^2", "²").replace("^3", "³")
-    return names.get(unit, verbatim(unit))
+    return names.get(unit, verbatim(printed(unit)))

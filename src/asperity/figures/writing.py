@@ -14,14 +14,14 @@ from matplotlib.figure import Figure
 from asperity.base import checks
 from asperity.base.calls import showing
 from asperity.base.files import FORMATS, OF_FIGURES, Format, Standing, expanded, table_beside
+from asperity.base.words import PLAIN
 from asperity.errors import InputError
 from asperity.figures.style import Drawing
 from asperity.results.store import whole_file
 
 _PLAIN = {
-    **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
-    **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁴": "^4", "Å": "angstrom", "Ω": "ohm", "−": "-"},
-    **{"χ": "chi", "θ": "theta", "→": "to", "±": "+-", "\u00a0": " ", "#": "no."},
+    **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "#": "no."},
+    **PLAIN,
 }
 _MATHEMATICS = re.compile(r"\\[,; ]|[${}\\]")
 
