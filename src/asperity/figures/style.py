@@ -128,7 +128,7 @@ class Drawing(Figure):
     belongs into a caption, and stands in the table that `asperity.figures.write` writes beside the figure.
     """
 
-    table: Mapping[str, Any] | None = None
+    table: Mapping[str, object] | None = None
     """What is drawn, by columns "name [unit]", where that is not what its axes keep."""
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
@@ -137,10 +137,11 @@ class Drawing(Figure):
         super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
 
-    def add_subplot(self, *args: Any, **kwargs: Any) -> Any:
+    def add_subplot(self, *args: object, **kwargs: object) -> Axes:
         """Add axes, as matplotlib does."""
-        kind = {} if kwargs.keys() & {"projection", "polar"} else {"axes_class": RecordingAxes}
-        return super().add_subplot(*args, **{**kind, **kwargs})
+        kind: Any = {} if kwargs.keys() & {"projection", "polar"} else {"axes_class": RecordingAxes}
+        axes: Axes = super().add_subplot(*args, **kind | kwargs)
+        return axes
 
     def savefig(
         self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object

@@ -91,7 +91,7 @@ def table_of(figure: Drawing) -> str:
     Each curve has a column, after one of its places along the axis unless the curve before has the same.
     """
     about = figure.get_suptitle().splitlines() + [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
-    columns = figure.table or dict(_unlike(_columns(figure)))
+    columns: Mapping[str, Any] = figure.table or dict(_unlike(_columns(figure)))
     cells = ([f"{value:.12g}" for value in np.ravel(values).astype(float)] for values in columns.values())
     rows = [",".join(row) for row in zip_longest(*cells, fillvalue="")]
     names = ",".join(f'"{plain(name)}"' for name in columns)
