@@ -16,12 +16,12 @@ from PIL import Image
 import asperity as asp
 from asperity import figures
 from asperity.base.calls import remarks_made
-from asperity.base.columns import Columns, Role
-from asperity.base.tables import read_table
 from asperity.figures.style import COLUMN, PAGE
 from asperity.fits import measured_growth, read_measurements
 from asperity.fits.measurements import measured
 from asperity.protocols import Hold, Ramp, Step
+from asperity.sheets.columns import Columns, Role
+from asperity.sheets.tables import read_table
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("no_display")

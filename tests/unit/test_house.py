@@ -22,6 +22,7 @@ RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 ROOMS = [
     {"errors"},
     {"base"},
+    {"sheets"},
     {"progress"},
     {"theory"},
     {"lattice"},

@@ -12,7 +12,8 @@ import numpy as np
 
 from asperity.base import units, views
 from asperity.base.checks import Floats
-from asperity.base.columns import (
+from asperity.errors import InputError, Value
+from asperity.sheets.columns import (
     TIME,
     Chosen,
     Columns,
@@ -23,9 +24,8 @@ from asperity.base.columns import (
     normal,
     position,
 )
-from asperity.base.columns import named as columns_named
-from asperity.base.tables import Table, read_table
-from asperity.errors import InputError, Value
+from asperity.sheets.columns import named as columns_named
+from asperity.sheets.tables import Table, read_table
 
 _EXPECTED = {
     "s": ("in a unit such as s or min", "a header such as time_s"),

@@ -10,9 +10,9 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 
 from asperity.base import checks
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
 from asperity.errors import InputError
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
+from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
 
 Kind = Literal["relaxation", "creep", "dynamic"]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from asperity.base.columns import Columns, Role
 from asperity.base.readable import conversion, is_length
-from asperity.base.tables import Table, read_table, text_of
 from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
+from asperity.sheets.columns import Columns, Role
+from asperity.sheets.tables import Table, read_table, text_of
 from asperity.surfaces import points
 from asperity.surfaces.instruments import read_instrument
 from asperity.surfaces.prepare import spelled

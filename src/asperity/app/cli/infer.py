@@ -140,9 +140,9 @@ def _data(
     quantity: str | None,
 ) -> tuple[Any, ...]:
     """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
-    from asperity.base.tables import read_table
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
+    from asperity.sheets.tables import read_table
 
     names = read_table(file).names
     if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):

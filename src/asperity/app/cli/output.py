@@ -12,7 +12,6 @@ from asperity.analysis import contact_maps
 from asperity.app.config.reading import to_toml
 from asperity.base.calls import remark, showing
 from asperity.base.files import Standing
-from asperity.base.tables import with_unit
 from asperity.figures import (
     Drawing,
     aging_curve,
@@ -25,6 +24,7 @@ from asperity.figures import (
 from asperity.figures.writing import write_each
 from asperity.figures.writing import write_figure as write_figure
 from asperity.results.quantities import RUN, select
+from asperity.sheets.tables import with_unit
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from asperity.app.config import to_toml
 from asperity.app.runs import Outcome
-from asperity.base.tables import with_unit
 from asperity.contact_law.programs import FILES, Program, law_for
 from asperity.figures import law_figure
 from asperity.figures.writing import write_each
+from asperity.sheets.tables import with_unit
 
 
 def write_law(

@@ -15,9 +15,9 @@ import numpy as np
 
 from asperity.base import units as si
 from asperity.base.checks import Floats
-from asperity.base.tables import GROUPED, Table, read_table
 from asperity.base.words import shortened
 from asperity.errors import LARGEST, InputError
+from asperity.sheets.tables import GROUPED, Table, read_table
 
 Chosen = Sequence[int | str] | int | str
 """Columns by name or by number from 0: a list, or a text such as "0,1"."""
