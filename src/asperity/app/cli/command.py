@@ -5,7 +5,8 @@ imported, gives its functions to `command`. Such a module may also take `flags.O
 `options.Work` and `flags_of_fields`; `campaign.tally_shown`, `output.write_figure`;
 `new_files.check_new_file` and `FIGURE_SUFFIXES`; `asperity.app.config.RunConfig` and `config_from`; of
 `asperity.base.words` `counted`, `data_size`, `duration`, `power` and `thousands`; and
-`asperity.base.rows.aligned`, `asperity.base.checks.instance` and `asperity.base.calls.showing`. These names stay.
+`asperity.base.rows.aligned`, `asperity.base.checks.instance` and `asperity.base.calls.showing`. These
+names stay.
 """
 
 from __future__ import annotations
