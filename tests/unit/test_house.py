@@ -36,7 +36,7 @@ ROOMS = [
     {"friction"},
     {"inference"},
     {"analysis"},
-    {"prediction", "contact_law"},
+    {"prediction", "contact_law", "sliding"},
     {"figures"},
     {"app.config"},
     {"app.runs"},

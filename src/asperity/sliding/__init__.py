@@ -1,0 +1,1 @@
+"""Steady sliding over a viscoelastic solid: friction and contact area against speed."""
