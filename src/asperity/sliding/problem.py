@@ -37,8 +37,18 @@ Vector = tuple[float, ...]
 """Components along the axes of a lattice."""
 
 
+def waves_along(lattice: Lattice, direction: Vector) -> list[Spectrum]:
+    """Wave vectors times a unit vector, radians per length.
+
+    A shortest wave stands for both directions, in which it travels at both frequencies: two cases, or four.
+    """
+    axes = zip(direction, lattice.shape, strict=True)
+    cases = itertools.product(*((1, -1) if part and n % 2 == 0 else (1,) for part, n in axes))
+    return [_along(lattice, direction, signs) for signs in cases]
+
+
 def _along(lattice: Lattice, direction: Vector, signs: Sequence[int]) -> Spectrum:
-    """Wave vectors times a unit vector, with these signs of the shortest waves of each axis."""
+    """The same, with these signs of the shortest waves of each axis."""
     parts = []
     for angle, side, part, sign in zip(lattice.angles, lattice.spacing, direction, signs, strict=True):
         shortest = np.isclose(np.abs(angle), np.pi)
@@ -76,10 +86,7 @@ class Sliding:
     ) -> Sliding:
         """Set up from a solid; `InputError` if some wave meets no resistance."""
         compliance = np.zeros(lattice.spectral_shape, dtype=complex)
-        # A shortest wave stands for both directions, in which it travels at both frequencies.
-        axes = zip(direction, lattice.shape, strict=True)
-        both = itertools.product(*((1, -1) if part and n % 2 == 0 else (1,) for part, n in axes))
-        along = [_along(lattice, direction, signs) for signs in both]
+        along = waves_along(lattice, direction)
         for each in along:
             stiffness = solid.stiffness_at(lattice, -speed * each)
             stiffness.flat[0] = 1.0

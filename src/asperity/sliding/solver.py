@@ -11,7 +11,7 @@ contacts in tension are released and free sites that penetrate become contacts, 
 `asperity.contact.active_set`. Where the number of wrong sites sets no new record, the linear problems are
 solved more accurately, and then a random half of the wrong sites is exchanged, a quarter, and so on. The
 symmetric part of C is positive definite, so there is one solution, and exchanges of the last wrong site reach
-it (K. G. Murty, Linear Algebra Appl. 5, 65 (1972), DOI 10.1016/0024-3795(72)90019-5).
+it (J. J. Judice, F. M. Pires, Comput. Oper. Res. 21, 587 (1994), DOI 10.1016/0305-0548(94)90106-6).
 
 A start from nothing takes the contacts of an elastic solid with the storage compliance.
 """
