@@ -21,6 +21,7 @@ from asperity.figures.plots import plot_contact, plot_history, plot_kind, plot_s
 from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
+from asperity.figures.steady_sliding import steady_sliding_figure
 from asperity.figures.style import Drawing
 from asperity.figures.surface import surface_figure
 from asperity.figures.writing import write
@@ -51,6 +52,7 @@ __all__ = [
     "rate_and_state_figure",
     "relaxation_figure",
     "sliding_figure",
+    "steady_sliding_figure",
     "surface_figure",
     "write",
 ]
