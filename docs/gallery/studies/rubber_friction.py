@@ -4,8 +4,8 @@ At which speed does a rubber grip a rough track best?
 
 Where a rubber slides, the track deforms it at the frequencies :math:`q V` of its waves. Slowly it flows with
 them; fast it is a glass that touches little. In between it dissipates, and friction has a maximum. Each speed
-is one contact problem with the complex modulus :math:`E^*(\omega)`; no time is marched. The loss factor stands
-below, at the speed at which a wave of 10 µm has that frequency.
+is one contact problem with the complex modulus :math:`E^*(\omega)`; no time is marched. The loss factor is
+shown below, at the speed at which a wave of 10 µm has that frequency.
 
 Dashed is Persson's theory (J. Chem. Phys. 115, 3840 (2001)) for the same waves, without its correction for
 partial contact: it counts a wave :math:`q` in the share :math:`P(q)` of the surface that touches if shorter
