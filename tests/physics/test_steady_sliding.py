@@ -285,6 +285,30 @@ def test_friction_times_speed_is_what_the_branches_dissipate(direction):
         assert state.friction > 0
 
 
+@pytest.mark.slow
+def test_a_slide_that_is_marched_in_time_comes_to_the_same_friction():
+    sites, length = 32, 32e-6
+    right = asp.steady_sliding(surface=wave(sites), pressure="10 kPa", **WAVE)
+    q = 2 * np.pi * np.fft.fftfreq(sites, length / sites) * (np.arange(sites) != sites // 2)
+    off = []
+    for substeps in (1, 4):
+        rows: list[tuple[float, float]] = []
+
+        def reached(frame, rows=rows):
+            slope = np.fft.ifft(1j * q * np.fft.fft(frame.contact.heights)).real
+            rows.append((frame.time, -float((frame.contact.pressure * slope).mean())))
+
+        leg = asp.protocols.Slide(3 * length, 1e-5, substeps=substeps)
+        start = asp.press(wave(sites), ONE_BRANCH, pressure="10 kPa")
+        asp.age(start, [0.0], protocol=leg, progress=reached)
+        when, friction = np.array(rows).T
+        last = when > 2 * length / 1e-5
+        mean = np.trapezoid(friction[last], when[last]) / np.ptp(when[last])
+        off.append(mean / 1e4 / right["hysteresis_friction_coefficient"].item() - 1)
+    assert abs(off[0]) < 0.012
+    assert abs(off[1]) < 0.001
+
+
 def test_the_mirrored_surface_slides_as_the_other_direction():
     steps: dict[str, Any] = {"speeds": [0.01, 0.1, 1.0], "pressure": 0.05}
     # A ramp and a drop: the two directions differ.
