@@ -299,7 +299,7 @@ def test_a_slide_that_is_marched_in_time_comes_to_the_same_friction():
             rows.append((frame.time, -float((frame.contact.pressure * slope).mean())))
 
         leg = asp.protocols.Slide(3 * length, 1e-5, substeps=substeps)
-        start = asp.press(wave(sites), ONE_BRANCH, pressure="10 kPa")
+        start = asp.press(wave(sites), WAVE["solid"], pressure="10 kPa")
         asp.age(start, [0.0], protocol=leg, progress=reached)
         when, friction = np.array(rows).T
         last = when > 2 * length / 1e-5
