@@ -25,10 +25,10 @@ from annotated_types import Ge, Gt, Le
 
 from asperity.base import checks
 from asperity.base.calls import answered as _answered
-from asperity.base.columns import TIME, Chosen, Columns, Role, in_line, named
 from asperity.base.parameters import Checked, Quantity, parameters_of
-from asperity.base.tables import Table
 from asperity.errors import LARGEST, InputError
+from asperity.sheets.columns import TIME, Chosen, Columns, Role, in_line, named
+from asperity.sheets.tables import Table
 
 if TYPE_CHECKING:
     from asperity.lattice import Lattice

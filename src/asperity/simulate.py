@@ -42,7 +42,7 @@ from asperity.protocols import (
     sites_along,
 )
 from asperity.results.checkpoint import Keeper, Place, fingerprint_of
-from asperity.results.dataset import Row, Snapshot, dataset_of, row_of, snapshot_of
+from asperity.results.dataset import Moment, Snapshot, dataset_of, moment_of, snapshot_of
 from asperity.results.history import History
 from asperity.results.pulling import Pull
 from asperity.solids import Solid
@@ -259,7 +259,7 @@ def age(
     if carried is not None:
         quantities(checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)"), contact)
     entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
-    rows: list[Row] = []
+    rows: list[Moment] = []
     snapshots: list[Snapshot] = []
     fields, resume = np.append(kept, 0.0) if 0 in wanted else kept, None
     run = contact, schedule, recorded, fields, tolerance, method, exact, carried
@@ -292,7 +292,7 @@ def age(
                 snapshots.append(snapshot_of(frame, carried))
             is_entry = frame.at_a_shift or (of_its_time and frame.time in entries)
             if (frame.time > rows[-1]["time"]) if parted else is_entry:
-                rows.append(row_of(frame, slides=schedule.slides, carried=carried))
+                rows.append(moment_of(frame, slides=schedule.slides, carried=carried))
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)

@@ -184,9 +184,7 @@ def test_a_picture_that_fails_is_a_remark_and_no_loss(asperity, monkeypatch, com
 
 
 def test_a_summary_or_a_page_that_fails_is_a_remark_and_no_loss(says, monkeypatch):
-    monkeypatch.setattr(
-        "asperity.app.predict.words.carried_rows", Mock(side_effect=ZeroDivisionError("by 0"))
-    )
+    monkeypatch.setattr("asperity.prediction.rows.carried_rows", Mock(side_effect=ZeroDivisionError("by 0")))
     monkeypatch.setattr("asperity.app.predict.folder.prediction_page", Mock(side_effect=KeyError("rows")))
     words, kept = COMMANDS["predict"]
     text = says(*shlex.split(words), "--quiet", "--out", "out") + Path("out/summary.txt").read_text("utf-8")
@@ -201,6 +199,6 @@ def test_a_card_that_fails_leaves_its_rows_or_the_repr(monkeypatch):
     monkeypatch.setattr("asperity.figures.cards.plot_contact", Mock(side_effect=ValueError("no axis fits")))
     with pytest.warns(asp.errors.Remark, match="picture of the card 'Contact' could not be drawn: no axis"):
         assert "separation" in str(contact._repr_html_())
-    monkeypatch.setattr("asperity.figures.cards.contact_rows", Mock(side_effect=ValueError("no rows")))
+    monkeypatch.setattr(asp.Contact, "rows", Mock(side_effect=ValueError("no rows")))
     with pytest.warns(asp.errors.Remark, match="the card could not be drawn: no rows"):
         assert contact._repr_html_() is None

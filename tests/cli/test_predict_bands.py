@@ -10,8 +10,8 @@ import pytest
 
 import asperity as asp
 from asperity.analysis.bands import banded, draws_of_solid
-from asperity.analysis.scan import written
 from asperity.app.explore.folders import open_entry
+from asperity.base.readable import written
 from asperity.relaxation import PronySeries
 from tests.refusals import refuses
 

@@ -10,8 +10,8 @@ import pytest
 import asperity as asp
 from asperity.app.config import read_config
 from asperity.app.config.python import to_python
-from asperity.app.predict.words import report
 from asperity.app.runs import Progress, execute
+from asperity.base.rows import words_of
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, Remark
 from asperity.figures.page import prediction_page
@@ -282,16 +282,15 @@ def test_single_decades_and_yielding_are_told():
     ours = asp.predict(solid, rough(0), pressure="10 MPa", **SPAN)
     slopes = [slope for *_, slope in ours.growth.decades]
     assert min(slopes) < ours.growth.band[0]
-    told = dict(report(ours, seconds=1.0))
-    assert told["in each decade"].startswith(
-        f"{100 * min(slopes):.3g} to {100 * max(slopes):.3g} % of the first area, {100 * slopes[-1]:.3g} % in"
-    )
+    told = dict(words_of(ours.rows()))
+    ends = f"{100 * min(slopes):.3g} to {100 * max(slopes):.3g} % in each decade"
+    assert f"); {ends}, {100 * slopes[-1]:.3g} % in" in told["growth per decade"]
     soft = solids()["hard"].with_hardness("0.1 GPa")
     hard = asp.predict(soft, rough(0, 32), pressure="10 MPa", **SPAN)
     lowered = hard.dataset["permanent_indentation"].values
     first, last = (int((one > 0).sum()) for one in lowered[[0, -1]])
     assert first > 1
-    words = dict(report(hard, seconds=1.0))["yields"].split()
+    words = dict(words_of(hard.rows()))["yields"].split()
     assert (int(words[0]), int(words[6])) == (first, last)
 
 
@@ -379,7 +378,7 @@ def test_a_prediction_of_a_file_says_what_its_band_holds(undrawn, asperity):
     ours = asp.predict(material, rough(0), pressure="10 MPa", **SPAN)
     assert drawn.growth == ours.growth
     assert drawn.assumed["draws"] == 3
-    assert "the band includes 3 samples of the branches" in str(report(drawn, seconds=1.0))
+    assert "the band includes 3 samples of the branches" in str(words_of(drawn.rows()))
     for found, words in (
         (drawn, "solid whose numbers were given with 3 draws of its branches, a scan"),
         (drawn, "the spread of 3 draws of its branches is in the band, errors of the others are not."),

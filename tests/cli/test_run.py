@@ -11,8 +11,8 @@ import pytest
 
 from asperity import age, observe, press, relax, results
 from asperity.analysis import contact_maps
-from asperity.analysis.scan import written
 from asperity.app.cli import main
+from asperity.base.readable import written
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import array, exponential, gaussian, read, self_affine, spectral
 from tests.cli.conftest import SMALL, remarks, rows_of, told

@@ -13,11 +13,11 @@ import pytest
 
 import asperity as asp
 import asperity.app.campaign as campaign
-from asperity.app.cli.report import aligned
 from asperity.app.config import config_from
 from asperity.app.explore.export import exported_page
 from asperity.app.explore.folders import entries, inside, kind_of, open_entry
 from asperity.app.explore.scene import unpack
+from asperity.base.rows import aligned
 from tests.campaign.conftest import do_here, written
 from tests.explore.conftest import heights_of, maps
 from tests.refusals import refuses
@@ -67,7 +67,7 @@ def test_a_run_is_shown_as_it_was_stored(results_folder: Path) -> None:
     assert aligned(done["rows"]) + "\n" == summary  # one list, whoever shows it
     rate = asp.fits.growth_rate(dataset["time"].values, dataset["area"].values)
     low, high = (100 * np.log(10) * end for end in rate.interval("B"))
-    growth = f"{100 * np.log(10) * rate.B:.3g} (95 %: {low:.3g} to {high:.3g}) % of A(0) per decade"
+    growth = f"{100 * np.log(10) * rate.B:.1f} % of A(0) per decade (95 %: {low:.1f} to {high:.1f}), t = "
     assert dict(done["rows"])["growth"].startswith(growth)
     found: dict[str, object] = {}
     exec(scene["python"], found)

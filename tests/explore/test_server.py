@@ -143,7 +143,7 @@ def test_a_page_that_is_loaded_again_joins_its_run(server: Server) -> None:
         after = page.until("done")
     assert only(after, "scene")[0]["job"] == only(before, "scene")[0]["job"]
     assert len(column(after, "time")) == 2 + 9 * 100
-    assert "time steps" in dict(only(after, "done")[0]["rows"])["cost"]
+    assert "time steps" in dict(only(after, "done")[0]["rows"])["worst residual"]
 
 
 def test_a_slow_page_gets_the_latest_in_one(server: Server) -> None:

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from scipy.stats import chisquare
 
 import asperity as asp
-from asperity.app.cli.reports.infer import inference_report
+from asperity.base.rows import words_of
 from asperity.errors import CheckpointError, ConvergenceError, Remark
 from asperity.fits.result import student
 from asperity.inference import Prior, inferring, rivals, sampling, verdicts
@@ -482,7 +482,7 @@ def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
     assert set(found.models["model"]) == {"1 relaxation time", "power", "logarithm"}
     assert found.models["AICc"].isna().all()
     assert any("too few for AICc" in remark for remark in found.remarks)
-    for _, words in inference_report(found, "held.csv"):
+    for _, words in words_of(found.rows()):
         assert not re.search(r"\b(nan|inf)\b", words)
 
 

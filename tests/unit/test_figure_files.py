@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +16,12 @@ from PIL import Image
 import asperity as asp
 from asperity import figures
 from asperity.base.calls import remarks_made
-from asperity.base.columns import Columns, Role
-from asperity.base.tables import read_table
 from asperity.figures.style import COLUMN, PAGE
 from asperity.fits import measured_growth, read_measurements
 from asperity.fits.measurements import measured
 from asperity.protocols import Hold, Ramp, Step
+from asperity.sheets.columns import Columns, Role
+from asperity.sheets.tables import read_table
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("no_display")
@@ -73,11 +74,16 @@ def test_a_figure_is_written_in_each_format_with_its_table(prediction, tmp_path)
 
 def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
     x, y, error = np.geomspace(1, 100, 5), np.arange(1.0, 6), np.linspace(0.1, 0.5, 5)
-    figure = Figure()
+    figure = figures.Drawing(figsize=(4, 4))
     upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(x, 0 * y)
+    upper.clear()
+    upper.fill_between([], [], label="in the legend alone")
     upper.plot(x, y, label=r"law $\mu$")
+    upper.plot([0, 1], [0.5, 0.5], transform=upper.transAxes)
     upper.errorbar(x[1:], y[1:], error[1:], label="data")
-    upper.fill_between(x, y - 1, y + 1, label="band")
+    ends = np.ma.masked_less(y, 2) - 1, np.where(y < 5, y + 1, np.nan)
+    upper.fill_between(x, *ends, step="mid", label="band")
     upper.axhline(3.0)
     upper.set_ylabel("area [µm²]")
     lower.stairs(y[:-1], x, label="counts")
@@ -91,9 +97,10 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
         "data: area [um^2]": y[1:],
         "data: area low [um^2]": (y - error)[1:],
         "data: area high [um^2]": (y + error)[1:],
-        "time t (3) [s]": x,
-        "band: area low [um^2]": y - 1,
-        "band: area high [um^2]": y + 1,
+        "time t (3) [s]": x[1:-1],
+        "band: area low [um^2]": y[1:-1] - 1,
+        "band: area high [um^2]": y[1:-1] + 1,
+        "time t (4) [s]": x,
         "counts: part up to the next": y[:-1],
     }
     assert table.names == list(expected)
@@ -102,6 +109,48 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
         assert np.isnan(values[expected[name].size :]).all()
     found = Columns(table, [Role("area", "m^2", "law")])
     np.testing.assert_allclose(found.values("area", 1), 1e-12 * y)
+
+
+def test_the_table_has_what_a_plot_draws_and_what_a_user_adds_to_it(prediction, tmp_path):
+    figure = figures.Drawing(figsize=(4, 4))
+    above, below = figure.subplots(2, 1)
+    prediction.plot("area", ax=above).errorbar(
+        [1.0, 10.0], [4.0, 5.0], [[0.1, 0.2], [0.3, 0.4]], label="mine"
+    )
+    below.plot("t", "A", data={"t": [1, 2], "A": [3, 4]})
+    below.errorbar("t", "A", "A", data={"t": [1, 2], "A": [3, 4]})
+    below.plot([[1, 2], [3, 4], [5, 6]])
+    figures.write(figure, tmp_path / "area.svg")
+    table = read_table(tmp_path / "area.csv")
+    columns = dict(zip(table.names, table.values.T, strict=True))
+    quantity = "real contact area{} [um^2]".format
+    area = 1e12 * prediction.series("contact_area_corrected")
+    np.testing.assert_allclose(columns["corrected for pixel rims: " + quantity("")], area, rtol=1e-11)
+    assert {name for name in columns if "mine" in name} == {
+        "mine: " + quantity(end) for end in ("", " low", " high")
+    }
+    assert columns["mine: " + quantity(" low")][:2].tolist() == [3.9, 4.8]
+    assert columns["mine: " + quantity(" high")][:2].tolist() == [4.3, 5.4]
+    assert all("area" in name or "time" in name for name in columns)  # the lower panel has no columns
+
+
+def test_a_figure_that_keeps_no_numbers_has_no_table(prediction, tmp_path):
+    theirs = Figure()
+    prediction.plot("area", ax=theirs.subplots())
+    with refuses("figure", "Figure"):
+        figures.write(theirs, tmp_path / "area.png")
+    assert not list(tmp_path.iterdir())
+    round_axes = figures.Drawing(figsize=(3, 3)).add_subplot(projection="polar")
+    assert round_axes.name == "polar"
+
+
+def test_no_table_is_read_back_from_a_picture():
+    drawn = {"collections", "containers", "get_array", "get_data", "get_lines", "get_offsets", "get_path"}
+    drawn |= {"get_paths", "get_segments", "get_verts", "get_xdata", "get_xydata", "get_ydata", "patches"}
+    for file in Path(figures.__file__).parent.glob("*.py"):
+        tree = ast.parse(file.read_text("utf-8"))
+        read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+        assert not read & drawn, file
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from asperity import History, age, figures, predict, press, relax
 from asperity.analysis import aging_summary, contact_maps, distributions, with_limit
 from asperity.analysis.aging import AgingSummary
 from asperity.analysis.maps import ContactMaps, SiteState
-from asperity.analysis.scan import written
+from asperity.base.readable import written
 from asperity.base.words import power
 from asperity.figures.contacts import COLORS
 from asperity.figures.surface import SurfaceView

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from asperity import relaxation
 from asperity.fits import measured_growth, read_measurements
 from tests.refusals import each_refuses, refuses
 
@@ -132,11 +133,44 @@ def test_values_are_found_by_name_and_unit_whatever_their_place(header, quantity
     if taken is None:
         with refuses("t.csv", f"columns '{header.split(',')[0]}'"):
             read_measurements("t.csv", quantity)
-        assert read_measurements("t.csv", quantity, columns="0 1").value_name == header.split(",")[1]
         return
     found, place = read_measurements("t.csv", quantity), header.split(",").index(taken)
     assert found.value_name == taken
     np.testing.assert_array_equal(found.value, [[1, 2], [2, 3], [3, 4]][place])
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [("time_s,contact_um", "0 1"), ("time_s,depth_nm", None), ("Zeit_s,Kraft_N", "0 1")],
+)
+def test_a_chosen_column_in_the_unit_of_something_else_is_no_area(header, columns):
+    Path("t.csv").write_text(f"{header}\n1,2\n2,3\n")
+    choice = {"columns": columns} if columns else {"value": 1}
+    with refuses(f"column '{header.split(',')[1]}' of t.csv", header.split("_")[-1]):
+        read_measurements("t.csv", "area", **choice)
+
+
+def test_what_is_no_time_is_not_taken_for_one_as_it_is_first():
+    Path("t.csv").write_text("load,area\n1,2\n2,3\n")
+    with refuses("t.csv", "columns 'load', 'area'"):
+        read_measurements("t.csv", "area")
+
+
+@pytest.mark.parametrize("between", ["", "# second hold", "; time area", "time,area"])
+def test_blocks_whose_times_overlap_are_no_series(between):
+    Path("t.csv").write_text(f"time,area\n1,2\n2,3\n4,5\n{between}\n1,2\n2,4\n")
+    apart = "one up to line 4, another from line 6 on"
+    with refuses("t.csv", between if between == "time,area" else apart):
+        read_measurements("t.csv")
+    Path("t.csv").write_text("time_s,E_MPa\n1,5\n2,4\n4,3\n\n1,5\n2,4\n")
+    with refuses("t.csv", apart):
+        relaxation.read("t.csv")
+
+
+@pytest.mark.parametrize("text", ["9,2\n1,3\n3,4\n1,2\n", "9,2\n\n1,3\n\n3,4\n", "1,2\n2,3\n\n2,4\n5,6\n"])
+def test_rows_in_any_order_and_blocks_that_follow_each_other_are_a_series(text):
+    Path("t.csv").write_text(f"time,area\n{text}")
+    assert read_measurements("t.csv").time.size == text.count(",")
 
 
 def test_two_columns_without_names_hold_no_errors_beside_values():
@@ -149,3 +183,13 @@ def test_two_columns_without_names_hold_no_errors_beside_values():
 def test_values_at_one_hold_time_do_not_grow():
     with refuses("mu", "1 ... 9"):
         measured_growth(np.full(9, 25.0), np.arange(1.0, 10.0), name="mu")
+
+
+def test_a_row_in_the_line_of_the_header_and_units_with_a_point_are_read():
+    Path("t.txt").write_text("Depth (nm)\tTime (sec.)\tVoltage (V)4\t1\t0.5\n5\t2\t0.6\n6\t3\t0.7\n")
+    read = read_measurements("t.txt", "depth")
+    np.testing.assert_array_equal([read.time, read.value], [[1, 2, 3], [4, 5, 6]])
+    assert (read.time_name, read.value_name, read.time_unit) == ("Time (sec.)", "Depth (nm)", "sec.")
+    Path("t.txt").write_text("Zeit [Std.];Reibung beim Start;x\n1;0.2;7\n2;0.3;8\n")
+    read = read_measurements("t.txt", columns="Zeit [Std.], Reibung beim Start")
+    assert (read.time_unit, read.value_name) == ("Std.", "Reibung beim Start")

@@ -2,7 +2,9 @@
 
 import ast
 import importlib
+import os
 import pkgutil
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -20,6 +22,7 @@ RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 ROOMS = [
     {"errors"},
     {"base"},
+    {"sheets"},
     {"progress"},
     {"theory"},
     {"lattice"},
@@ -33,11 +36,11 @@ ROOMS = [
     {"results"},
     {"simulate"},
     {"fits"},
-    {"friction"},
-    {"inference"},
     {"analysis"},
     {"prediction", "contact_law", "sliding"},
     {"figures"},
+    {"friction"},
+    {"inference"},
     {"app.config"},
     {"app.runs"},
     {"app.predict", "app.campaign"},
@@ -107,6 +110,29 @@ def test_imports_point_upstream_and_never_in_a_circle(files, rooms):
     while ends := {name for name, others in arrows.items() if not others}:
         arrows = {name: others - ends for name, others in arrows.items() if name not in ends}
     assert not arrows
+
+
+LEAVES = (
+    ("app/explore",),
+    ("inference", "app/cli/reports/infer.py"),
+    ("friction", "inference", "app/cli/reports/infer.py"),
+)
+"""Rooms that can be left out: the page; inference; and records of friction with what builds on them."""
+
+_AFTER = "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]"
+
+
+@pytest.mark.parametrize("leaf", LEAVES, ids=["page", "inference", "friction"])
+def test_the_rest_works_without_a_leaf(leaf, tmp_path):
+    copy = shutil.copytree(SOURCE, tmp_path / "asperity", ignore=shutil.ignore_patterns("__pycache__"))
+    for name in leaf:
+        there = copy / name
+        shutil.rmtree(there) if there.is_dir() else there.unlink()
+    names = [name for name in files_of(copy, "asperity") if not name.endswith("__main__")]
+    words = [sys.executable, "-c", _AFTER, *names]
+    empty = {"PYTHONPATH": str(tmp_path), "PATH": os.environ["PATH"]}
+    done = subprocess.run(words, env=empty, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
 
 
 def test_no_other_module_imports_by_a_text():

@@ -326,6 +326,8 @@ WHATEVER = {
     ("Contact.__init__", "_"): "refuses whatever it is given",
     ("Contact.__init__", "__"): "refuses whatever it is given",
     ("errors.InputError.__init__", "got"): "whatever came instead",
+    ("figures.Drawing.add_subplot", "args"): "what matplotlib takes",
+    ("figures.Drawing.add_subplot", "kwargs"): "what matplotlib takes",
     ("figures.Drawing.savefig", "kwargs"): "what matplotlib takes",
     ("figures.html_of", "thing"): "any result, and refuses others",
 }

@@ -11,9 +11,10 @@ import scipy.stats
 import xarray
 
 import asperity
-from asperity.analysis.scan import understood
+from asperity.base.rows import words_of
 from asperity.errors import InputError
 from asperity.surfaces import Surface, check_heights, check_square, combined, gaussian, read, statistics
+from asperity.surfaces.provenance import understood
 from tests.refusals import each_refuses, refuses
 
 ROUGH = gaussian((24, 30), seed=4)
@@ -310,4 +311,4 @@ def test_oblong_pixels_are_refused_where_they_would_be_taken_as_square():
     ],
 )
 def test_what_was_understood_of_a_file_is_said(facts, rows):
-    assert understood(facts) == rows
+    assert words_of(understood(facts)) == rows

@@ -12,12 +12,12 @@ import pytest
 
 from asperity.app.config import config_from
 from asperity.ask.solid import HalfSpace
-from asperity.base.tables import read_table
 from asperity.base.units import factor
 from asperity.errors import ConfigError, InputError
 from asperity.fits import read_measurements
 from asperity.friction import read_record
 from asperity.relaxation import Creep, Dynamic, Relaxation, fit, read
+from asperity.sheets.tables import read_table
 from tests.refusals import refuses
 
 pytestmark = pytest.mark.usefixtures("here")

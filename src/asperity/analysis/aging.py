@@ -106,6 +106,12 @@ class AgingSummary(views.Brief):
     dilute_note: str
 
 
+def summary_of(dataset: xr.Dataset, law: HeightLaw | None = None) -> AgingSummary | None:
+    """Summarize as `aging_summary` does; None where the area follows no law: under legs, without contact."""
+    held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
+    return aging_summary(dataset, law=law) if held else None
+
+
 def aging_summary(dataset: xr.Dataset, *, law: HeightLaw | None = None) -> AgingSummary:
     """Summarize the growth of the contact area.
 

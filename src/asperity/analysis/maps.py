@@ -13,13 +13,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.analysis.scan import lateral_unit, readable
 from asperity.base import views
+from asperity.base.readable import readable
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.results.history import check_fields
 from asperity.surfaces.prepare import of_body
+from asperity.surfaces.provenance import lateral_unit
 from asperity.surfaces.surface import measured_part
 
 Number = TypeVar("Number", np.int8, np.float64)

@@ -4,55 +4,28 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.aging import AgingSummary
+from asperity.analysis.aging import AgingSummary, summary_of
 from asperity.analysis.legs import leg_table
-from asperity.analysis.scan import readable, written
+from asperity.base import views
+from asperity.base.readable import readable, written
+from asperity.base.rows import Row
 from asperity.base.words import counted, thousands, to_digits
 from asperity.contact import Contact
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
+from asperity.results.history import History
 from asperity.results.quantities import select, units_of
 
 _MOST_LEGS = 20
 """Legs of a history that are listed."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """A named value with its unit, or words; its 95 % interval, and a note."""
-
-    name: str
-    value: float | str
-    unit: str = "1"
-    interval: tuple[float, float] | None = None
-    note: str = ""
-    digits: int = 8
-    brief: bool = False
-    """Whether a card shows it, too."""
-
-    def words(self, spelled: Callable[[str], str] = str) -> str:
-        """Value, interval and note; `spelled` formats a plain "2 um" for a medium."""
-        if isinstance(self.value, str):
-            return self.value + self.note
-        text = spelled(written(self.value, self.unit, self.digits))
-        if self.interval is not None:
-            ends = (spelled(written(end, self.unit, 3)) for end in self.interval)
-            text += f" (95 %: {' to '.join(ends)})"
-        return text + self.note
-
-
-def words_of(rows: Iterable[Row]) -> list[tuple[str, str]]:
-    """Rows as pairs of a name and plain words."""
-    return [(row.name, row.words()) for row in rows]
-
-
-def contact_rows(contact: Contact) -> list[Row]:
+@views.defines(Contact.rows)
+def contact_rows(contact: Contact, /) -> list[Row]:
     """Rows of one contact."""
     units = units_of(contact) if contact.si else {}
     rows = [
@@ -73,6 +46,11 @@ def _of(name: str, value: float, unit: str | None) -> Row:
     return Row(name, value, unit or "1", digits=4, brief=True)
 
 
+@views.defines(History.rows)
+def _rows(history: History, /) -> list[Row]:
+    return history_rows(history.dataset, summary_of(history.dataset))
+
+
 def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:
     """Rows of a history; without a summary, leg by leg."""
     rows = _legs(dataset) if summary is None else _growth(dataset, summary)
@@ -82,9 +60,16 @@ def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]
         ends = dict.fromkeys((0, seen.size - 1))
         unit = seen.attrs["units"]
         rows += [Row(f"observed at t = {times[n]:g}", areas[n], unit, digits=5) for n in ends]
-    residual = float(dataset["residual"].max())
-    worst = Row("worst residual", f"{residual:.1e} of the mean contact force", brief=True)
-    return [*rows, *carried_rows(dataset), worst]
+    return [*rows, *carried_rows(dataset), worst_residual(dataset)]
+
+
+def worst_residual(dataset: xr.Dataset) -> Row:
+    """The largest residual of all times, and the steps that they took."""
+    exact = dataset.attrs.get("exact_contact") == "at all times"
+    effort = "exact contact" if exact else f"{int(dataset['steps'].sum())} time steps"
+    effort += f", {int(dataset['iterations'].sum())} iterations"
+    worst = f"{float(dataset['residual'].max()):.1e} of the mean contact force"
+    return Row("worst residual", worst, note=f"; {effort}", brief=True)
 
 
 def carried_rows(dataset: xr.Dataset) -> list[Row]:
@@ -156,9 +141,10 @@ def _growth(dataset: xr.Dataset, summary: AgingSummary) -> list[Row]:
         low, high = (decade * end for end in rate.interval("B"))
         times = " to ".join(_time(dataset, time) for time in (rate.first, rate.last))
         bends = "; the curve bends, so that this is a mean" if rate.straight is False else ""
-        note = f" % of A(0) per decade, t = {times}{bends}"
+        note = f", t = {times}{bends}"
         interval = (low, high) if low < high else None
-        rows.append(Row("growth", decade * rate.B, "1", interval, note, digits=3, brief=True))
+        unit = "% of A(0) per decade"
+        rows.append(Row("growth", decade * rate.B, unit, interval, note, digits=3, brief=True))
     if abs(summary.steepest_per_decade) > 0:
         steepest = f"{summary.steepest_per_decade:.3g} A(0) per decade of time, near t = "
         steepest += _time(dataset, float(f"{summary.steepest_time:.2g}"))

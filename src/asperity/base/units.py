@@ -165,7 +165,7 @@ def is_usual(text: str) -> bool:
 def spelled(text: str) -> str | None:
     """A unit in Pint's spelling, from common spellings; None if its case leaves milli or mega open."""
     text = re.sub(r"^in[ _]", "", text.strip())
-    text = re.sub(r"^(?:per|1)[ _/]+", "1/", text).replace("_", "/")
+    text = re.sub(r"^(?:per|1)[ _/]+", "1/", text.rstrip(".")).replace("_", "/")
     words = {word: _in_case(word) for word in _WORD.findall(text)}
     if None in words.values():
         return None

@@ -11,6 +11,12 @@ from typing import Any, Self
 _WITH_UNIT = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*(?![eE][+-]?\d)[^\d\s,.].*")
 _ONE_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?(\s*[^\W\d][^,]*)?")
 
+PLAIN = {
+    **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁴": "^4", "Å": "angstrom", "Ω": "ohm", "−": "-", "×": "x"},
+    **{"χ": "chi", "θ": "theta", "→": "to", "±": "+-", "\u00a0": " ", "\u202f": " "},
+}
+"""Letters that not every terminal and no header of a table has, and what stands for them."""
+
 MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
 """Arguments and keys that people write, and what to write where there is such a one."""
 
@@ -121,10 +127,16 @@ def uncertain(value: float, error: float) -> str:
         return to_digits(value, 4) if error == 0 else f"{to_digits(value, 3)} (undetermined)"
     if error > abs(value):
         return f"{value:.2g} ± {float(f'{error:.1g}'):g}"
-    decimals = max(0, 1 - math.floor(math.log10(error)))
-    if decimals > 6 or abs(value) >= 1e5:
-        return f"{value:.4g} ± {error:.1g}"
-    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
+    return " ± ".join(to_error((value, error), error))
+
+
+def to_error(values: Iterable[float], error: float) -> list[str]:
+    """Write numbers to the decimals that the two digits of an error have; to four digits without one."""
+    values = list(values)
+    decimals = max(0, 1 - math.floor(math.log10(error))) if math.isfinite(error) and error > 0 else math.inf
+    if decimals > 6 or max(map(abs, values)) >= 1e5:
+        return [to_digits(value, 4) for value in values]
+    return [f"{value:.{decimals}f}" for value in values]
 
 
 def thousands(value: int) -> str:

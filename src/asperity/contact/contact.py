@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity.base import checks, views
+from asperity.base.rows import Row
 from asperity.contact.anchors import AnchorFields, Anchors
 from asperity.contact.bodies import Bodies
 from asperity.contact.controls import Control, Hold, Load, Separation
@@ -245,6 +246,11 @@ class Contact(Bodies, views.InNotebooks):
         approach is that of the mean of the surface, it is stiffer, see `asperity.theory.hertz`.
         """
         return self._normal_stiffness()
+
+    @views.later
+    def rows(self, /) -> list[Row]:
+        """Rows of a summary: name, value with its unit."""
+        raise NotImplementedError
 
     @views.later
     def _normal_stiffness(self, /) -> float:

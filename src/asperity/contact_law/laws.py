@@ -36,11 +36,11 @@ from scipy.stats import gumbel_r
 
 from asperity.analysis.bands import CLOSED, bearing, in_tiles, interval, student, without_each
 from asperity.analysis.flow import hydraulic_gap
-from asperity.analysis.scan import written
 from asperity.ask.contact_law import Law
 from asperity.ask.question import answers
 from asperity.base import checks
 from asperity.base.calls import remark
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.carried import Carried
 from asperity.carried.record import quantities
@@ -81,7 +81,7 @@ _BY_TILE = {
 }
 """Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
 
-Row = dict[str, Any]
+State = dict[str, Any]
 
 
 @answers(Law)
@@ -99,7 +99,7 @@ def law(question: Law) -> xr.Dataset:
     heights, spacing = scan.in_meters()
     asked = body.kind, dict(body.parameters), steps.tolist(), ages.tolist(), carried, rtol, scan
     keeper = Keeper(question.checkpoint, repr(asked).encode() + heights.tobytes())
-    rows: list[Row] = (keeper.read() or ([],))[0]
+    rows: list[State] = (keeper.read() or ([],))[0]
     done = {row["pressure"] for row in rows if row["direction"] == "loading"}
     with listener(question.progress) as listening:
         # The largest comes first, so that full contact or yield is refused early.
@@ -142,10 +142,10 @@ def _held(
     ages: Field,
     lower: list[float],
     rtol: float,
-    row_of: Callable[[Contact], Row],
-) -> list[Row]:
+    row_of: Callable[[Contact], State],
+) -> list[State]:
     """Rows at each age of a held pressure, each followed by instant unloading to lower pressures."""
-    rows: list[Row] = []
+    rows: list[State] = []
 
     def reached(time: float, contact: Contact) -> None:
         if time not in ages or time in (row["time"] for row in rows):
@@ -153,7 +153,7 @@ def _held(
         if contact.contact_fraction == 1:
             got, advice = f"{written(pressure, 'Pa')}: all of it touches", "a lower last pressure"
             raise InputError("pressures", expected="less than full contact", got=got, advice=advice)
-        state: Row = {"direction": "loading", "time": time, "pressure": pressure}
+        state: State = {"direction": "loading", "time": time, "pressure": pressure}
         when = f"under {written(pressure, 'Pa')} after {written(time, 's')}"
         rows.append(state | {"seen": asdict(resolution_of(contact, scan, when, time))} | row_of(contact))
         state["direction"] = "unloading"
@@ -168,11 +168,11 @@ def _held(
     return rows
 
 
-def _row(contact: Contact, rough: Field, carried: Carried | None) -> Row:
+def _row(contact: Contact, rough: Field, carried: Carried | None) -> State:
     """The numbers of one contact, and sums over its tiles for the bands."""
     of_body, of_mean, force = unit_response(contact)
     gap, area, body = contact.gap, contact.nominal_area, np.isfinite(rough)
-    row: Row = {
+    row: State = {
         "approach": float((rough.max() - contact.heights[body] - gap[body]).mean()),
         "stiffness": 1 / (of_mean * area),
     }
@@ -219,7 +219,7 @@ def _with_bands(rows: pd.DataFrame, rough: Field) -> pd.DataFrame:
     return rows.assign(**names)
 
 
-def _dataset(rows: list[Row], rough: Field) -> xr.Dataset:
+def _dataset(rows: list[State], rough: Field) -> xr.Dataset:
     ends = {"": "", "_low": ", low end of the 95 % band", "_high": ", high end of the 95 % band"}
     facts = {
         f"{name}{end}": {"units": unit, "long_name": f"{meaning}{addition}"}

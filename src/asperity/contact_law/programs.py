@@ -10,8 +10,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
-from asperity.analysis.scan import written
 from asperity.base import checks, units
+from asperity.base.readable import written
 from asperity.contact_law.laws import check_law
 from asperity.errors import InputError
 from asperity.lattice import Field

@@ -14,11 +14,9 @@ from asperity.figures.fields import distribution_figure, patch_figure
 from asperity.figures.film import Film, animate_history
 from asperity.figures.fit import fit_figure
 from asperity.figures.history import history_figure
-from asperity.figures.inference import inference_page, inference_pictures
 from asperity.figures.law import law_figure
 from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.plots import plot_contact, plot_history, plot_kind, plot_spectrum, plot_surface
-from asperity.figures.rate_and_state import rate_and_state_figure
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
 from asperity.figures.steady_sliding import steady_sliding_figure
@@ -38,8 +36,6 @@ __all__ = [
     "fit_figure",
     "history_figure",
     "html_of",
-    "inference_page",
-    "inference_pictures",
     "law_figure",
     "patch_figure",
     "plot_contact",
@@ -49,7 +45,6 @@ __all__ = [
     "plot_surface",
     "prediction_page",
     "prediction_pictures",
-    "rate_and_state_figure",
     "relaxation_figure",
     "sliding_figure",
     "steady_sliding_figure",

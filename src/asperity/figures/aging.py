@@ -8,7 +8,6 @@ from typing import Any
 
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.analysis import AgingSummary
 from asperity.base import checks
@@ -28,7 +27,7 @@ _IN_SIGHT = 3.0
 @style.drawn
 def aging_curve(
     dataset: xr.Dataset, summary: AgingSummary, measured: Measurements | Path | str | None = None
-) -> Figure:
+) -> style.Drawing:
     """Draw A(t)/A(0), the saturation law, the dilute theory where it holds, and the relaxed limit.
 
     Where the separation is held, a second panel shows the load.

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
-from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.errors import InputError
@@ -26,7 +25,7 @@ Where = Mapping[str, int]
 
 
 @style.drawn
-def campaign_figure(dataset: xr.Dataset) -> Figure:
+def campaign_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw the contact against time at each point of a campaign: means over the seeds, and standard errors.
 
     The parameter with most values tells the curves of a panel apart; each point of the others has a panel.

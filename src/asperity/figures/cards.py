@@ -9,12 +9,11 @@ from html import escape
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity.analysis.aging import aging_summary
-from asperity.analysis.rows import Row, contact_rows, history_rows
-from asperity.analysis.scan import lateral_unit, written
 from asperity.base import views
 from asperity.base.calls import showing
-from asperity.base.words import band_ends, uncertain
+from asperity.base.readable import written
+from asperity.base.rows import Row
+from asperity.base.words import uncertain
 from asperity.contact import Contact
 from asperity.contact.publish import ACCEPTED_RESIDUAL
 from asperity.figures import style
@@ -29,6 +28,7 @@ from asperity.relaxation import Fit, PronySeries
 from asperity.results.history import History
 from asperity.solids import Solid
 from asperity.surfaces import Surface
+from asperity.surfaces.provenance import lateral_unit
 
 _SIZE, _DPI = (3.6, 2.7), 100
 """Size of a picture in inches, and its dots per inch."""
@@ -61,7 +61,7 @@ views.defines(views.InNotebooks._html)(html_of)
 
 @html_of.register
 def _(contact: Contact) -> str:
-    rows = [*_brief(contact_rows(contact)), ("solid", _line(contact.solid))]
+    rows = [*_brief(contact.rows()), ("solid", _line(contact.solid))]
     proof = (
         f"The fields leave a residual of {contact.residual:.1e} of the mean contact force; "
         f"at most {ACCEPTED_RESIDUAL:.0e} is accepted."
@@ -73,8 +73,7 @@ def _(contact: Contact) -> str:
 @html_of.register
 def _(history: History) -> str:
     data, final = history.dataset, history.final
-    held = "protocol" not in data.attrs and data["area"].values[0] > 0
-    rows = _brief(history_rows(data, aging_summary(data) if held else None))
+    rows = _brief(history.rows())
     rows += [("maps", str(data.sizes.get("field_time", 0))), ("solid", _line(final.solid))]
     draw = partial(plot_history, data) if data["time"].values[-1] > 0 else None
     proof = f"Tolerance in time {data.attrs['rtol']:g}."
@@ -146,24 +145,6 @@ def _(fit: Fit) -> str:
 
 @html_of.register
 def _(prediction: Prediction) -> str:
-    area = prediction.series("contact_area_corrected"), *prediction.band("contact_area_corrected")
-    last, *ends = (float(values[-1]) for values in area)
-    band = band_ends(ends, lambda end: quantity(end, "m^2"))
-    rows = [("area at last", quantity(last, "m^2")), ("95 % band", band)]
-    if (growth := prediction.growth) is not None:
-        least, most = growth.range
-        rows = [
-            (prediction.between("A"), f"{growth.ratio:.5g}"),
-            ("95 % band", band_ends(growth.ratio_band)),
-            ("growth per decade", f"{100 * least:.3g} to {100 * most:.3g} % of the first area"),
-        ]
-    rows += [
-        ("load", quantity(prediction.load, "N")),
-        ("instantaneous modulus E*", quantity(prediction.modulus, "Pa")),
-    ]
-    if (friction := prediction.friction) is not None:
-        rows.append(("static friction", f"{friction[0]:.3g} to {friction[-1]:.3g}"))
-
     def draw(axes: Axes) -> None:
         draw_growth(axes, prediction)
         axes.legend(loc="upper left")
@@ -171,9 +152,8 @@ def _(prediction: Prediction) -> str:
 
     return _card(
         "Prediction",
-        rows,
+        _brief(prediction.rows()),
         draw,
-        f"Worst residual {float(prediction.dataset['residual'].max()):.1e} of the mean contact force.",
         *prediction.remarks,
     )
 

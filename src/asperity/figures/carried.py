@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from asperity.analysis.legs import leg_table
 from asperity.analysis.maps import end_of_loading
@@ -34,7 +33,7 @@ _PANELS = {
 
 
 @style.drawn
-def carried_figure(dataset: xr.Dataset) -> Figure:
+def carried_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw what `asperity.Carried` asked a history to record, leg by leg as `history_figure` draws the area.
 
     A dotted line has the value of the first contact, or where the load began with 0, of the first contact

@@ -16,8 +16,8 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from asperity.analysis import ContactMaps, SiteState
-from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.readable import readable, written
 from asperity.base.words import counted, power, thousands
 from asperity.figures import style
 from asperity.lattice import Field
@@ -53,7 +53,7 @@ _WORDS = {
 
 
 @style.drawn
-def contact_figure(maps: ContactMaps) -> Figure:
+def contact_figure(maps: ContactMaps) -> style.Drawing:
     """Draw which sites touch at each time: since the map of reference, newly, or no longer.
 
     Parameters
@@ -71,7 +71,7 @@ def contact_figure(maps: ContactMaps) -> Figure:
     return _profile_figure(maps) if maps.heights.ndim == 1 else _map_figure(maps)
 
 
-def _map_figure(maps: ContactMaps) -> Figure:
+def _map_figure(maps: ContactMaps) -> style.Drawing:
     """Topography and maps; where sites are too small to be seen, a coarser sample above close-ups."""
     shape = maps.heights.shape
     panels = 1 + len(maps.times)
@@ -233,7 +233,7 @@ def _moment(maps: ContactMaps, time: float) -> str:
     return f"$t$ = ${power(time)}$" + (f" {maps.time_unit}" if time else "").rstrip()
 
 
-def _profile_figure(maps: ContactMaps) -> Figure:
+def _profile_figure(maps: ContactMaps) -> style.Drawing:
     figure = style.Drawing(figsize=(style.PAGE, 4.6))
     upper, lower = figure.subplots(2, 1, height_ratios=(3, 2))
     first, last = maps.window

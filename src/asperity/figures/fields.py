@@ -8,7 +8,6 @@ import math
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.analysis import distributions
 from asperity.base.words import power
@@ -28,7 +27,7 @@ _LOOKS = ((style.GRAY, "--"), (style.VERMILION, "-"))
 
 
 @style.drawn
-def patch_figure(dataset: xr.Dataset) -> Figure:
+def patch_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw number and sizes of the patches, sites gained and lost since the first map, and contact ages.
 
     Parameters
@@ -93,7 +92,7 @@ def _scale(values: Field, axes: Axes, which: str) -> None:
 
 
 @style.drawn
-def distribution_figure(dataset: xr.Dataset) -> Figure:
+def distribution_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw which part of the surface has a larger gap, of the contact more pressure, of patches more area.
 
     Parameters

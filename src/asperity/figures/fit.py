@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.words import thousands, uncertain
 from asperity.figures import style
 from asperity.fits import GrowthRate, LogarithmFit, MeasuredGrowth, SaturationFit
 from asperity.fits.measured import Law
+from asperity.fits.rows import UNDETERMINED, determined
 
 _LINES: dict[Law, tuple[str, str, str]] = {
     "saturation": (style.BLUE, "-", "o"),
@@ -23,16 +23,9 @@ _LINES: dict[Law, tuple[str, str, str]] = {
 _BARS: dict[str, Any] = {"ecolor": style.GRAY, "elinewidth": 1.2, "capsize": 2.5}
 """How error bars look: their width, and half that of their ends, in points."""
 
-UNDETERMINED = "not determined by these times"
-
-
-def determined(value: float, stderr: float) -> bool:
-    """Whether a parameter is known better than to a factor of about two; an exact one is."""
-    return stderr < abs(value)
-
 
 @style.drawn
-def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> Figure:
+def fit_figure(growth: MeasuredGrowth, *, quantity: str, unit_time: str, window: bool) -> style.Drawing:
     """Draw data and laws, with their numbers in the legend, and a strip of residuals.
 
     Quantity and unit of time, which may be "", are names for the axes. With a window the straight line of

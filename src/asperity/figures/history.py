@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.analysis.legs import LegRow, leg_table, protocol_of
 from asperity.errors import InputError
@@ -39,7 +38,7 @@ _EACH_LEG = "time since the beginning of each leg"
 
 
 @style.drawn
-def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | None = None) -> Figure:
+def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | None = None) -> style.Drawing:
     """Draw the load above the contact area; above both the separation, where a leg prescribes it.
 
     Parameters

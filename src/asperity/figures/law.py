@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps
 
-from asperity.analysis.scan import readable
+from asperity.base.readable import readable
 from asperity.base.words import duration
 from asperity.contact_law.laws import check_law
 from asperity.figures import style

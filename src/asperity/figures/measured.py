@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from asperity.analysis.scan import written
 from asperity.base.calls import remark
+from asperity.base.readable import written
 from asperity.figures import style
 from asperity.fits import Measurements
 from asperity.lattice import Field

@@ -13,12 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from matplotlib.figure import Figure
 
 from asperity.analysis.bands import rows_of_maps
-from asperity.analysis.scan import understood, written
 from asperity.base import checks
 from asperity.base.calls import showing
+from asperity.base.readable import printed, written
 from asperity.base.version import __version__
 from asperity.base.words import band_ends
 from asperity.figures import prediction as drawn
@@ -29,6 +28,7 @@ from asperity.figures.relaxation import relaxation_figure
 from asperity.fits import Measurements
 from asperity.prediction.results import Prediction
 from asperity.surfaces import statistics
+from asperity.surfaces.provenance import understood
 
 _GROWTH = (
     "Real contact area against time, with its 95 % band; below, its growth in each decade and on average."
@@ -54,7 +54,7 @@ class Picture:
     """A figure, and what it shows."""
 
     caption: str
-    figure: Figure
+    figure: style.Drawing
     data: str
     """The pixels as text."""
 
@@ -88,7 +88,7 @@ def prediction_pictures(
     """
     checks.instance("prediction", prediction, Prediction, "asperity.predict(...)")
     dataset, fit = prediction.dataset, prediction.fit
-    draws: dict[str, Callable[[], Figure]] = {}
+    draws: dict[str, Callable[[], style.Drawing]] = {}
     if prediction.growth is None:
         draws["history"] = partial(history_figure, dataset, measured)
     else:
@@ -107,7 +107,7 @@ def prediction_pictures(
     return pictures_of({name: (captions[name], draw) for name, draw in draws.items()})
 
 
-def pictures_of(draws: Mapping[str, tuple[str, Callable[[], Figure]]]) -> dict[str, Picture]:
+def pictures_of(draws: Mapping[str, tuple[str, Callable[[], style.Drawing]]]) -> dict[str, Picture]:
     """Draw figures with captions, by name; one that fails is left out with a remark."""
     pictures = {}
     for name, (caption, draw) in draws.items():
@@ -191,7 +191,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
         mantissa, ten = number.split("e")
         raised = str(int(ten)).translate(_RAISED)
         number = f"{mantissa} × 10{raised}"
-    return f"{number.removeprefix('1 × ')} {name.replace('^2', '²').replace('u', 'µ')}"
+    return f"{number.removeprefix('1 × ')} {printed(name)}"
 
 
 def _rows(prediction: Prediction) -> list[dict[str, Any]]:
@@ -215,7 +215,7 @@ def _rows(prediction: Prediction) -> list[dict[str, Any]]:
     ]
 
 
-def pixels(figure: Figure, **options: Any) -> str:
+def pixels(figure: style.Drawing, **options: Any) -> str:
     """Draw a figure as PNG for a page, with options of its ``savefig``."""
     stream = BytesIO()
     figure.savefig(stream, format="png", **options)

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from asperity.analysis import ContactMaps, SiteState
 from asperity.analysis.maps import maps_between
-from asperity.analysis.scan import written
 from asperity.base import checks, views
+from asperity.base.readable import written
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.figures import style

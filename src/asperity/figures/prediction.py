@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from asperity.analysis.bands import rows_of_maps
 from asperity.analysis.maps import SiteState, color_range
-from asperity.analysis.scan import readable
+from asperity.base.readable import readable
 from asperity.base.words import power
 from asperity.figures import style
 from asperity.figures.contacts import COLORS
@@ -34,7 +33,7 @@ _MIXED: dict[str, Any] = {"interpolation_stage": "rgba"}
 
 
 @style.drawn
-def growth_figure(prediction: Prediction, measured: Measurements | Path | str | None = None) -> Figure:
+def growth_figure(prediction: Prediction, measured: Measurements | Path | str | None = None) -> style.Drawing:
     """Draw the area against the logarithm of time, its growth in each decade, and friction.
 
     A measured area is drawn beside the first, and below it the ratio of both.
@@ -137,7 +136,7 @@ def draw_band(axes: Axes, prediction: Prediction, name: str, factor: float = 1.0
 
 
 @style.drawn
-def contact_maps_figure(prediction: Prediction) -> Figure:
+def contact_maps_figure(prediction: Prediction) -> style.Drawing:
     """Draw where the scan touches at the first and the last time, and with which pressure."""
     heights = np.asarray(prediction.dataset["heights"])
     touching, pressure = (_ends(prediction, name) for name in ("in_contact", "pressure"))
@@ -211,7 +210,7 @@ def _draw_pressures(axes: Axes, prediction: Prediction) -> None:
 
 
 @style.drawn
-def observed_figure(prediction: Prediction) -> Figure:
+def observed_figure(prediction: Prediction) -> style.Drawing:
     """Draw the contact at the last time, its image in the instrument, and the part that counts as contact."""
     observation = prediction.observed[-1]
     touching = np.asarray(prediction.dataset["in_contact"])[-1]

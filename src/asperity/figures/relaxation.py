@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable, written
 from asperity.base import checks
+from asperity.base.readable import readable, written
 from asperity.base.words import counted
 from asperity.figures import style
 from asperity.relaxation import Creep, Dynamic, Fit
@@ -20,7 +19,7 @@ _MARKERS = ("o", "s")
 
 
 @style.drawn
-def relaxation_figure(fit: Fit) -> Figure:
+def relaxation_figure(fit: Fit) -> style.Drawing:
     """Draw data and fit, and below them the deviations and the branches.
 
     Parameters

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from asperity.analysis.legs import leg_table, numbers_of
 from asperity.errors import InputError
@@ -20,7 +19,7 @@ _NARROWEST = 1e-3
 
 
 @style.drawn
-def sliding_figure(dataset: xr.Dataset) -> Figure:
+def sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     """Draw friction (`asperity.friction.add_friction`) against displacement; without it, the contact area.
 
     The surface moves by whole shifts, and between two of them the contact grows. A line joins the states just

@@ -11,6 +11,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
 from typing import IO, Any, Literal, NamedTuple, ParamSpec, TypeVar
 
@@ -26,7 +27,8 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from asperity.analysis.scan import readable, written
+from asperity.base.checks import Floats
+from asperity.base.readable import printed, readable, written
 from asperity.lattice import Field
 from asperity.solids import PARAMETERS_OF_LAWS
 
@@ -71,6 +73,53 @@ PIXELS: dict[str, Any] = {"interpolation": "antialiased", "rasterized": True}
 _MARGIN = 12.0
 """Kept free beside a text that is as wide as its figure, points."""
 
+_ENDS = {
+    **{"curve": ("",), "points": ("",), "errors": ("", " low", " high")},
+    **{"steps": (" up to the next",), "band": (" low", " high")},
+}
+"""How the names of columns end, by kinds of series in the order of a table."""
+
+
+class RecordingAxes(Axes):
+    """Axes that keep the numbers they are given to draw, for the table beside their figure."""
+
+    def clear(self) -> None:
+        """Begin anew."""
+        super().clear()
+        self.series: dict[str, list[tuple[str, Floats, dict[str, Floats]]]] = {kind: [] for kind in _ENDS}
+
+    def plot(self, *args: Any, **kwargs: Any) -> Any:
+        """Draw a curve."""
+        self._keep("curve", kwargs, *(values for values in args if not isinstance(values, str)))
+        return super().plot(*args, **kwargs)
+
+    def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """Draw points and their errors."""
+        ends = () if yerr is None or "data" in kwargs else np.ma.asarray(y) + np.multiply([[-1], [1]], yerr)
+        self._keep("errors" if len(ends) else "points", kwargs, x, y, *ends)
+        return super().errorbar(x, y, yerr, *args, **kwargs)
+
+    def stairs(self, values: Any, edges: Any = None, **kwargs: Any) -> Any:
+        """Draw a value between each two edges."""
+        self._keep("steps", kwargs, edges, np.append(values, np.nan))
+        return super().stairs(values, edges, **kwargs)
+
+    def fill_between(self, x: Any, y1: Any, y2: Any = 0, *args: Any, **kwargs: Any) -> Any:
+        """Draw a band."""
+        self._keep("band", kwargs, x, y1, y2)
+        return super().fill_between(x, y1, y2, *args, **kwargs)
+
+    def _keep(self, kind: str, look: Mapping[str, Any], *numbers: Any) -> None:
+        """Keep a series, of a kind of `_ENDS`, unless it only marks a place in the picture."""
+        with suppress(TypeError, ValueError):  # dates, names, several curves at once: drawn without a column
+            filled: Any = [np.ma.filled(np.ma.array(one, dtype=float), np.nan).ravel() for one in numbers]
+            rows = np.array(np.broadcast_arrays(*filled))
+            if kind == "band":  # where an end is unknown there is no band
+                rows = rows[:, np.isfinite(rows).all(axis=0)]
+            if rows.size and "transform" not in look:
+                values = dict(zip(_ENDS[kind], rows[1:], strict=True))
+                self.series[kind].append((str(look.get("label") or ""), rows[0], values))
+
 
 class Drawing(Figure):
     """A figure in the letters that journals ask for, written at `RESOLUTION`.
@@ -80,13 +129,19 @@ class Drawing(Figure):
     """
 
     table: Mapping[str, object] | None = None
-    """What is drawn, by columns "name [unit]", where its artists do not tell."""
+    """What is drawn, by columns "name [unit]", where that is not what its axes keep."""
     elsewhere = ""
     """Where the arrays are that it draws as maps."""
 
     def __init__(self, *, figsize: tuple[float, float]) -> None:
         super().__init__(figsize=figsize, layout="constrained")
         self._look: Any = {name: rcParams[name] for name in LOOK}
+
+    def add_subplot(self, *args: object, **kwargs: object) -> Axes:
+        """Add axes, as matplotlib does."""
+        kind: Any = {} if kwargs.keys() & {"projection", "polar"} else {"axes_class": RecordingAxes}
+        axes: Axes = super().add_subplot(*args, **kind | kwargs)
+        return axes
 
     def savefig(
         self, fname: str | PathLike[str] | IO[bytes], *, transparent: bool | None = None, **kwargs: object
@@ -332,7 +387,4 @@ def spelled(unit: str) -> str:
     if re.fullmatch(r"1e[+-]\d+", unit):
         return rf"$10^{{{int(unit[2:])}}}$ units"
     names = {"angstrom": "Å", "rms": "rms height"}
-    unit = unit.replace("ohm", "Ω")
-    if re.fullmatch(r"[pnumkMGT]?(Ω|m|m\^2|m\^3|N|J|Pa|Pa/m|S/m\^2|W/m\^2/K|N/m|J/m|m/s|s)", unit):
-        return re.sub(r"^u(?=[mNJPsΩ])", "µ", unit).replace("^2", "²").replace("^3", "³")
-    return names.get(unit, verbatim(unit))
+    return names.get(unit, verbatim(printed(unit)))

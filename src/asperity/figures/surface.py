@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.analysis.maps import color_range
-from asperity.analysis.scan import lateral_unit, readable
 from asperity.base import checks
+from asperity.base.readable import is_length, readable
 from asperity.base.words import uncertain
 from asperity.figures import style
 from asperity.lattice import Field
 from asperity.surfaces import PowerSpectrum, Surface, power_spectrum
-from asperity.surfaces.prepare import is_length, of_body
+from asperity.surfaces.prepare import of_body
+from asperity.surfaces.provenance import lateral_unit
 
 _PAD = 0.15
 """Room around each panel, inches: tick labels reach beyond their axes."""
@@ -75,7 +75,7 @@ class SurfaceView:
 @style.drawn
 def surface_figure(
     surface: Surface, *, title: str, note: str = "", spectrum: PowerSpectrum | None = None
-) -> Figure:
+) -> style.Drawing:
     """Draw a surface: map (if it has two axes), profile, histogram of the heights, and power spectrum.
 
     Parameters

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
-from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
-from matplotlib.patches import StepPatch
 
 from asperity.base import checks
 from asperity.base.calls import showing
-from asperity.base.files import FORMATS, OF_FIGURES, Format, expanded, table_beside
+from asperity.base.files import FORMATS, OF_FIGURES, Format, Standing, expanded, table_beside
+from asperity.base.words import PLAIN
 from asperity.errors import InputError
 from asperity.figures.style import Drawing
+from asperity.results.store import whole_file
 
 _PLAIN = {
-    **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "×": "x"},
-    **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "⁴": "^4", "Å": "angstrom", "Ω": "ohm", "−": "-"},
-    **{"χ": "chi", "θ": "theta", "→": "to", "±": "+-", "\u00a0": " ", "#": "no."},
+    **{r"\mu": "mu", r"\theta": "theta", r"\infty": "infinity", r"\to": "to", r"\times": "x", "#": "no."},
+    **PLAIN,
 }
 _MATHEMATICS = re.compile(r"\\[,; ]|[${}\\]")
 
@@ -35,7 +32,7 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     Parameters
     ----------
     figure
-        Of this package; of any other the table has its curves, error bars, bands and histograms.
+        Of this package; one of your own is drawn into the axes of a `Drawing`.
     path
         Its name; without formats, its suffix is the one.
     formats
@@ -50,25 +47,25 @@ def write(figure: Figure, path: Path | str, formats: Iterable[Format] | None = N
     Raises
     ------
     InputError
-        There is no such format.
+        There is no such format; or the figure is not a `Drawing`, which alone keeps its numbers.
     """
-    checks.instance("figure", figure, Figure, "asperity.figures.history_figure(history.dataset)")
+    advice = "axes of asperity.figures.Drawing(figsize=(3.3, 2.6)).subplots(), or figure.savefig"
+    drawing = checks.instance("figure", figure, Drawing, advice)
     path = expanded(path)
-    if formats is None:
-        formats = [path.suffix.removeprefix(".")]  # type: ignore[list-item]
-    suffixes = [formats] if isinstance(formats, str) else list(formats)
+    given = path.suffix.removeprefix(".") if formats is None else formats
+    suffixes = [given] if isinstance(given, str) else list(given)
     for suffix in suffixes:
         if suffix not in FORMATS:
             raise InputError("formats", expected=f"some of {', '.join(FORMATS)}", got=suffix or "none")
     files = [path.with_name(f"{path.stem}.{suffix}") for suffix in suffixes]
     files += [table_beside(path)] * bool(files)
     for file in files:
-        write_one(figure, file)
+        write_figure(drawing, file)
     return files
 
 
 def write_each(
-    draws: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[Format] | None
+    draws: Mapping[str, Callable[[], Drawing]], folder: Path, formats: Sequence[Format] | None
 ) -> None:
     """Draw figures, and write them under their names; one that fails is left out with a remark."""
     for name, draw in draws.items() if formats else ():
@@ -76,29 +73,25 @@ def write_each(
             write(draw(), folder / name, formats)
 
 
-def write_one(figure: Figure, file: Path) -> None:
-    """Write a figure in the format of a suffix, or as ``.csv`` the table of what it draws."""
-    if file.suffix == ".csv":
-        file.write_text(table_of(figure), encoding="utf-8")
-        return
-    try:
-        figure.savefig(file)
-    except BaseException:  # PDF and SVG are written while they are drawn
-        file.unlink(missing_ok=True)
-        raise
+def write_figure(figure: Drawing, path: Path, *, overwrite: bool | Standing = True) -> None:
+    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused.
+
+    With the suffix .csv it is the table of what the figure draws.
+    """
+    with whole_file(path, overwrite=overwrite) as part:
+        if part.suffix == ".csv":
+            part.write_text(table_of(figure), encoding="utf-8")
+        else:
+            figure.savefig(part)
 
 
-def table_of(figure: Figure) -> str:
+def table_of(figure: Drawing) -> str:
     """What a figure draws, as a table in text, which `asperity` reads: the title as a comment, and columns.
 
     Each curve has a column, after one of its places along the axis unless the curve before has the same.
     """
-    about = figure.get_suptitle().splitlines()
-    columns: Mapping[str, Any] = {}
-    if isinstance(figure, Drawing):
-        about += [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
-        columns = figure.table or {}
-    columns = columns or dict(_unlike(_columns(figure)))
+    about = figure.get_suptitle().splitlines() + [f"The maps: {figure.elsewhere}."] * bool(figure.elsewhere)
+    columns: Mapping[str, Any] = figure.table or dict(_unlike(_columns(figure)))
     cells = ([f"{value:.12g}" for value in np.ravel(values).astype(float)] for values in columns.values())
     rows = [",".join(row) for row in zip_longest(*cells, fillvalue="")]
     names = ",".join(f'"{plain(name)}"' for name in columns)
@@ -121,18 +114,14 @@ def _unlike(columns: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
         yield (name if seen[name] == 1 else f"{quantity} ({seen[name]}){bracket}{unit}"), values
 
 
-def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
+def _columns(figure: Drawing) -> Iterator[tuple[str, Any]]:
     place: tuple[str, Any] = ("", ())
     for axes in figure.axes:
-        if axes.get_label() == "<colorbar>" or not axes.get_visible():
-            continue
-        shared = axes.get_shared_x_axes().get_siblings(axes)
+        shared = axes.get_shared_x_axes().get_siblings(axes)[::-1]
         title = axes.get_title().partition("\n")[0]
-        across = next(
-            (each.get_xlabel() for each in (axes, *shared[::-1]) if each.get_xlabel()), title or "x"
-        )
+        across = next(filter(None, [*(each.get_xlabel() for each in (axes, *shared)), title, "x"]))
         along = axes.get_ylabel() or title or "y"
-        for label, x, series in _curves(axes):
+        for label, x, series in chain(*getattr(axes, "series", {}).values()):
             if (across, tuple(x)) != place:
                 place = across, tuple(x)
                 yield place
@@ -140,33 +129,3 @@ def _columns(figure: Figure) -> Iterator[tuple[str, Any]]:
             for ending, values in series.items():
                 quantity, bracket, unit = along.partition(" [")
                 yield f"{named}{quantity}{ending}{bracket}{unit}", values
-
-
-def _curves(axes: Axes) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """Name, places and values of what is drawn by its data: curves, error bars, histograms and bands."""
-    bars = [
-        item for item in axes.containers if isinstance(item, ErrorbarContainer) and item.lines[0] is not None
-    ]
-    taken = {id(line) for item in bars for line in (item.lines[0], *item.lines[1])}
-    for line in axes.lines:
-        if id(line) not in taken and line.get_transform() == axes.transData and np.size(line.get_xdata()) > 0:
-            yield str(line.get_label()), line.get_xdata(orig=False), {"": line.get_ydata(orig=False)}
-    for bar in bars:
-        x, y = bar.lines[0].get_data(orig=False)
-        series = {"": y}
-        if bar.lines[2]:
-            segments = [np.asarray(item) for item in bar.lines[2][0].get_segments()]
-            ends = np.array([item[:, 1] if item.shape == (2, 2) else np.full(2, np.nan) for item in segments])
-            series |= {" low": ends[:, 0], " high": ends[:, 1]}
-        yield str(bar.get_label()), x, series
-    for patch in axes.patches:
-        if isinstance(patch, StepPatch):
-            values, edges, _ = patch.get_data()
-            yield str(patch.get_label() or ""), edges, {" up to the next": np.append(values, np.nan)}
-    for band in axes.collections:
-        if isinstance(band, PolyCollection) and len(band.get_paths()) == 1:
-            corners = np.asarray(band.get_paths()[0].vertices)
-            count = (len(corners) - 3) // 2
-            low, high = corners[1 : count + 1], corners[count + 2 : 2 * count + 2][::-1]
-            if count > 0 and np.array_equal(low[:, 0], high[:, 0]):
-                yield str(band.get_label()), low[:, 0], {" low": low[:, 1], " high": high[:, 1]}

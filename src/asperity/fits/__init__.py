@@ -1,6 +1,7 @@
 """Fits of laws of growth, with uncertainties, to simulated or measured areas."""
 
 from asperity.base.calls import answered as _answered
+from asperity.fits import rows as rows  # defines MeasuredGrowth.rows
 from asperity.fits.comparison import Comparison, compare
 from asperity.fits.laws import LogarithmFit, SaturationFit, logarithm, saturation
 from asperity.fits.measured import MeasuredGrowth, measured_growth

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.base import checks, views
+from asperity.base.rows import Row
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import Comparison, compared
 from asperity.fits.curve import Curve, Series, refuse_decline
@@ -57,6 +58,11 @@ class MeasuredGrowth(views.Brief, views.Pictured):
     notes: tuple[str, ...]
     shown: Series
     shown_are_means: bool
+
+    @views.later
+    def rows(self, /, unit: str = "") -> list[Row]:
+        """Rows of a summary: data, laws with their 95 % intervals, comparison; times have this unit."""
+        raise NotImplementedError
 
 
 def measured_growth(

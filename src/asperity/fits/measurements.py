@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -12,10 +12,20 @@ import numpy as np
 
 from asperity.base import units, views
 from asperity.base.checks import Floats
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, in_line, normal, position
-from asperity.base.columns import named as columns_named
-from asperity.base.tables import Table, read_table
 from asperity.errors import InputError, Value
+from asperity.sheets.columns import (
+    TIME,
+    Chosen,
+    Columns,
+    Role,
+    Units,
+    check_one_series,
+    in_line,
+    normal,
+    position,
+)
+from asperity.sheets.columns import named as columns_named
+from asperity.sheets.tables import Table, read_table
 
 _EXPECTED = {
     "s": ("in a unit such as s or min", "a header such as time_s"),
@@ -135,11 +145,13 @@ def read_measurements(
     if "time" not in places:
         places["time"] = _time(columns_read, first=int(indexed))
     if "value" not in places:
-        places["value"] = _value(columns_read, {*places.values()}, quantities)
+        places["value"] = _value(columns_read, places["time"], {*places.values()}, quantities)
+    _check_kind(columns_read, places["value"], quantities)
     places = {name: places[name] for name in asked if name in places}
     if len(set(places.values())) < len(places):
         got = " and ".join(f"column {at}" for at in places.values())
         raise InputError(str(path), expected=f"{' and '.join(places)} in different columns", got=got)
+    check_one_series(table, places["time"])
     read = {name: _checked(columns_read, at, name) for name, at in places.items()}
     of_values, of_errors = (columns_read.unit(name, places[name]) for name in ("value", list(places)[-1]))
     if len(places) == 3 and of_errors not in ("", of_values):
@@ -213,29 +225,28 @@ def errors_beside(names: Sequence[str], advice: str = "one such name in the head
 
 
 def _time(columns: Columns, first: int) -> int:
-    """Column of the hold times: that with such a name, or the first one."""
+    """Column of the hold times: that with such a name, or the first one if its name says nothing else."""
     named = [at for at in columns.chosen if columns.roles[at] == "time"]
-    return _only(columns, named or [first], "time", {"columns": "0 1"})
+    says_nothing = columns.roles[first] == "value" or not columns.table.names[first]
+    return _only(columns, named or [first] * says_nothing, "time", {"columns": "TIME VALUE"})
 
 
-def _value(columns: Columns, taken: set[int], quantities: Sequence[str]) -> int:
+def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[str]) -> int:
     """Column of the values: that with name or unit of a quantity, or the first one that is not taken."""
-    wanted = {_OF_VALUES[name].unit for name in quantities}
     others = [at for at in columns.chosen if at not in taken and columns.roles[at] not in ("time", "stderr")]
-    what, cure = " or ".join(quantities), dict[str, Value](columns="0 1")
+    what, cure = " or ".join(quantities), dict[str, Value](columns=f"{time} VALUE")
     if not any(columns.table.names):
         return _only(columns, others[:1], what, cure)
-
-    def has_unit_of(at: int, kinds: Iterable[str]) -> bool:
-        unit = units.spelled(columns.unit_text(at) or "1") or ""
-        return unit != "1" and any(units.factor(unit, kind) is not None for kind in kinds)
-
-    named = [at for at in others if columns.roles[at] in quantities and not has_unit_of(at, _KINDS - wanted)]
+    wanted = {_OF_VALUES[name].unit for name in quantities}
+    kinds = {at: _kind(columns, at) for at in others}
+    named = [at for at in others if columns.roles[at] in quantities and kinds[at] not in _KINDS - wanted]
     called = [at for at in named if normal(columns.label(at)) in quantities]
-    unnamed = [at for at in others if columns.roles[at] == "value"]
-    unnamed = [at for at in unnamed if columns.unit_text(at) in ("", "1", "-") or has_unit_of(at, wanted)]
+    unnamed = [at for at in others if columns.roles[at] == "value" and kinds[at] in {"", *wanted}]
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
-    cure = {"quantity": known[0]} if len(known) == 1 else cure
+    if len(known) == 1:
+        cure = {"quantity": known[0]}
+    elif not {"", *wanted}.intersection(kinds.values()):
+        cure = {}
     return _only(columns, called if len(called) == 1 else named or unnamed, what, cure)
 
 
@@ -249,6 +260,25 @@ def _only(columns: Columns, found: Sequence[int], what: str, cure: Mapping[str, 
 
 _KINDS = {"m", "m^2", "N", "Pa", "K"}
 """Units of which a value has that of its quantity, if any: a length is no area."""
+
+
+def _kind(columns: Columns, at: int) -> str | None:
+    """The one of the kinds of units, or "1", that the unit of a column is of; "" without a unit."""
+    unit = units.spelled(columns.unit_text(at).strip("-") or "1")
+    if unit in ("1", None):
+        return None if unit is None else ""
+    return next((kind for kind in sorted({*_KINDS, "1"}) if units.factor(unit, kind) is not None), None)
+
+
+def _check_kind(columns: Columns, at: int, quantities: Sequence[str]) -> None:
+    """Refuse a chosen column in the unit of something else."""
+    wanted = [_OF_VALUES[name].unit for name in quantities]
+    if _kind(columns, at) in _KINDS.difference(wanted):
+        about, got = (
+            f"column {columns.table.names[at] or at!r} of {columns.table.name}",
+            columns.unit_text(at),
+        )
+        raise InputError(about, expected=f"a unit of {' or '.join(quantities)}", got=got)
 
 
 def _begins_with_index(table: Table) -> bool:

@@ -15,6 +15,7 @@ import numpy as np
 
 from asperity.base import checks, views
 from asperity.base.checks import Floats
+from asperity.base.rows import Row
 from asperity.errors import InputError
 from asperity.fits import Estimate, jackknife
 from asperity.fits.comparison import ROUNDING, UNLIKELY, lack_of
@@ -70,6 +71,11 @@ class StateLaws(views.Brief, views.Pictured):
     effective_points: float
     relative_likelihood: float
     free: Mapping[StateLaw, RateAndStateFit] = field(default_factory=dict)
+
+    @views.later
+    def rows(self, /, first: str = "") -> list[Row]:
+        """Rows of a summary: the record, named by the first of several, both laws, and the verdict."""
+        raise NotImplementedError
 
     @property
     def every(self) -> list[RateAndStateFit]:

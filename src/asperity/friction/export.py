@@ -18,8 +18,10 @@ from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.fits import Estimate
 from asperity.friction.comparing import StateLaws
+from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw, state_law
 from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.records import Record
 
 _UNITS = {"D_c": "m", "V_0": "m/s", "stiffness": "1/m", "drift": "1/m"}
 _OWN_UNITS = {"D_c": "length of the record", "V_0": "length / time of the record"}
@@ -83,6 +85,12 @@ def _toml(laws: StateLaws, law: StateLaw) -> str:
     }
     heading = "# Rate-and-state friction: mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"
     return f"{heading}\n\n{tables_to_toml(tables)}"
+
+
+def events_table(fits: Mapping[Event, MachineFit | None], record: Record) -> pd.DataFrame:
+    """Holds and steps fitted one by one."""
+    columns = ({} if fit is None else columns_of(fit.estimates, si=record.si) for fit in fits.values())
+    return pd.DataFrame([event._asdict() | of for event, of in zip(fits, columns, strict=True)])
 
 
 def _csv(laws: StateLaws, law: StateLaw) -> str:

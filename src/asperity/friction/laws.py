@@ -30,6 +30,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.analysis.tabor import coming_velocity
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
@@ -182,14 +183,6 @@ def log_velocity(time: Floats, velocity: Floats, V_0: float) -> Floats:
 def _log_end(half: Floats) -> Floats:
     """Logarithm of the velocity at the end of an interval over its mean."""
     return half + np.log(np.divide(np.sinh(half), half, out=np.ones_like(half), where=half != 0))
-
-
-def coming_velocity(velocity: Floats) -> Floats:
-    """The velocity; at rest that of the next slip, or else of the last one, or 0 without any."""
-    slides = np.flatnonzero(velocity > 0)
-    if not slides.size:
-        return velocity
-    return velocity[slides[np.minimum(np.searchsorted(slides, np.arange(velocity.size)), slides.size - 1)]]
 
 
 def log_state(law: StateLaw, time: Floats, velocity: Floats, D_c: float, start: float) -> Floats:

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from asperity.base import checks
 from asperity.base import units as si
 from asperity.base.checks import Floats
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named
-from asperity.base.tables import Table
 from asperity.base.words import number
 from asperity.errors import InputError
 from asperity.friction.loading import variance
 from asperity.friction.records import Record
 from asperity.friction.xlook import is_xlook, read_xlook
+from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, named
+from asperity.sheets.tables import Table
 
 ROLES = (
     Role("", "", r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thickness|dicke"),

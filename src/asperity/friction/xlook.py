@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from asperity.base import units
-from asperity.base.tables import Table, text_of
 from asperity.errors import InputError
+from asperity.sheets.tables import Table, text_of
 
 _START, _HEADERS, _HEADER, _NAME = 36, 32, 84, 13
 _CALIBRATION = "a calibration, a text file with a line for each column: factor, unit, zero in bits"

@@ -1,10 +1,21 @@
 """Parameters that a measured curve determines: posteriors, verdicts, and the best next measurement."""
 
 from asperity.base.calls import answered as _answered
+from asperity.inference.figures import inference_page, inference_pictures
 from asperity.inference.inferring import Inference, infer
 from asperity.inference.models import Model
 from asperity.inference.priors import Prior
 from asperity.inference.verdicts import Candidate, Combination, Verdict
 
-__all__ = ["Candidate", "Combination", "Inference", "Model", "Prior", "Verdict", "infer"]
+__all__ = [
+    "Candidate",
+    "Combination",
+    "Inference",
+    "Model",
+    "Prior",
+    "Verdict",
+    "infer",
+    "inference_page",
+    "inference_pictures",
+]
 __dir__ = _answered(globals())

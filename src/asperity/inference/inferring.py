@@ -20,6 +20,8 @@ from scipy.stats import chi2
 from asperity.base import checks, units, views
 from asperity.base.calls import remark
 from asperity.base.checks import Floats
+from asperity.base.rows import Row, table_rows
+from asperity.base.words import counted, to_digits
 from asperity.errors import LARGEST, InputError
 from asperity.fits.comparison import neighbors
 from asperity.fits.curve import Series, refuse_decline
@@ -105,6 +107,18 @@ class Inference(views.Brief, views.Pictured):
     remarks: tuple[str, ...] = ()
     quantity: str = "area"
     unit: str = ""
+
+    def rows(self) -> list[Row]:
+        """Rows of a summary: the data, the models, the findings, and the agreement of the samples."""
+        rows = [Row("data", counted(self.time.size, "point")), Row("model", self.model.name)]
+        compared = self.models.itertuples(index=False)
+        cells = [[str(name), *(to_digits(value, 3) for value in values)] for name, *values in compared]
+        rows += table_rows("models", [[*self.models.columns], *cells])
+        findings = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings}
+        rows += [Row("", sentence) for sentence in self.sentences if sentence not in findings]
+        rows += [Row(*finding) for finding in self.findings]
+        samples = f"R-hat {self.draws.r_hat:.4f}, {self.draws.effective:.0f} effective samples"
+        return [*rows, Row("agreement", samples)]
 
     @property
     def problem(self) -> Problem:

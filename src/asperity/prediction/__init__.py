@@ -2,6 +2,7 @@
 
 from asperity.base.calls import answered as _answered
 from asperity.contact.remarks import Resolved
+from asperity.prediction import rows as rows  # defines Prediction.rows
 from asperity.prediction.predicting import predict
 from asperity.prediction.results import Growth, Prediction
 

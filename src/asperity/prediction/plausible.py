@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.scan import written
+from asperity.base.readable import written
 from asperity.base.words import counted
 from asperity.contact.remarks import Resolved, remarks_on_contacts
 from asperity.lattice import Field

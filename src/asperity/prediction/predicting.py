@@ -15,14 +15,14 @@ import xarray as xr
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
-from asperity.analysis.scan import written
+from asperity.analysis.tabor import add_friction
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
 from asperity.base import checks
 from asperity.base.machine import require
+from asperity.base.readable import length_factor, written
 from asperity.contact.remarks import remarks_on_bodies
 from asperity.errors import InputError
-from asperity.friction import add_friction
 from asperity.lattice import Field
 from asperity.prediction.plausible import remarks_on_history, remarks_on_prediction
 from asperity.prediction.results import Band, Prediction, growth_of, resolved
@@ -35,7 +35,6 @@ from asperity.results import History
 from asperity.simulate import age, pressed
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
-from asperity.surfaces.prepare import length_factor
 
 USUAL_MAPS = 6
 LEAST_TIMES = 5

@@ -20,9 +20,10 @@ from asperity.analysis.field_values import lattice_of
 from asperity.analysis.legs import protocol_of
 from asperity.analysis.maps import on_the_surface
 from asperity.analysis.observation import Observation
-from asperity.analysis.scan import written
 from asperity.base import views
 from asperity.base.checks import Floats
+from asperity.base.readable import written
+from asperity.base.rows import Row
 from asperity.base.words import band_ends, counted
 from asperity.contact.bodies import Bodies
 from asperity.contact.remarks import Resolved
@@ -150,6 +151,11 @@ class Prediction(views.InNotebooks, views.Pictured):
         ends = band_ends(pair, lambda end: written(end, "m^2"))
         at_last = f"A({written(float(self.time[-1]), 's')}) = {written(area, 'm^2')}"
         return f"<Prediction: {at_last}, 95 % band {ends}>"
+
+    @views.later
+    def rows(self, /) -> list[Row]:
+        """Rows of a summary: material, scan, load, areas and growth with their 95 % bands, friction."""
+        raise NotImplementedError
 
     @property
     def fit(self) -> Fit | None:

@@ -10,9 +10,9 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 
 from asperity.base import checks
-from asperity.base.columns import TIME, Chosen, Columns, Role, Units, named, normal
 from asperity.errors import InputError
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
+from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
 
 Kind = Literal["relaxation", "creep", "dynamic"]
 
@@ -86,6 +86,7 @@ def read(
     meant = _modulus(reading, places[1:], modulus)
     which = "Young's " if meant == "young" else f"{meant} " if meant else ""
     names = {"storage": "storage modulus", "loss": "loss modulus"}
+    check_one_series(reading.table, places[0])
     numbers: list[Any] = []
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
         called = role if at == places[0] else which + names.get(role, role)

@@ -14,7 +14,6 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from asperity.base import checks
 from asperity.base import units as si
-from asperity.base.columns import Chosen, Units
 from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.base.words import has_unit
@@ -26,6 +25,7 @@ from asperity.relaxation.fitting import Fit, fit
 from asperity.relaxation.series import PronySeries
 from asperity.relaxation.temperature import arrhenius
 from asperity.relaxation.temperature import wlf as by_wlf
+from asperity.sheets.columns import Chosen, Units
 from asperity.solids import Solid, half_space
 from asperity.solids.arguments import POISSON
 from asperity.solids.branches import check_branches

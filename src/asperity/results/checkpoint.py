@@ -30,7 +30,7 @@ from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.progress import Checkpoint
 from asperity.protocols import Schedule
-from asperity.results.dataset import Row, Snapshot
+from asperity.results.dataset import Moment, Snapshot
 from asperity.results.store import whole_file
 
 
@@ -94,7 +94,7 @@ class Place:
     """What the checkpoint of a run keeps: the march, and the records so far."""
 
     midway: LegMidway
-    rows: list[Row]
+    rows: list[Moment]
     snapshots: list[Snapshot]
 
     def packed(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

@@ -23,7 +23,7 @@ from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
 from asperity.solids import Solid
 
-Row = dict[str, float]
+Moment = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
 
 
@@ -37,9 +37,9 @@ class Snapshot:
     shift: Sequence[float] = ()
 
 
-def row_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None) -> Row:
+def moment_of(frame: Frame, *, slides: bool = False, carried: Carried | None = None) -> Moment:
     """Entry of the time series from a frame."""
-    row: Row = {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
+    row: Moment = {"time": frame.time, "leg": frame.leg, "exact": frame.exact} | {
         name: getattr(frame if hasattr(frame, name) else frame.contact, name)
         for name in had_by(frame.contact, "series", slides=slides)
     }
@@ -60,7 +60,7 @@ def dataset_of(
     protocol: Sequence[Leg] | None,
     switches: Sequence[float],
     keeps_area: bool,
-    rows: Sequence[Row],
+    rows: Sequence[Moment],
     snapshots: Sequence[Snapshot],
     *,
     rtol: float,

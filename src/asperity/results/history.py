@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from asperity.base import checks, views
+from asperity.base.rows import Row
 from asperity.base.words import closest
 from asperity.contact import Contact
 from asperity.errors import InputError
@@ -102,6 +103,11 @@ class History(views.InNotebooks):
         table = self.dataset[series].to_dataframe()
         table.attrs["units"] = {name: self.dataset[name].attrs.get("units", "") for name in ("time", *table)}
         return table
+
+    @views.later
+    def rows(self, /) -> list[Row]:
+        """Rows of a summary: name, value with its unit, 95 % interval; by leg under a protocol."""
+        raise NotImplementedError
 
     @views.later
     def plot(

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.base import checks, units
+from asperity.base.readable import is_length
 from asperity.base.words import as_text, has_unit
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.surfaces.prepare import is_length, spelled
+from asperity.surfaces.prepare import spelled
 
 
 def check_heights(heights: ArrayLike) -> Field:

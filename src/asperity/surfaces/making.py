@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from asperity.base import checks, units
 from asperity.base.parameters import Quantity, Spelled, parameters_of
+from asperity.base.readable import LENGTHS
 from asperity.base.words import written_with_units
 from asperity.errors import InputError, Name
 from asperity.lattice import Field
-from asperity.surfaces.prepare import LENGTHS, spelled
+from asperity.surfaces.prepare import spelled
 from asperity.surfaces.surface import Surface
 
 _P = ParamSpec("_P")

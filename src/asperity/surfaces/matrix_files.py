@@ -19,10 +19,11 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from asperity.base import checks
+from asperity.base.readable import is_length
 from asperity.base.words import reason_of
 from asperity.errors import SurfaceFileError
 from asperity.lattice import Field
-from asperity.surfaces.prepare import is_length, spelled
+from asperity.surfaces.prepare import spelled
 from asperity.surfaces.raw import RawSurface, choose, without
 
 _EXPECTED = "real numbers in one or two dimensions"

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeGuard
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from asperity.base import checks, units
+from asperity.base.readable import LENGTHS, conversion, is_length
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice, Mask
 
-# Powers of ten of the length units.
-_EXPONENTS = {"km": 3, "m": 0, "cm": -2, "mm": -3, "um": -6, "nm": -9, "angstrom": -10, "pm": -12, "fm": -15}
 # Other spellings of units; the third of um is UTF-8 read as Latin-1.
 _SPELLINGS = {
     "um": ("\u00b5m", "\u03bcm", "\u00c2\u00b5m"),
@@ -24,45 +22,15 @@ _SPELLINGS = {
 _ROUNDING = 1e-12  # rms of a flat surface without its tilt, over its largest height; relative error of waves
 _SQUARE = 0.01  # pixels are square if their sides differ by no more than this part
 _BORDER = 0.1  # part of an axis, on either side, over which "taper" brings heights to their mean
-_DISPLAY_UNITS = ("pm", "nm", "um", "mm", "m")  # of figures and texts, rising by thousands
-
-LENGTHS = tuple(_EXPONENTS)
-"""Units of length."""
 
 
 def spelled(unit: str | None) -> str:
     """A unit in our spelling, such as um for µm and micron; "1" for none."""
-    if not isinstance(unit, str | None) or unit in _EXPONENTS:
+    if not isinstance(unit, str | None) or is_length(unit):
         return unit
     unit = (unit or "").strip()
     unit = units.spelled(unit) or unit.lower()  # nobody means megameters
     return next((ours for ours, theirs in _SPELLINGS.items() if unit in theirs), unit)
-
-
-def is_length(unit: str | None) -> TypeGuard[str]:
-    """Whether this is a unit of length that can be converted."""
-    return unit in _EXPONENTS
-
-
-def conversion(unit: str | None, target: str | None) -> float | None:
-    """One `unit` in the `target` unit; None if one of them is no length."""
-    return length_factor(unit, target) if is_length(unit) and is_length(target) else None
-
-
-def display_unit(unit: str | None, span: float) -> tuple[str, float] | None:
-    """Unit of length in which a span is a number from 1 to 1000, and the factor to it; else None."""
-    for name in _DISPLAY_UNITS:
-        factor = 1.0 if name == unit else conversion(unit, name)
-        if factor is not None and 1 <= span * factor < 1000:
-            return name, factor
-    return None
-
-
-def length_factor(unit: str, target: str) -> float:
-    """One `unit` in the `target` unit; both are lengths."""
-    power = _EXPONENTS[unit] - _EXPONENTS[target]
-    # A division by a whole power of ten rounds once; a product with 1e-3 would round twice.
-    return 10.0**power if power >= 0 else 1 / 10.0**-power
 
 
 def part_of(
@@ -76,7 +44,7 @@ def part_of(
     scale = [1.0] * len(shape)
     if unit != "pixel":
         if not is_length(unit):
-            known = ", ".join(map(repr, ("pixel", *_EXPONENTS)))
+            known = ", ".join(map(repr, ("pixel", *LENGTHS)))
             raise InputError("crop_unit", expected=f"one of {known}", got=repr(unit))
         across = conversion(length_unit, unit)
         if pixel_size is None or across is None:

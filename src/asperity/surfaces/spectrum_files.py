@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from asperity.base import checks
-from asperity.base.columns import Columns, Role, named
 from asperity.errors import InputError
 from asperity.lattice import Field
+from asperity.sheets.columns import Columns, Role, named
 
 _POWER = r"^c$|^c ?\(q\)|^c ?\^?[12] ?d|power|psd|spectr|spektr|leistungsdichte"
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from asperity.base import checks, views
+from asperity.base import checks, readable, views
 from asperity.errors import InputError, Name, Words
 from asperity.lattice import Edges, Field, Mask
 from asperity.surfaces import doubts, levelling, prepare
@@ -69,7 +69,7 @@ class Surface(views.InNotebooks):
         object.__setattr__(self, "heights", heights)
         for name, others in (("unit", ("1", "rms")), ("length_unit", (None,))):
             unit = (given := getattr(self, name)) and prepare.spelled(given)
-            checks.choice(name, unit, (*prepare.LENGTHS, *others))
+            checks.choice(name, unit, (*readable.LENGTHS, *others))
             object.__setattr__(self, name, unit)
         if self.pixel_size is not None:
             size, unit = sides_of_pixels(self.pixel_size, heights.ndim, self.length_unit)
@@ -86,11 +86,11 @@ class Surface(views.InNotebooks):
 
     def __repr__(self) -> str:
         sites, rms = " x ".join(map(str, self.shape)), float(prepare.of_body(self.heights).std())
-        unit, factor = prepare.display_unit(self.unit, rms) or (self.unit, 1.0)
+        unit, factor = readable.display_unit(self.unit, rms) or (self.unit, 1.0)
         height, size = f"rms height {rms * factor:.4g} {'' if unit == '1' else unit}".rstrip(), ""
         if self.pixel_size is not None:
             whole = self.length_unit or "", 1.0
-            unit, factor = prepare.display_unit(self.length_unit, max(self.pixel_size)) or whole
+            unit, factor = readable.display_unit(self.length_unit, max(self.pixel_size)) or whole
             size = f" of {_sides(tuple(side * factor for side in self.pixel_size))} {unit}".rstrip()
         return f"<Surface: {sites} sites{size}, {height}, {self.edges}>"
 
@@ -116,7 +116,7 @@ class Surface(views.InNotebooks):
         InputError
             The heights have no unit of length, or the pixels no size or unit of length.
         """
-        if not prepare.is_length(self.unit):
+        if not readable.is_length(self.unit):
             got = {"1": "heights without a unit", "rms": "heights in units of their rms"}[self.unit]
             advice: Words = ("unit='nm' of a Surface, or ", Name("file_unit"), " of a file without a unit")
             advice = "another unit than 'rms'" if self.unit == "rms" else advice
@@ -125,10 +125,10 @@ class Surface(views.InNotebooks):
             got = f"heights in {self.unit!r}, and pixels of unknown size"
             advice = (Name("pixel_size"), " and ", Name("length_unit"))
             raise InputError("surface", expected="the distance between pixels", got=got, advice=advice)
-        if (across := prepare.conversion(self.length_unit, "m")) is None:
+        if (across := readable.conversion(self.length_unit, "m")) is None:
             got, cure = f"pixels of {_sides(spacing)} in no unit", {"length_unit": "um"}
             raise InputError("surface", expected="pixels with a unit of length", got=got, cure=cure)
-        return self.heights * prepare.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
+        return self.heights * readable.length_factor(self.unit, "m"), tuple(across * size for size in spacing)
 
     @property
     def scan(self) -> Surface:
@@ -150,7 +150,7 @@ class Surface(views.InNotebooks):
         facts, scan = self.provenance, self.scan
         if "kind" in facts:  # made, not measured
             return ()
-        across = prepare.conversion(self.length_unit, "m")
+        across = readable.conversion(self.length_unit, "m")
         sentences = doubts.remarks(facts, scan.describe(), self.pixel_size, across)
         return (*facts.get("reader_remarks", ()), *sentences)
 
@@ -172,7 +172,7 @@ class Surface(views.InNotebooks):
         ``unit / length_unit^2`` or ``unit / pixel^2``.
         """
         size, lateral = self.pixel_size, self.length_unit
-        factor = prepare.conversion(lateral, self.unit)
+        factor = readable.conversion(lateral, self.unit)
         if size is not None and factor is not None:
             size, slope_unit, curvature_unit = tuple(s * factor for s in size), "1", f"1/{self.unit}"
         else:
@@ -301,7 +301,7 @@ def combined(first: Surface, second: Surface) -> Surface:
         if mine != other:
             raise InputError("second", expected=f"the {attribute} of the first, {mine}", got=other)
     mine, other_unit, unit = first.pixel_size, second.length_unit, first.length_unit
-    across = 1.0 if other_unit == unit else prepare.conversion(other_unit, unit) or math.nan
+    across = 1.0 if other_unit == unit else readable.conversion(other_unit, unit) or math.nan
     pixels = second.pixel_size and [across * side for side in second.pixel_size]
     if (mine is None) != (pixels is None) or not np.allclose(mine or 0.0, pixels or 0.0, rtol=_ALIKE, atol=0):
         expected = f"the pixel size of the first, {_pixel_words(first)}"
@@ -309,7 +309,7 @@ def combined(first: Surface, second: Surface) -> Surface:
     if first.unit == second.unit == "rms":
         got = "heights in units of the rms of each"
         raise InputError("second", expected="heights of one unit", got=got, advice="a unit of length")
-    factor = 1.0 if first.unit == second.unit else prepare.conversion(second.unit, first.unit)
+    factor = 1.0 if first.unit == second.unit else readable.conversion(second.unit, first.unit)
     if factor is None:
         expected = f"heights that can be added to those of the first, in {first.unit!r}"
         raise InputError("second", expected=expected, got=f"heights in {second.unit!r}")

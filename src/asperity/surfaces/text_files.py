@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from asperity.base.columns import Columns, Role
-from asperity.base.tables import Table, read_table, text_of
+from asperity.base.readable import conversion, is_length
 from asperity.base.words import shortened
 from asperity.errors import MissingExtraError, SurfaceFileError
+from asperity.sheets.columns import Columns, Role
+from asperity.sheets.tables import Table, read_table, text_of
 from asperity.surfaces import points
 from asperity.surfaces.instruments import read_instrument
-from asperity.surfaces.prepare import conversion, is_length, spelled
+from asperity.surfaces.prepare import spelled
 from asperity.surfaces.raw import FIRST_LINE, LARGEST_Y, RawSurface, choose, without
 
 _WORD = re.compile(r"[\"'\[]?(?!(?:nan|na|n/a|null|inf|infinity)\b)[^\W\d_]|\*+$", re.IGNORECASE)

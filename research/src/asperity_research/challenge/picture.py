@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.base.checks import instance
 from asperity.figures import Drawing
@@ -12,7 +11,7 @@ from asperity_research import style
 from asperity_research.challenge.scoring import QuantityScore, Score
 
 
-def score_figure(score: Score) -> Figure:
+def score_figure(score: Score) -> Drawing:
     """Draw each quantity, and how far it deviates in percent, with error bars and tolerance.
 
     Parameters

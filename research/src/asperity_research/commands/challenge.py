@@ -9,8 +9,8 @@ import numpy as np
 
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
 from asperity.app.cli.output import write_figure
-from asperity.app.cli.report import aligned
 from asperity.base.calls import showing
+from asperity.base.rows import aligned
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity_research.challenge import NAMES, Score, problems, score, score_figure, write

@@ -7,7 +7,7 @@ from pathlib import Path
 from textwrap import fill, wrap
 
 from asperity.app.cli.options import Work
-from asperity.app.cli.report import aligned
+from asperity.base.rows import aligned
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.commands.study import answer
 from asperity_research.experiments import load, names

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from asperity.app.cli.options import Work
-from asperity.app.cli.report import aligned
+from asperity.base.rows import aligned
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.commands.study import command_of, say_estimate, worked_through
 from asperity_research.paper.reproduce import HOME, conclude, prepared_in

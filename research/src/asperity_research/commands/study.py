@@ -11,7 +11,7 @@ from pathlib import Path
 from asperity import campaign
 from asperity.app.cli.campaign import tally_shown
 from asperity.app.cli.options import Work
-from asperity.app.cli.report import aligned
+from asperity.base.rows import aligned
 from asperity.base.words import data_size
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.studies import STUDIES, Concluded, Study, conclude

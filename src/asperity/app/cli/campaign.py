@@ -18,9 +18,9 @@ import asperity.app.campaign as campaign
 from asperity.app.campaign import Plan, Tally
 from asperity.app.campaign.plan import Run, name_of
 from asperity.app.cli.options import Work
-from asperity.app.cli.report import aligned
 from asperity.base.files import kind_of
 from asperity.base.machine import available
+from asperity.base.rows import aligned
 from asperity.base.words import counted, data_size, duration
 from asperity.errors import AsperityError, InputError
 from asperity.progress import LINE_EVERY

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import os
 import sys
@@ -16,9 +15,9 @@ from typing import Any
 import xarray as xr
 
 from asperity.app.cli.options import Results
-from asperity.app.cli.report import Row, aligned
 from asperity.base.calls import remarks_made, showing
 from asperity.base.files import MARKER, Standing, beside, mark, marker_of
+from asperity.base.rows import Row, aligned, remarks, words_of
 from asperity.errors import ConvergenceError, OutputError
 from asperity.progress import listener
 from asperity.results import Checkpoint
@@ -34,7 +33,7 @@ def compute_into(
     asked: str,
     compute: Callable[..., Any],
     *,
-    report: Callable[..., list[Row]],
+    rows: Callable[[Any], list[Row]],
     write: Callable[[Any, Path], None],
     every: float,
     results: Results,
@@ -58,16 +57,20 @@ def compute_into(
                 write_into(dataset, folder / "history.zarr")
             write(result, folder)
 
-        how = {"seconds": seconds, "resumed": resumed}
-        rows = write_results(kind, out, replaceable, functools.partial(report, result, **how), write_all)
-    tell_results(rows, out, results)
+        cost = Row("cost", f"{seconds:.1f} s{' in this session' if resumed else ''}")
+
+        def summary() -> list[Row]:
+            return [*rows(result), cost, *remarks(*result.remarks)]
+
+        said = write_results(kind, out, replaceable, summary, write_all)
+    tell_results(said, out, results)
 
 
 def write_results(
     kind: str,
     out: Path,
     replaceable: Standing,
-    report: Callable[[], list[Row]],
+    summary: Callable[[], list[Row]],
     write: Callable[[Path], None],
 ) -> list[Row]:
     """Write files, a summary and a marker to a folder that gets its name when all is written.
@@ -76,13 +79,14 @@ def write_results(
     """
     rows: list[Row] = []
     with whole_folder(out, overwrite=replaceable) as folder:
-        with remarks_made() as remarks:
+        with remarks_made() as made:
             write(folder)
             with showing("the summary"):
-                rows += report()
-        rows += [("remark", remark) for remark in remarks]
-        (folder / "summary.txt").write_text(f"{aligned(rows)}\n", encoding="utf-8")
-        mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=rows)
+                rows += summary()
+        rows += remarks(*made)
+        words = words_of(rows)
+        (folder / "summary.txt").write_text(f"{aligned(words)}\n", encoding="utf-8")
+        mark(folder / MARKER, kind, (path.name for path in folder.iterdir()), rows=words)
     return rows
 
 
@@ -110,7 +114,7 @@ def tell_results(rows: Sequence[Row], out: Path, results: Results) -> None:
     """Print a report and the files written; open the results if asked."""
     if not results.quiet:
         files = ", ".join(marker_of(out)["files"])
-        sys.stdout.write(f"{aligned([*rows, ('written', f'{out}: {files}')])}\n")
+        sys.stdout.write(f"{aligned(words_of([*rows, Row('written', f'{out}: {files}')]))}\n")
     if results.show:
         open_results(out)
 

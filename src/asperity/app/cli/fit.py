@@ -71,8 +71,8 @@ def fit(
 
     data = read_measurements(file, None, **columns.chosen(), **vars(reading))
     from asperity.app.cli.output import write_figures  # takes a second: mistakes are reported before
-    from asperity.app.cli.report import aligned
-    from asperity.app.cli.reports.fit import growth_report, write_numbers
+    from asperity.app.cli.reports.fit import write_numbers
+    from asperity.base.rows import Row, aligned, words_of
     from asperity.figures import fit_figure
 
     unit = unit_time or data.time_unit
@@ -99,7 +99,5 @@ def fit(
     in_window = window is not None
     draw = partial(fit_figure, growth, quantity=label, unit_time=unit, window=in_window)
     written = write_figures(draw, figures) + written
-    blocks = growth_report(growth, source=f"{file}: {named}", unit=f" {unit}" if unit else "")
-    sys.stdout.write(
-        "\n\n".join([f"read {data.source}", *map(aligned, blocks), "\n".join(written)]).rstrip() + "\n"
-    )
+    rows = [Row("read", data.source), Row("quantity", named), *growth.rows(unit=unit)]
+    sys.stdout.write("\n\n".join([aligned(words_of(rows)), "\n".join(written)]).rstrip() + "\n")

@@ -18,7 +18,7 @@ from asperity.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from asperity.app.cli.report import Row
+    from asperity.base.rows import Row
     from asperity.friction import Record
 
 _RESULTS, _READING, _DRAWN = Results(), Reading(), Drawn()
@@ -93,10 +93,17 @@ def friction(
     replaceable = check_free(out, overwrite=results.overwrite)
     # Late: mistakes are reported before the engine is imported.
     from asperity.app.cli.computing import tell_results, write_results
-    from asperity.app.cli.reports.friction import events_rows, events_table, friction_report
-    from asperity.figures import rate_and_state_figure
     from asperity.figures.writing import write_each
-    from asperity.friction import MachineFit, compare_state_laws, events_of, fit_events, save_parameters
+    from asperity.friction import (
+        MachineFit,
+        compare_state_laws,
+        events_of,
+        fit_events,
+        rate_and_state_figure,
+        save_parameters,
+    )
+    from asperity.friction.export import events_table
+    from asperity.friction.rows import rows_of_events
 
     with naming(V_0="--reference-velocity"):
         comparison = compare_state_laws(several, a=a, V_0=reference, events=events, stiffness=stiffness)
@@ -112,11 +119,11 @@ def friction(
             events_table(fits, comparison.record).to_csv(folder / "events.csv", index=False)
         write_each({"friction": lambda: rate_and_state_figure(comparison)}, folder, drawn.formats())
 
-    def report() -> list[Row]:
-        more = [] if fits is None else events_rows(fits, comparison.record)
-        return [*friction_report(comparison, str(records[0])), *more]
+    def rows() -> list[Row]:
+        more = [] if fits is None else rows_of_events(fits, comparison.record)
+        return [*comparison.rows(str(records[0])), *more]
 
-    tell_results(write_results("fit of friction", out, replaceable, report, write_all), out, results)
+    tell_results(write_results("fit of friction", out, replaceable, rows, write_all), out, results)
 
 
 def _records_at(path: Path, strength: float | str | None, **how: Any) -> list[Record]:

@@ -35,12 +35,12 @@ def gather(out: Path, /, *, to: Path | None = None, overwrite: Switch = False, d
     import asperity.app.campaign as campaign
     from asperity.app.campaign.gather import with_ends
     from asperity.app.cli.output import write_figures
-    from asperity.app.cli.report import aligned
     from asperity.base.files import standing
-    from asperity.base.tables import with_unit
+    from asperity.base.rows import aligned
     from asperity.figures import campaign_figure
     from asperity.results import save
     from asperity.results.store import whole_file
+    from asperity.sheets.tables import with_unit
 
     dataset = campaign.open(out)
     target = out / "gathered.zarr" if to is None else to

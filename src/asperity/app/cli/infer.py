@@ -92,10 +92,11 @@ def infer(
         check_unit("--ramp", number(ramp), "s")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into
-    from asperity.app.cli.reports.infer import inference_report, write_inference
+    from asperity.app.cli.reports.infer import write_inference
     from asperity.app.config.reading import read_tables
     from asperity.base import checks
     from asperity.base.machine import cores
+    from asperity.base.rows import Row
     from asperity.inference import Inference
     from asperity.inference import infer as inferred
     from asperity.inference.sampling import libraries
@@ -121,7 +122,7 @@ def infer(
         out,
         asked,
         compute,
-        report=lambda inference, **_: [("read", read), *inference_report(inference, str(file))],
+        rows=lambda inference: [Row("read", read), *inference.rows()],
         write=functools.partial(write_inference, formats=drawn.formats(), source=source, command=typed),
         every=0.0,
         results=results,
@@ -139,9 +140,9 @@ def _data(
     quantity: str | None,
 ) -> tuple[Any, ...]:
     """Read times in s, values, errors, remarks, the source, and facts about the quantity."""
-    from asperity.base.tables import read_table
     from asperity.fits import read_measurements
     from asperity.fits.measurements import errors_beside
+    from asperity.sheets.tables import read_table
 
     names = read_table(file).names
     if model == "healing" and any(re.search(_OF_RECORDS, name, re.I) for name in names):

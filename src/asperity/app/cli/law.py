@@ -87,8 +87,9 @@ def law(
         raise InputError(flag(asked[0]), expected=expected, got="none", advice="--write calculix")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.cli.reports.law import law_report, write_law
+    from asperity.app.cli.reports.law import write_law
     from asperity.app.runs.law import law_of_config
+    from asperity.contact_law.rows import rows_of
 
     with door.answering(settings, "law"):
         compute_into(
@@ -96,7 +97,7 @@ def law(
             out,
             f"{to_toml(settings)}{own}",
             functools.partial(law_of_config, settings, **own),
-            report=law_report,
+            rows=lambda outcome: rows_of(outcome.dataset),
             write=functools.partial(write_law, programs=write, age=age, millimeters=millimeters),
             every=0.0,
             results=results,

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from matplotlib.figure import Figure
 
 from asperity.analysis import contact_maps
 from asperity.app.config.reading import to_toml
 from asperity.base.calls import remark, showing
 from asperity.base.files import Standing
-from asperity.base.tables import with_unit
 from asperity.figures import (
+    Drawing,
     aging_curve,
     carried_figure,
     contact_figure,
@@ -22,9 +21,10 @@ from asperity.figures import (
     patch_figure,
     sliding_figure,
 )
-from asperity.figures.writing import write_each, write_one
+from asperity.figures.writing import write_each
+from asperity.figures.writing import write_figure as write_figure
 from asperity.results.quantities import RUN, select
-from asperity.results.store import whole_file
+from asperity.sheets.tables import with_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +45,7 @@ def write_run(outcome: Outcome, folder: Path) -> None:
         _write_figures(outcome, folder)
 
 
-def write_figures(draw: Callable[[], Figure], files: Mapping[Path, Standing]) -> list[str]:
+def write_figures(draw: Callable[[], Drawing], files: Mapping[Path, Standing]) -> list[str]:
     """Write a figure under the names of `check_figures`; return a line that lists them, if any."""
     written = []
     if files:
@@ -58,18 +58,9 @@ def write_figures(draw: Callable[[], Figure], files: Mapping[Path, Standing]) ->
     return written
 
 
-def write_figure(figure: Figure, path: Path, *, overwrite: bool | Standing = True) -> None:
-    """Write a figure that is complete under its name or not there; `OutputError` if the disk refused.
-
-    With the suffix .csv it is the table of what the figure draws.
-    """
-    with whole_file(path, overwrite=overwrite) as part:
-        write_one(figure, part)
-
-
 def _write_figures(outcome: Outcome, folder: Path) -> None:
     summary, measured = outcome.summary, outcome.config.output.measured
-    drawings: dict[str, Callable[[], Figure]] = {}
+    drawings: dict[str, Callable[[], Drawing]] = {}
     if summary is None:
         drawings["history"] = lambda: history_figure(outcome.dataset, measured)
     elif summary.time.size:

@@ -73,7 +73,7 @@ def predict(
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.predict import predict_config
     from asperity.app.predict.folder import write_files
-    from asperity.app.predict.words import report
+    from asperity.prediction import Prediction
 
     typed = printable(shlex.join(["asperity", *sys.argv[1:]]))
     with door.answering(settings, "prediction"):
@@ -82,7 +82,7 @@ def predict(
             out,
             f"{settings!r}{own}",
             functools.partial(predict_config, settings, **own),
-            report=report,
+            rows=Prediction.rows,
             write=functools.partial(write_files, output=settings.output, command=typed),
             every=_CHECKPOINT_EVERY,
             results=results,

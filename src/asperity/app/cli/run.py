@@ -51,23 +51,19 @@ def run(
 
     door = Door(given(keys, leg=leg), config)
     settings = config_at(door)
-    table = getattr(settings.solid, "fit", None)
     replaceable = check_free(out, overwrite=results.overwrite)
-    from asperity.analysis.rows import words_of
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
     from asperity.app.cli.output import write_run
     from asperity.app.runs import execute
     from asperity.app.runs.words import run_rows
 
-    sources = "" if table is None else table.data.source, getattr(settings.protocol, "read", "")
-    read = "; ".join(filter(None, sources))
     with door.answering(settings):
         compute_into(
             "run",
             out,
             to_toml(settings),
             functools.partial(execute, settings),
-            report=lambda outcome, **how: words_of(run_rows(outcome, read=read, **how)),
+            rows=run_rows,
             write=write_run,
             every=_CHECKPOINT_EVERY,
             results=results,

@@ -8,9 +8,9 @@ import os
 import shutil
 import sys
 
+from asperity.base.words import PLAIN
 from asperity.errors import brief, printable
 
-_PLAIN = {"±": "+-", "×": "x", "²": "^2", "µ": "u", "\u202f": " "}
 _NARROWEST = 40
 """Columns that help needs at least."""
 
@@ -48,4 +48,4 @@ def silence_output() -> None:
 def _plainly(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    return "".join(_PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end
+    return "".join(PLAIN.get(c, "?") for c in error.object[error.start : error.end]), error.end

@@ -15,9 +15,8 @@ import numpy as np
 import xarray as xr
 
 import asperity.results as results
-from asperity.analysis import aging_summary
-from asperity.analysis.rows import history_rows, words_of
-from asperity.analysis.scan import written
+from asperity.analysis.aging import summary_of
+from asperity.analysis.rows import history_rows
 from asperity.app.campaign.plan import Plan, Run, load_plan
 from asperity.app.campaign.store import QUANTITIES, Finished, Store
 from asperity.app.config import RunConfig, config_from
@@ -26,6 +25,8 @@ from asperity.app.explore.scene import Arrays, Header, Recording, ending, record
 from asperity.app.runs import recorded_times
 from asperity.app.runs.pipeline import height_law
 from asperity.base import files
+from asperity.base.readable import written
+from asperity.base.rows import words_of
 from asperity.errors import AsperityError, ConfigError, InputError, printable
 from asperity.protocols import Schedule, described
 from asperity.results.dataset import attributes_of_solid
@@ -131,8 +132,7 @@ def _finished(folder: Path, job: str) -> tuple[Recording, RunConfig | None]:
     rows = files.marker_of(folder).get("rows")
     if rows is None:  # a saved history, or a folder of a version that kept none
         law = None if config is None else height_law(config.surface)
-        held = "protocol" not in dataset.attrs and dataset["area"].values[0] > 0
-        rows = words_of(history_rows(dataset, aging_summary(dataset, law=law) if held else None))
+        rows = words_of(history_rows(dataset, summary_of(dataset, law)))
     recording.end = ending(dataset, rows)
     return _with_python(recording, config), config
 

@@ -28,7 +28,7 @@ from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
 from asperity.protocols import Schedule
-from asperity.results.dataset import Row, dataset_of, row_of
+from asperity.results.dataset import Moment, dataset_of, moment_of
 from asperity.results.quantities import PAGE, Quantity, areas_first, select
 
 Header = dict[str, Any]
@@ -237,14 +237,14 @@ class Recording:
 def started(frame: Frame, config: RunConfig) -> xr.Dataset:
     """Describe a run by its first moment."""
     contact, rtol = frame.contact, config.aging.rtol
-    row = row_of(frame, slides=any(leg.speed for leg in config.written_out))
+    row = moment_of(frame, slides=any(leg.speed for leg in config.written_out))
     switches = Schedule.of(config.written_out, np.empty(0)).switches
     return dataset_of(
         contact, contact.control, config.protocol or None, switches, False, [row], [], rtol=rtol
     )
 
 
-def of_frame(frame: Frame) -> tuple[Row, Map]:
+def of_frame(frame: Frame) -> tuple[Moment, Map]:
     """Entry and map of a moment that was just reached."""
     contact = frame.contact
     # The page shows the rough surface at rest, as `on_the_surface` does.
@@ -254,7 +254,7 @@ def of_frame(frame: Frame) -> tuple[Row, Map]:
     indentation = np.roll(contact.permanent_indentation, back, axes) if yields else None
     edges = contact.lattice.edges
     new_map = map_of(frame.time, frame.leg, in_contact, pressure, edges, indentation)
-    return row_of(frame, slides=True), new_map
+    return moment_of(frame, slides=True), new_map
 
 
 def recorded(dataset: xr.Dataset, config: RunConfig | None, *, job: str, title: str) -> Recording:

@@ -14,7 +14,6 @@ from queue import SimpleQueue
 from time import perf_counter
 
 from asperity.aging import Frame
-from asperity.analysis.rows import words_of
 from asperity.app.config import RunConfig, to_toml
 from asperity.app.config.python import to_python
 from asperity.app.explore.mistakes import Shown, failed, mistakes_of
@@ -24,6 +23,7 @@ from asperity.app.runs.loops import compile_loops
 from asperity.app.runs.words import run_rows
 from asperity.ask.run import FILES
 from asperity.base.machine import end_with
+from asperity.base.rows import Row, remarks, words_of
 
 Tell = Callable[[str, object], None]
 """Sends what kind of message it is, and its content."""
@@ -110,5 +110,5 @@ def _computed(tell: Tell, config: RunConfig, shown: Shown, title: str) -> Header
         raise
     except Exception as error:  # said to the user, in the page
         return failed(mistakes_of(error, shown))
-    rows = run_rows(outcome, seconds=perf_counter() - begun)
+    rows = [*run_rows(outcome), Row("cost", f"{perf_counter() - begun:.1f} s"), *remarks(*outcome.remarks)]
     return ending(outcome.dataset, words_of(rows))

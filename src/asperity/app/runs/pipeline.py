@@ -12,7 +12,7 @@ import xarray as xr
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.scan import written
+from asperity.analysis.tabor import add_friction
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
@@ -20,13 +20,13 @@ from asperity.ask.run import Contact as ContactSection
 from asperity.ask.surface import SurfaceSection
 from asperity.base.calls import remarks_made
 from asperity.base.machine import require
+from asperity.base.readable import written
 from asperity.base.words import InUnits, written_with_units
 from asperity.carried import check_half_space
 from asperity.contact.bodies import bodies_of
 from asperity.contact.remarks import remarks_on_bodies, resolution_of
 from asperity.errors import ConvergenceError, InputError, PulledOff
 from asperity.fits.measurements import measured_area
-from asperity.friction import add_friction
 from asperity.lattice import Field
 from asperity.prediction.plausible import remark_on_loading, remarks_on_history
 from asperity.prediction.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs

@@ -6,31 +6,27 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.analysis.rows import Row, history_rows
-from asperity.analysis.scan import written
+from asperity.analysis.rows import history_rows
 from asperity.app.config import RunConfig
 from asperity.app.runs.pipeline import Outcome
 from asperity.ask.surface import SurfaceSection
+from asperity.base.readable import written
+from asperity.base.rows import Row
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import Units, units_named
 
 _ELECTRONVOLT = 1.602176634e-19
 
 
-def run_rows(outcome: Outcome, *, seconds: float, resumed: bool = False, read: str = "") -> list[Row]:
-    """Rows on surface, solid and results; the seconds of a resumed run are those of this session."""
-    dataset = outcome.dataset
-    exact = "exact contact, " if dataset.attrs.get("exact_contact") == "at all times" else ""
-    effort = (
-        f"{exact}{int(dataset['steps'].sum())} time steps, {int(dataset['iterations'].sum())} iterations, "
-    )
+def run_rows(outcome: Outcome) -> list[Row]:
+    """Rows on surface, solid and results."""
+    table, protocol = getattr(outcome.config.solid, "fit", None), outcome.config.protocol
+    read = filter(None, ("" if table is None else table.data.source, getattr(protocol, "read", "")))
     return [
         Row("surface", _surface(outcome)),
-        *[Row("read", read)] * bool(read),
-        Row("solid", _solid(outcome.config, dataset)),
-        *history_rows(dataset, outcome.summary),
-        Row("cost", f"{effort}{seconds:.1f} s{' in this session' if resumed else ''}"),
-        *(Row("remark", remark) for remark in outcome.remarks),
+        *(Row("read", source) for source in read),
+        Row("solid", _solid(outcome.config, outcome.dataset)),
+        *history_rows(outcome.dataset, outcome.summary),
     ]
 
 

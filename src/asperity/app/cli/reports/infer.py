@@ -1,4 +1,4 @@
-"""What an inference says, as rows of words, and its files."""
+"""The files of an inference."""
 
 from __future__ import annotations
 
@@ -6,33 +6,11 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from asperity.app.cli.report import Row, table_row
 from asperity.base.calls import showing
 from asperity.base.files import Format
-from asperity.base.words import counted, tables_to_toml, to_digits
-from asperity.figures import inference_page, inference_pictures
+from asperity.base.words import tables_to_toml
 from asperity.figures.writing import write_each
-from asperity.inference import Inference
-
-
-def inference_report(inference: Inference, source: str) -> list[Row]:
-    """Rows on the data, the models, the findings, and the agreement of the samples."""
-    rows: list[Row] = [
-        ("data", f"{source}, {counted(inference.time.size, 'point')}"),
-        ("model", inference.model.name),
-    ]
-    cells = [
-        [str(row[0]), *(to_digits(value, 3) for value in row[1:])]
-        for row in inference.models.itertuples(index=False)
-    ]
-    rows += table_row("models", [[*inference.models.columns], *cells])
-    sentences = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in inference.findings}
-    rows += [("", sentence) for sentence in inference.sentences if sentence not in sentences]
-    rows += inference.findings
-    rows.append(
-        ("agreement", f"R-hat {inference.draws.r_hat:.4f}, {inference.draws.effective:.0f} effective samples")
-    )
-    return [*rows, *(("remark", remark) for remark in inference.remarks)]
+from asperity.inference import Inference, inference_page, inference_pictures
 
 
 def write_inference(

@@ -8,23 +8,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable, understood
-from asperity.app.cli.report import Row, aligned
 from asperity.app.runs.words import described
 from asperity.ask.surface import MeasuredSurface, SurfaceSection
+from asperity.base.readable import is_length, readable
+from asperity.base.rows import Row, aligned, words_of
+from asperity.base.rows import remarks as rows_of_remarks
 from asperity.base.words import to_digits
-from asperity.figures import surface_figure
+from asperity.figures import Drawing, surface_figure
 from asperity.surfaces import PowerSpectrum, Statistics, Surface, power_spectrum
-from asperity.surfaces.prepare import is_length, is_square
+from asperity.surfaces.prepare import is_square
+from asperity.surfaces.provenance import understood
 
 
-def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure], str]:
+def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Drawing], str]:
     """Make or read a surface: what draws it, and its description; `AsperityError` if it cannot be used."""
     if not isinstance(settings, MeasuredSurface):
         surface = settings.build()
-        facts = [("surface", described(settings)), ("edges", surface.edges)]
+        facts = words_of([Row("surface", described(settings)), Row("edges", surface.edges)])
         title = settings.kind.replace("_", " ")
         draw = partial(surface_figure, surface, title=title)
         return draw, f"{aligned(facts)}\n\n{aligned(_comparison(made=surface.describe()))}"
@@ -44,9 +45,9 @@ def drawn_and_described(settings: SurfaceSection) -> tuple[Callable[[], Figure],
     title = Path(settings.path).name
     draw = partial(surface_figure, prepared, title=title, note=note, spectrum=spectrum)
     blocks: tuple[list[Any], ...] = (
-        _origin(unprepared, prepared),
+        words_of(_origin(unprepared, prepared)),
         _comparison(**{"in the file": unprepared.describe(), "prepared": prepared.describe()}),
-        _spectrum(spectrum),
+        words_of(_spectrum(spectrum)),
         [(name, text) for name, text, _ in done],
     )
     return draw, "\n\n".join(map(aligned, blocks))
@@ -59,17 +60,17 @@ def _origin(raw: Surface, prepared: Surface) -> list[Row]:
     pixels = " x ".join(map(str, shape))
     length_unit = str(facts["length_unit"] or "(no unit)")
     rows = [
-        ("file", str(facts["file"])),
-        ("format", f"{facts['format']}, read by {facts['reader']}"),
-        ("pixels", f"{pixels}{' (rows x columns)' * (len(shape) == 2)}, undefined: {undefined or 'none'}"),
-        ("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
-        ("unit of heights", "not in the file" if raw.unit == "1" else raw.unit),
+        Row("file", str(facts["file"])),
+        Row("format", f"{facts['format']}, read by {facts['reader']}"),
+        Row("pixels", f"{pixels}{' (rows x columns)' * (len(shape) == 2)}, undefined: {undefined or 'none'}"),
+        Row("size", _lengths(length_unit, *size, digits=6) if size else "not in the file"),
+        Row("unit of heights", "not in the file" if raw.unit == "1" else raw.unit),
     ]
     rows += understood(facts)
     remarks = list(prepared.remarks)
     if prepared.pixel_size and not is_square(prepared.pixel_size):
         remarks.append(f"pixels of {_sides(prepared)} are not square: springs refuse them; try --resample")
-    return rows + [("remark", remark) for remark in remarks]
+    return rows + rows_of_remarks(*remarks)
 
 
 def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
@@ -90,7 +91,7 @@ def _comparison(**columns: Statistics) -> list[tuple[str, ...]]:
 
 def _spectrum(spectrum: PowerSpectrum | None) -> list[Row]:
     if spectrum is None:
-        return [("power spectrum", "none: the body does not cover its lattice; try --crop")]
+        return [Row("power spectrum", "none: the body does not cover its lattice; try --crop")]
     window, fit = spectrum.window, spectrum.fit
     how = "of the scan itself" + ("" if window == "none" else f", with a {window} window")
     hurst = (
@@ -101,8 +102,8 @@ def _spectrum(spectrum: PowerSpectrum | None) -> list[Row]:
         low, high = fit.interval
         first, last = (_lengths(spectrum.length_unit, one) for one in (fit.shortest, fit.longest))
         hurst = f"{fit.hurst:.3f} (95 %: {low:.3f} to {high:.3f}), wavelengths from {first} to {last}"
-    rows = [("power spectrum", how), ("Hurst exponent", hurst)]
-    return rows + [("remark", remark) for remark in spectrum.remarks]
+    rows = [Row("power spectrum", how), Row("Hurst exponent", hurst)]
+    return rows + rows_of_remarks(*spectrum.remarks)
 
 
 def _preparation(prepared: Surface) -> list[tuple[str, str, str]]:

@@ -35,6 +35,9 @@ _IN_BRACKETS = re.compile(r"[^\[\]()]*[\[(][^\[\]()]*[\])]")  # a name and its u
 _FACT = re.compile(r"(?i)(?:(columns?|names?|spalten|colonnes|units?|einheiten|unit[eé]s)|[\w.-]+):\s+(.*)")
 
 _COMMENT = re.compile(r"#(?![;,\t])")  # in "Rec #;Time (s)" it ends a name
+_GLUED = re.compile(
+    r"(?<=[^\W\d_][\])])(?=[+-]?\d+\.?\d*\t)"
+)  # a header and the first row: "Voltage (V)41.3"
 _MISSING = ("", "nan", "na", "n/a", "null")  # in letters of any size
 
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([,.' ]\d{3})+([.,]\d*)?")
@@ -147,7 +150,8 @@ def _separated(
         if line.lstrip().startswith(comments):
             notes.append((number, line.lstrip(" \t#%;")))
         else:
-            lines.append((number, _COMMENT.split(line, 1)[0] if "#" in line else line))
+            line = _COMMENT.split(line, 1)[0] if "#" in line else line
+            lines += [(number, part) for part in (_GLUED.split(line, 1) if "\t" in line else [line])]
     return lines, notes
 
 

@@ -8,15 +8,16 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from asperity.base import units as si
 from asperity.base.checks import Floats
-from asperity.base.tables import GROUPED, Table, read_table
 from asperity.base.words import shortened
 from asperity.errors import LARGEST, InputError
+from asperity.sheets.tables import GROUPED, Table, read_table
 
 Chosen = Sequence[int | str] | int | str
 """Columns by name or by number from 0: a list, or a text such as "0,1"."""
@@ -275,6 +276,23 @@ def in_line(
     return InputError(table.name, expected=expected, got=repr(line.strip()[:60]), advice=advice)
 
 
+def check_one_series(table: Table, at: int) -> None:
+    """Refuse blocks of rows, between which lines without numbers stand, that overlap in a column.
+
+    Rows without a line between them may stand in any order: they are one series.
+    """
+    numbers, column = np.array([number for number, _ in table.lines]), table.values[:, at]
+    starts = np.flatnonzero(np.diff(numbers, prepend=numbers[:1]) > 1)
+    blocks = [block for block in np.split(np.arange(len(numbers)), starts) if block.size > 1]
+    for before, after in pairwise(blocks):
+        (low, high), (least, most) = ((column[rows].min(), column[rows].max()) for rows in (before, after))
+        if low < most and least < high:
+            expected = f"one series of {table.names[at] or f'column {at}'}"
+            got = f"one up to line {numbers[before[-1]]}, another from line {numbers[after[0]]} on"
+            advice = "a file of one of them; of one series no lines between its rows"
+            raise InputError(table.name, expected=expected, got=got, advice=advice)
+
+
 def named(table: Table) -> str:
     """Names of the columns of a table, for messages."""
     names = ", ".join(repr(name) for name in table.names if name)[:120]
@@ -286,10 +304,14 @@ def positions(table: Table, columns: Chosen) -> list[int]:
     places = []
     for column in [columns] if isinstance(columns, int | str) else columns:
         text = str(column).strip()
-        words = [word for word in re.split(r"\s*[,;]\s*|\s+", text.strip("[]() ")) if word]
-        if text in table.names or not all(word in table.names or word.isdecimal() for word in words):
-            words = [text]
-        places += [position(table, word) for word in words or [text]]
+        inner = text.strip("[]() ")
+        ways = (
+            [text],
+            *(re.split(r"\s*[,;]\s*", one) for one in (text, inner)),
+            re.findall(r"[^,;\s]+", inner),
+        )
+        known = (words for words in ways if all(word in table.names or word.isdecimal() for word in words))
+        places += [position(table, word) for word in next(known, [text]) or [text]]
     return places
 
 

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from asperity.analysis.scan import readable
 from asperity.base import checks
+from asperity.base.readable import readable
 from asperity.base.words import uncertain
 from asperity.figures import style
-from asperity.friction import MachineFit, StateLaws
+from asperity.friction.comparing import StateLaws
 from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.parameters import MachineFit
 
 _LINES: dict[StateLaw, tuple[str, str]] = {"aging": (style.BLUE, "-"), "slip": (style.VERMILION, "--")}
 _RINGS = {"markersize": 3.5, "markeredgewidth": 1, "markerfacecolor": "white"}
@@ -23,7 +23,7 @@ _MANY = 400
 
 
 @style.drawn
-def rate_and_state_figure(found: StateLaws) -> Figure:
+def rate_and_state_figure(found: StateLaws) -> style.Drawing:
     """Draw record, both laws, their residuals, and where there are holds, static friction after them."""
     checks.instance("found", found, StateLaws, "asperity.friction.compare_state_laws(records)")
     panels = style.panels_of(found)

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pictures_of, written_page
-from asperity.inference import Inference
+from asperity.inference.inferring import Inference
 from asperity.inference.verdicts import EXCLUDED
 
 _COLUMNS = 3
@@ -22,7 +21,7 @@ _BINS = 41
 _DATA: dict[str, Any] = {"color": style.INK, "markersize": 4, "markerfacecolor": "white"}
 
 
-def curve_figure(inference: Inference) -> Figure:
+def curve_figure(inference: Inference) -> style.Drawing:
     """Draw the data, and the curve to ten times the last; below, the deviations."""
     return style.figure_of(style.panels_of(inference).values())[0]
 
@@ -63,7 +62,7 @@ def _draw_deviations(axes: Axes, inference: Inference) -> None:
 
 
 @style.drawn
-def parameters_figure(inference: Inference) -> Figure:
+def parameters_figure(inference: Inference) -> style.Drawing:
     """Draw the posterior of each parameter of the curve over its prior, and its profile likelihood."""
     shown = {name: inference.verdicts[name] for name in inference.profiles}
     rows = -(-len(shown) // _COLUMNS)
@@ -96,7 +95,7 @@ def parameters_figure(inference: Inference) -> Figure:
 
 
 @style.drawn
-def corner_figure(inference: Inference) -> Figure:
+def corner_figure(inference: Inference) -> style.Drawing:
     """Draw the posterior of each pair of parameters that the curve contains, ln of what spans a decade."""
     drawn: dict[str, Floats] = {}
     for name in inference.profiles:

@@ -16,7 +16,8 @@ import xarray as xr
 
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
-from asperity.friction.laws import coming_velocity
+from asperity.base.checks import Floats
+from asperity.results.quantities import select
 from asperity.theory import static_friction
 
 
@@ -33,8 +34,6 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     `InputError` for a strength with units if the dataset has none, or one that depends on a velocity which
     the history lacks. The coefficient is `asperity.theory.static_friction`.
     """
-    from asperity.results.quantities import select  # late, as it brings the solvers
-
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
     units.check_units(vars(law), si=bool(dataset.attrs.get("si", 0)))
@@ -58,3 +57,11 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
         shear_strength=law.strength,
         **{name: x for name, x in vars(law).items() if name != "strength" and x is not None},
     )
+
+
+def coming_velocity(velocity: Floats) -> Floats:
+    """The velocity; at rest that of the next slip, or else of the last one, or 0 without any."""
+    slides = np.flatnonzero(velocity > 0)
+    if not slides.size:
+        return velocity
+    return velocity[slides[np.minimum(np.searchsorted(slides, np.arange(velocity.size)), slides.size - 1)]]

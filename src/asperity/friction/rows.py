@@ -1,19 +1,20 @@
-"""Rows of a fit of rate and state for the terminal."""
+"""Rows of a fit of rate and state."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
-import pandas as pd
 
-from asperity.analysis.scan import written
-from asperity.app.cli.report import Row, table_row
+from asperity.base import views
+from asperity.base.readable import written
+from asperity.base.rows import Row, table_rows
 from asperity.base.words import counted, uncertain
-from asperity.friction import Event, MachineFit, RateAndStateFit, Record, StateLaws
-from asperity.friction.export import columns_of
+from asperity.friction.comparing import StateLaws
+from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
+from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.records import Record
 
 _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
@@ -21,30 +22,32 @@ _OPEN = 100.0
 _NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
 
 
-def friction_report(laws: StateLaws, first: str) -> list[Row]:
-    """Rows on the record, the fits of both laws, and the verdict."""
+@views.defines(StateLaws.rows)
+def rows_of(laws: StateLaws, /, first: str = "") -> list[Row]:
+    """Rows on the record, the fits of both laws, and the verdict; several records begin with that named."""
     record, kinds = laws.record, laws.peaks()
     slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
     fit = laws.fits[laws.preferred]
     fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
+    source = (record.read or first) if laws.runs == 1 else f"{laws.runs} surfaces: {first}, ..."
     rows = [
-        ("record", (record.read or first) if laws.runs == 1 else f"{laws.runs} surfaces: {first}, ..."),
-        ("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
+        Row("record", source),
+        Row("", f"{fitted}, slip {slip}, {counted(kinds.duration.size, 'hold')}"),
     ]
     for law in sorted(STATE_LAWS, key=lambda name: name != laws.preferred):
         rows += _law(laws, law)
-    rows.append(("verdict", _verdict(laws)))
+    rows.append(Row("verdict", _verdict(laws)))
     if isinstance(fit, MachineFit):
         rows += _machine(laws, fit)
     if fit.determined and fit.D_c < record.finest_slip:
         finest = written(record.finest_slip, "m" if record.si else "1", 3)
         text = f"D_c is shorter than the slip between two values, {finest}, and not well resolved"
-        rows.append(("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
+        rows.append(Row("note", f"{text}; smoother surfaces or more substeps of the slides resolve it"))
     if laws.runs == 1 and fit.effective_points < fit.points:
         text = f"what the {fit.law} law misses is no random scatter: neighbors correlate by "
         text += f"{fit.autocorrelation:.2f}, so that the values count as {fit.effective_points:.0f}"
         text += "" if isinstance(fit, MachineFit) else "; records of several surfaces give better intervals"
-        rows.append(("note", text))
+        rows.append(Row("note", text))
     return rows
 
 
@@ -60,7 +63,7 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
         mu_0, misfit = uncertain(other.mu_0, other.mu_0_stderr), f"{float(np.std(other.residual)):.2g}"
         origin = "given" if other.stiffness_stderr == 0 else "fitted"
         table.append((other.law, origin, k, *_numbers(other, length), mu_0, misfit))
-    rows = table_row("machine", table)
+    rows = table_rows("machine", table)
     moved: list[str] = []
     kept: list[str] = []
     for name, factor, end in (("a", 1.0, ""), ("b", 1.0, ""), ("D_c", 1 / length, f" {unit}")):
@@ -69,16 +72,16 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
         if moves is not None:
             (moved if moves else kept).append(span)
     if kept and len(laws.suiting) > 1:
-        rows.append(("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
+        rows.append(Row("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
     if moved:
-        rows.append(("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
+        rows.append(Row("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
     drift = f"{fit.drift * length:.2g} +- {fit.drift_stderr * length:.1g} 1/{unit} of the load point"
-    rows.append(("drift", drift))
+    rows.append(Row("drift", drift))
     for n in fit.released:
         assert laws.record.drive is not None
         seen, turned = float(laws.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second
         text = f"friction turns at {turned:.6g} {time_unit}, the load point at {seen:.6g}: friction counts"
-        rows.append(("note", text))
+        rows.append(Row("note", text))
     return rows
 
 
@@ -87,13 +90,7 @@ def _numbers(fit: RateAndStateFit, length: float) -> list[str]:
     return [uncertain(fit.a, fit.a_stderr), uncertain(fit.b, fit.b_stderr), D_c]
 
 
-def events_table(fits: Mapping[Event, MachineFit | None], record: Record) -> pd.DataFrame:
-    """Holds and steps fitted one by one."""
-    columns = ({} if fit is None else columns_of(fit.estimates, si=record.si) for fit in fits.values())
-    return pd.DataFrame([event._asdict() | of for event, of in zip(fits, columns, strict=True)])
-
-
-def events_rows(fits: Mapping[Event, MachineFit | None], record: Record) -> list[Row]:
+def rows_of_events(fits: Mapping[Event, MachineFit | None], record: Record) -> list[Row]:
     """The same in words."""
     (second, length), (time_unit, unit) = record.scales, record.units
     lines: list[tuple[str, ...]] = [("", "event", f"time ({time_unit})", "a", "b", f"D_c ({unit})")]
@@ -104,30 +101,26 @@ def events_rows(fits: Mapping[Event, MachineFit | None], record: Record) -> list
         words = lasts if event.kind == "hold" else speeds
         numbers = ["not fitted"] if fit is None else _numbers(fit, length)
         lines.append((f"{event.number}", words, f"{event.time / second:.6g}", *numbers))
-    return table_row("events", lines)
+    return table_rows("events", lines)
 
 
 def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = laws.record, laws.fits[law]
-    rows = []
+    rows = [Row(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)")]
     for text, name in _NAMES:
         estimate = laws.estimates[law][name]
         value, stderr, low, high = (
             float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
         )
+        unit = "m" if name == "D_c" and record.si else "1"
+        row = Row(f"  {text}", value, unit, (low, high), error=stderr)
         if name == "a" and fit.a_stderr == 0:
-            words = f"{value:g}, as given"
+            row = Row(f"  {text}", value, note=", as given")
         elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
-            words = "not determined by this record"
-        elif name == "D_c" and record.si:
-            words = f"{written(value, 'm', 4)}, 95 % from {written(low, 'm', 4)} to {written(high, 'm', 4)}"
-        else:
-            digits = max(0, 1 - math.floor(math.log10(stderr))) if stderr > 0 else 6
-            words = f"{uncertain(value, stderr)}, 95 % from {low:.{digits}f} to {high:.{digits}f}"
-        rows.append((f"  {text}", words))
+            row = Row(f"  {text}", "not determined by this record")
+        rows.append(row)
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
-    rows.append(("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms"))
-    return [(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)"), *rows]
+    return [*rows, Row("", f"at V_0 = {V_0}, misfit {100 * fit.rms_residual:.2g} % rms")]
 
 
 def _verdict(laws: StateLaws) -> str:

@@ -1,0 +1,46 @@
+"""Rows of a tabulated law."""
+
+from __future__ import annotations
+
+import json
+
+import xarray as xr
+
+from asperity.base.readable import written
+from asperity.base.rows import Row
+from asperity.contact_law.programs import closure_fits
+from asperity.surfaces.provenance import understood
+
+
+def rows_of(dataset: xr.Dataset) -> list[Row]:
+    """Rows of a summary of a law: its solid, and at each age its values at the first and last pressure."""
+    attrs = dataset.attrs
+    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
+    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
+    rows = [
+        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
+        *understood(scan),
+        Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        Row("pressures", f"{dataset.sizes['pressure']}: {_ends(dataset, 'pressure')}, each held"),
+    ]
+    for time in dataset["time"].values.tolist():
+        table = dataset.sel(direction="loading", time=time)
+        area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % under the last pressure"
+        text = f"approach {_ends(table, 'approach')}, stiffness {_ends(table, 'stiffness')}, {area}"
+        rows.append(Row(f"age {written(time, 's')}", text))
+        for name, first, second, rms, most in closure_fits(dataset, age=time).itertuples():
+            text = f"a = p / (K + p / V): K = {written(first, 'Pa/m')}, V = {written(second, 'm')}"
+            if name == "power":
+                text = f"a = c (p / 1 MPa)^n: c = {written(first, 'm')}, n = {second:.4g}"
+            rows.append(Row(name, f"{text}; errs by {100 * rms:.2g} % rms, {100 * most:.2g} % at most"))
+    rows.append(Row("approach", "of the mean surface, without the deformation of a flat solid"))
+    if dataset.sizes["direction"] > 1:
+        rows.append(Row("unloading", "separate table: from the largest pressure at its age, without creep"))
+    if dataset.sizes["time"] > 1:
+        text = "do not interpolate between ages while the load changes: creep depends on its history"
+        rows.append(Row("ages", text))
+    return rows
+
+
+def _ends(table: xr.Dataset, name: str) -> str:
+    return " to ".join(written(float(table[name][n]), str(table[name].attrs["units"])) for n in (0, -1))
