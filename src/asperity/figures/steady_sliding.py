@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.analysis.scan import written
+from asperity.base.readable import written
 from asperity.figures import style
 from asperity.sliding.answer import check_sliding
 

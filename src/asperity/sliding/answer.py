@@ -12,12 +12,12 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.scan import written
 from asperity.ask.question import answers
 from asperity.ask.sliding import SteadySliding
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.calls import remark
+from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.contact.bodies import Bodies, bodies_of, control_by
 from asperity.contact.remarks import remarks_on_bodies

@@ -54,8 +54,9 @@ def sliding(
     settings, own = asked_at(door, "sliding")
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into  # takes a second: mistakes are reported before
-    from asperity.app.cli.reports.sliding import sliding_report, write_sliding
+    from asperity.app.cli.reports.sliding import write_sliding
     from asperity.app.runs.sliding import sliding_of_config
+    from asperity.sliding.rows import rows_of
 
     with door.answering(settings, "sliding"):
         compute_into(
@@ -63,7 +64,7 @@ def sliding(
             out,
             f"{to_toml(settings)}{own}",
             functools.partial(sliding_of_config, settings, **own),
-            report=sliding_report,
+            rows=lambda outcome: rows_of(outcome.dataset),
             write=functools.partial(write_sliding, own=own),
             every=0.0,
             results=results,
