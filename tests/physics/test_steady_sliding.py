@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import root
+from scipy.special import ive, kve
 
 import asperity as asp
 from asperity.relaxation import Material, PronySeries, wlf
@@ -283,6 +285,46 @@ def test_friction_times_speed_is_what_the_branches_dissipate(direction):
             power += float((stiffness * stretch / time).sum()) / u.size
         assert state.friction * speed == pytest.approx(power, rel=1e-9)
         assert state.friction > 0
+
+
+def cylinder(speed, modulus=2.0, share=0.9, time=1.0, radius=100.0, load=1.0):
+    """Half width and friction of a rigid cylinder on a half-space of one branch, as Hunter's (1961).
+
+    With T = tau and T' = tau / (1 - share), u - V T' u' is the relaxed elastic surface under p - V T p',
+    where the cylinder goes along x. The latter is of the second order in x over the square root of
+    (a^2 - x^2). Three numbers follow from the load, from p = 0 at the trailing edge, and from the slope of
+    the surface at the leading edge, where it comes from rest.
+    """
+    relaxed, late = (1 - share) * modulus, time / (1 - share)
+
+    def terms(unknown):
+        a, ahead = math.exp(unknown[0]), unknown[1]
+        first = -relaxed * a / (2 * radius) * (ahead - speed * late)
+        return a, ahead, (load / math.pi, first, -relaxed * a**2 / (4 * radius))
+
+    def lacking(unknown):
+        a, ahead, series = terms(unknown)
+        k, q = a / (speed * time), a / (speed * late)
+        trailing = np.dot(series, [ive(0, k), -ive(1, k), ive(2, k)])
+        leading = np.dot(series, [kve(0, q), kve(1, q) - 1 / q, kve(2, q) - 2 / q - 2 / q**2])
+        return trailing, -2 * q / (relaxed * a) * leading * radius / a + (ahead + a) / a
+
+    width = math.sqrt(4 * load * radius / (math.pi * math.sqrt(relaxed * modulus)))
+    found = root(lacking, [math.log(width), 0.3 * width], tol=1e-13)
+    assert found.success
+    a, ahead, series = terms(found.x)
+    return a, (ahead * load + math.pi * series[1] * a / 2 - speed * time * load) / radius
+
+
+@pytest.mark.parametrize("speed", [0.3, 1.0, 3.0])
+def test_a_cylinder_is_that_of_hunter(speed):
+    half, friction = cylinder(speed)
+    x = (np.arange(4096) - 2048) / 64 * half  # images are 64 half widths apart
+    surface = Surface(-(x**2) / 200, pixel_size=(half / 64,))
+    solid = asp.solids.half_space(modulus=2.0, branches=[(0.9, 1.0)])
+    answer = asp.steady_sliding(solid, surface, load=1.0, speeds=speed)
+    assert answer["contact_area"].item() == pytest.approx(2 * half, rel=0.01)
+    assert answer["hysteresis_friction_coefficient"].item() == pytest.approx(friction, rel=0.004)
 
 
 @pytest.mark.slow
