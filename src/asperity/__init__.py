@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         protocols,
         relaxation,
         results,
+        sliding,
         solids,
         surfaces,
         theory,
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from asperity.prediction import predict
     from asperity.results import Checkpoint, History
     from asperity.simulate import age, press, pull, relax, slide
+    from asperity.sliding import steady_sliding
 
 __all__ = [
     "ActiveSet",
@@ -81,7 +83,9 @@ __all__ = [
     "relaxation",
     "results",
     "slide",
+    "sliding",
     "solids",
+    "steady_sliding",
     "surfaces",
     "theory",
 ]
@@ -96,6 +100,7 @@ _HOME = {
     "asperity.prediction": ("predict",),
     "asperity.results": ("Checkpoint", "History"),
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
+    "asperity.sliding": ("steady_sliding",),
 }
 _views.rooms += ["asperity.carried", "asperity.results", "asperity.analysis.rows", "asperity.figures"]
 

@@ -231,8 +231,12 @@ class Lattice:
         modes.flat[0] = self.sites * level
         return modes
 
-    def apply(self, spectrum: Spectrum, field: Field) -> Field:
-        """Apply the operator with this spectrum; in single precision if both arrays are."""
+    def apply(self, spectrum: Spectrum | Modes, field: Field) -> Field:
+        """Apply the operator with this spectrum; in single precision if both arrays are.
+
+        A complex spectrum, of an operator that is not symmetric, is that of positive wave vectors of the last
+        axis; its conjugate belongs to the others.
+        """
         modes = self.forward(field)
         modes *= spectrum
         return self.backward(modes, overwrite=True)

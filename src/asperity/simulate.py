@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -21,10 +20,10 @@ from asperity.base.calls import remark
 from asperity.carried import Carried
 from asperity.carried.record import quantities
 from asperity.contact.adhesive import zone_remark
-from asperity.contact.bodies import Bodies, bodies_of
+from asperity.contact.bodies import bodies_of, control_by
 from asperity.contact.choice import chosen_solver
 from asperity.contact.contact import WHERE_FROM, Contact, control_of
-from asperity.contact.controls import Control, Hold, Load, Separation
+from asperity.contact.controls import Hold, Load, Separation
 from asperity.contact.instantaneous import check_load, first_contact, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.contact.pulling import approach, retreat
@@ -139,7 +138,7 @@ def press(
 
     def at(number: object) -> Contact:
         if isinstance(heights, Contact):
-            control = _control(heights, name, number)
+            control = control_by(heights, name, number)
             if start is not None or solid not in (None, heights.solid):
                 raise InputError(
                     "heights",
@@ -174,21 +173,7 @@ def pressed(
     bodies = bodies_of(heights, body)
     units.check_units(dict(body.parameters), si=bodies.si)
     name = checks.one_of("load=800.0", **held)
-    return first_contact(bodies, _control(bodies, name, held[name]), start=start, solver=solver)
-
-
-def _control(bodies: Bodies | Contact, name: str, value: Any) -> Control:
-    """Load or separation in the units of the bodies."""
-    force = "N/m" if bodies.lattice.dimension == 1 else "N"
-    unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
-    number: Any = units.converted(name, value, unit, si=bodies.si)
-    if name == "separation":
-        return Separation(number)
-    if name == "pressure":
-        least = -math.inf if bodies.solid.adhesion is not None else 0.0
-        number = checks.number("pressure", number, above=least, advice="pressure=1e6")
-        number *= bodies.nominal_area
-    return Load(number)
+    return first_contact(bodies, control_by(bodies, name, held[name]), start=start, solver=solver)
 
 
 def age(

@@ -45,6 +45,7 @@ SMALLER = {
     r"asperity run": "--shape 32 32 --last 10 --per-decade 2 --quiet",
     r"asperity predict": "--per-decade 1 --quiet",
     r"asperity law": "--per-decade 1 --quiet",
+    r"asperity sliding(?! config)": "--per-decade 1 --quiet",
     r"asperity infer": "--walkers 300 --workers 1 --quiet",
     r"asperity sweep(?!.*--dry-run)": "--workers 1 --quiet",
 }

@@ -238,7 +238,12 @@ def test_all_parameters_are_tried() -> None:
             assert not lacking or kind in ("file", "repeat"), (section, kind, lacking)
 
 
-@pytest.mark.parametrize(("name", "verb"), [("prediction", asp.predict), ("law", asp.law)])
+COMMANDS = {"prediction": "predict"}
+
+
+@pytest.mark.parametrize(
+    ("name", "verb"), [("prediction", asp.predict), ("law", asp.law), ("sliding", asp.steady_sliding)]
+)
 def test_what_a_question_is_asked_is_an_argument_and_a_flag(name, verb) -> None:
     question, arguments = QUESTIONS[name], signature(verb).parameters
     assert list(arguments) == list(signature(question).parameters)
@@ -254,6 +259,7 @@ def test_what_a_question_is_asked_is_an_argument_and_a_flag(name, verb) -> None:
         ("law", {"pressures": ["1 MPa", "20 MPa"], "per_decade": 4}, {}, {"per_decade": 0}),
         ("prediction", {}, {}, {"rmap": "1 s"}),
         ("law", {"pressures": ["1 MPa"]}, {"pressures": [1e6]}, {"times": ["1 h"]}),  # ages are in [aging]
+        ("sliding", {"speeds": ["1 mm/s"], "direction": "-y"}, {"speeds": [1e-3]}, {"speeds": ["0 m/s"]}),
     ],
 )
 def test_keys_of_a_question_stand_in_a_file_or_are_flags(name, texts, numbers, refused, tmp_path) -> None:
@@ -269,7 +275,7 @@ def test_keys_of_a_question_stand_in_a_file_or_are_flags(name, texts, numbers, r
         with pytest.raises(ConfigError) as raised:
             asked_at(door, name)
         assert [one.path for one in raised.value.mistakes] == [(name, key)]
-    with pytest.raises(ConfigError, match=f"file of a {name}, not of a run"):
+    with pytest.raises(ConfigError, match=f"file of a .*, not of a run.*asperity {COMMANDS.get(name, name)}"):
         config_at(Door({}, file))
 
 

@@ -37,7 +37,7 @@ ROOMS = [
     {"simulate"},
     {"fits"},
     {"analysis"},
-    {"prediction", "contact_law"},
+    {"prediction", "contact_law", "sliding"},
     {"figures"},
     {"friction"},
     {"inference"},

@@ -215,7 +215,7 @@ WRONG: tuple[Any, ...] = (CONTACT, HISTORY, xr.Dataset(), "nope", None, {}, 3)
 
 WITHOUT_NUMBERS = {
     "analysis": "aging_summary contact_ages contact_maps distributions leg_table turnover with_limit",
-    "asperity": "infer law predict",
+    "asperity": "infer law predict steady_sliding",
     "campaign": "estimate fields load_plan open read_plan sweep table tally",
     "contact_law": "closure_fits law law_for",
     "figures": " ".join(
@@ -228,6 +228,7 @@ WITHOUT_NUMBERS = {
     "prediction": "predict",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",
+    "sliding": "steady_sliding",
     "surfaces": "check_square combined",
 }
 """Functions of files, datasets, masks, labels and numbers of workers or columns, or samples of any type."""

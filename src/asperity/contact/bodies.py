@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.base import checks, units
+from asperity.contact.controls import Control, Load, Separation
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.solids import Solid
@@ -75,3 +79,17 @@ def _check_free(solid: Solid, dimension: int) -> None:
     if wrong := [case for case, is_so in got.items() if is_so]:
         expected = "a half-space under a 2-D surface, for free edges"
         raise InputError("edges", expected=expected, got=wrong[0], advice="edges='reflecting'")
+
+
+def control_by(bodies: Bodies, name: str, value: Any) -> Control:
+    """Load, or by name pressure or separation, in the units of the bodies; `InputError` where it is none."""
+    force = "N/m" if bodies.lattice.dimension == 1 else "N"
+    unit = {"load": force, "pressure": "Pa", "separation": "m"}[name]
+    number: Any = units.converted(name, value, unit, si=bodies.si)
+    if name == "separation":
+        return Separation(number)
+    if name == "pressure":
+        least = -math.inf if bodies.solid.adhesion is not None else 0.0
+        number = checks.number("pressure", number, above=least, advice="pressure=1e6")
+        number *= bodies.nominal_area
+    return Load(number)

@@ -19,6 +19,7 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.plots import plot_contact, plot_history, plot_kind, plot_spectrum, plot_surface
 from asperity.figures.relaxation import relaxation_figure
 from asperity.figures.sliding import sliding_figure
+from asperity.figures.steady_sliding import steady_sliding_figure
 from asperity.figures.style import Drawing
 from asperity.figures.surface import surface_figure
 from asperity.figures.writing import write
@@ -46,6 +47,7 @@ __all__ = [
     "prediction_pictures",
     "relaxation_figure",
     "sliding_figure",
+    "steady_sliding_figure",
     "surface_figure",
     "write",
 ]

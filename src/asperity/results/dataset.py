@@ -16,6 +16,7 @@ from asperity.aging.frames import Frame
 from asperity.base.version import __version__
 from asperity.carried import Carried, record
 from asperity.contact import Contact, Control
+from asperity.contact.bodies import Bodies
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
 from asperity.protocols import Leg, described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
@@ -135,7 +136,7 @@ def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snaps
     return dataset.merge(named)
 
 
-def coordinates_of(contact: Contact) -> list[NDArray[Any]]:
+def coordinates_of(contact: Bodies) -> list[NDArray[Any]]:
     """Coordinates of the sites along each axis: lengths on a continuum, else numbers from 0."""
     lattice = contact.lattice
     steps = lattice.spacing if contact.solid.in_lengths else (1,) * lattice.dimension

@@ -13,6 +13,7 @@ from functools import partial
 from typing import Literal
 
 from asperity.contact import Contact
+from asperity.contact.bodies import Bodies
 
 Home = Literal["coordinate", "series", "field", "contact", "map"]
 Of = Literal["all", "sites", "continua", "yielding", "sliding", "friction", "carried"]
@@ -218,7 +219,7 @@ _SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 
 
-def units_of(contact: Contact) -> Units:
+def units_of(contact: Bodies) -> Units:
     """Units of a contact's numbers, by dimension; those of a solid defined on sites are the user's own."""
     units = (_SI if contact.si else _OWN) if contact.solid.in_lengths else _SITES
     if contact.lattice.dimension == 1:

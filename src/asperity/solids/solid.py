@@ -21,7 +21,7 @@ from asperity.base import checks, units, views
 from asperity.base.words import InUnits
 from asperity.creep import LocalCreep
 from asperity.errors import InputError
-from asperity.lattice import Lattice, Spectrum
+from asperity.lattice import Lattice, Modes, Spectrum
 from asperity.solids.branches import check_branches
 from asperity.solids.laws import RIGID, LaplacianSpectrum, Scaled, SpectrumOf
 
@@ -324,6 +324,42 @@ class Solid(views.InNotebooks):
             raise InputError("stiffness", expected="H + C > 0 at every wave vector but 0", got="0 at some")
         return Spectra(permanent, creeping, rate)
 
+    def stiffness_at(self, lattice: Lattice, frequency: Spectrum) -> Modes:
+        r"""Complex stiffness of each wave that oscillates, u = Re(u_q exp(i omega t)).
+
+            K(q, omega) = H + sum_b C_b i omega / (i omega + M_b C_b)
+
+        Parameters
+        ----------
+        lattice
+            The lattice.
+        frequency
+            omega, radians per time, of any sign; broadcasts to `Lattice.spectral_shape`.
+
+        Returns
+        -------
+        array
+            Complex, shape `Lattice.spectral_shape`, force per length of a site. Its conjugate belongs to
+            -omega.
+
+        Raises
+        ------
+        InputError
+            A local law of creep has no linear response, or as `on`.
+        """
+        if self.creep is not None:
+            expected, got = "linear creep, which has a stiffness at each frequency", "a local law of creep"
+            raise InputError("solid", expected=expected, got=got, advice="branches=[(0.5, 1.0)]")
+        if self.stiffness is not None and self.apparatus is None:  # the same at all wave vectors
+            whole = _checked("stiffness", self.stiffness, lattice)
+            parts = [share * _moving(frequency, 1 / time) for share, time in self.shares or ()]
+            return np.asarray(whole * sum(parts, self.permanent_share + 0j), dtype=complex)
+        spectra = self.on(lattice)
+        response = spectra.permanent.astype(complex)
+        for creeping, rate in zip(spectra.creeping, spectra.rate, strict=True):
+            response += creeping * _moving(frequency, rate)
+        return response
+
     def _mounted(self, lattice: Lattice, greatest: float) -> float | None:
         """Stiffness of the apparatus for each site, beside the greatest of a mode; None without one."""
         if self.apparatus is None or (lattice.body and math.isinf(self.apparatus)):
@@ -332,6 +368,14 @@ class Solid(views.InNotebooks):
             expected, advice = "no apparatus, or a rigid one, where edges are free", "apparatus=math.inf"
             raise InputError("apparatus", expected=expected, got=f"{self.apparatus:g}", advice=advice)
         return RIGID * greatest if math.isinf(self.apparatus) else self.apparatus / lattice.sites
+
+
+def _moving(frequency: Spectrum, rate: Spectrum | float) -> Modes:
+    """Part i omega / (i omega + rate) of a creeping stiffness; all of it where nothing creeps."""
+    turning = 1j * np.asarray(frequency)
+    whole = np.asarray(turning + rate)
+    part: Modes = np.divide(turning, whole, out=np.ones_like(whole), where=whole != 0)
+    return part
 
 
 def _checked(name: str, law: SpectrumOf, lattice: Lattice) -> Spectrum:

@@ -18,7 +18,20 @@ from typing import Any, Literal
 from cyclopts import App
 from cyclopts.exceptions import CoercionError, CycloptsError, UnknownCommandError, UnknownOptionError
 
-from asperity.app.cli import explore, fit, friction, gather, infer, law, predict, run, status, surface, sweep
+from asperity.app.cli import (
+    explore,
+    fit,
+    friction,
+    gather,
+    infer,
+    law,
+    predict,
+    run,
+    sliding,
+    status,
+    surface,
+    sweep,
+)
 from asperity.app.cli.command import app, command
 from asperity.app.cli.flags import in_flags
 from asperity.app.cli.terminal import complain, make_streams_safe, silence_output, widen
@@ -28,7 +41,7 @@ from asperity.errors import AsperityError, ConfigError, InputError, Remark
 
 __all__ = ["answer", "app", "with_others"]
 
-_COMMANDS = (run, predict, law, surface, fit, infer, friction, sweep, status, gather, explore)
+_COMMANDS = (run, predict, law, sliding, surface, fit, infer, friction, sweep, status, gather, explore)
 """Modules of the commands: each adds its own when it is imported."""
 
 

@@ -23,7 +23,7 @@ from asperity.progress import listener
 from asperity.results import Checkpoint
 from asperity.results.store import PlaceTakenError, whole_folder, write_into
 
-_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law")
+_SHOWN = ("prediction.html", "inference.html", "aging", "history", "contacts", "friction", "law", "sliding")
 """Files of results that ``--open`` shows, the first that exists: a page, or a picture in any format."""
 
 

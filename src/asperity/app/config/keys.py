@@ -14,6 +14,7 @@ from asperity.ask.question import Question
 from asperity.ask.run import FILES
 from asperity.ask.section import KINDS, Section, keys_of_maker
 from asperity.ask.section import Keys as Parameters
+from asperity.ask.sliding import SteadySliding
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
 from asperity.protocols import KINDS as LEGS
@@ -70,7 +71,7 @@ class Key:
 
 Keys = dict[str, Key]
 
-QUESTIONS: dict[str, type[Question]] = {"prediction": Predict, "law": Law}
+QUESTIONS: dict[str, type[Question]] = {"prediction": Predict, "law": Law, "sliding": SteadySliding}
 """Questions of commands that take the file of a run, and have keys beside those of its sections."""
 
 _SEVERAL = {"legs": "legs", "text or whole": "texts"}

@@ -34,6 +34,7 @@ _OF_OTHERS = {
     "sweep": ("campaign", "asperity sweep FILE --out FOLDER"),
     "prediction": ("prediction", "asperity predict FILE"),
     "law": ("law", "asperity law FILE"),
+    "sliding": ("steady slide", "asperity sliding FILE"),
 }
 """Sections that no run has: of what they are, and the command for it."""
 

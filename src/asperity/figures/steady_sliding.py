@@ -1,0 +1,51 @@
+"""Steady sliding: friction and contact area against speed."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import xarray as xr
+
+from asperity.base.readable import written
+from asperity.figures import style
+from asperity.sliding.answer import check_sliding
+
+
+@style.drawn
+def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
+    """Draw friction and contact area against speed, on a logarithmic axis.
+
+    Parameters
+    ----------
+    dataset
+        What `asperity.steady_sliding` returned.
+
+    Raises
+    ------
+    InputError
+        It is something else.
+    """
+    check_sliding(dataset)
+    speed, unit = dataset["speed"].values, str(dataset["speed"].attrs["units"])
+    figure, (above, below) = style.stacked((style.COLUMN, 3.6), 1, 1)
+    look: dict[str, Any] = {"markersize": 2.5, "linewidth": 1.4}
+    if "friction_coefficient" in dataset:
+        whole = dataset["friction_coefficient"].values
+        above.plot(speed, whole, "o-", color=style.INK, label="with shear strength", **look)
+    loss = dataset["hysteresis_friction_coefficient"].values
+    above.plot(speed, loss, "o-", color=style.VERMILION, label="hysteresis", **look)
+    below.plot(speed, 100 * dataset["contact_fraction"].values, "o-", color=style.BLUE, **look)
+    above.set_ylabel("friction coefficient")
+    below.set_ylabel("contact [%]")
+    below.set_xlabel(style.with_unit("sliding speed", unit))
+    for axes in (above, below):
+        axes.set_xscale("log")
+        axes.set_ylim(bottom=0)
+        style.finish(axes, legend=axes is above and "friction_coefficient" in dataset)
+    figure.align_ylabels([above, below])
+    area = float(dataset.attrs["nominal_area"])
+    pressure = float(dataset.attrs["load"]) / area
+    shown = written(pressure, "Pa") if unit == "m/s" else f"{pressure:.4g}"
+    figure.suptitle(f"Steady sliding under {shown}, direction {json.loads(dataset.attrs['direction'])}")
+    return figure

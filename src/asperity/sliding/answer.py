@@ -1,0 +1,247 @@
+"""Friction and contact area against speed: the answer to `asperity.steady_sliding`."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from asperity.ask.question import answers
+from asperity.ask.sliding import SteadySliding
+from asperity.ask.strength import ShearStrength
+from asperity.base import checks, units
+from asperity.base.calls import remark
+from asperity.base.readable import written
+from asperity.base.version import __version__
+from asperity.contact.bodies import Bodies, bodies_of, control_by
+from asperity.contact.remarks import remarks_on_bodies
+from asperity.contact.rim import RIM, rim_sides
+from asperity.errors import InputError
+from asperity.lattice import Field, Lattice
+from asperity.progress import listener
+from asperity.protocols import sites_along
+from asperity.relaxation import Material
+from asperity.relaxation import material as material_of
+from asperity.results.dataset import attributes_of_solid, coordinates_of
+from asperity.results.quantities import units_of
+from asperity.sliding.problem import Sliding, State, waves_along
+from asperity.sliding.solver import solved
+from asperity.solids import Solid
+from asperity.surfaces import Surface, read
+from asperity.surfaces.prepare import make_periodic
+
+TITLE = "Steady sliding"
+
+COLUMNS = {
+    "hysteresis_friction_coefficient": ("1", "dissipation in the solid over speed and load"),
+    "friction_coefficient": ("1", "hysteresis, and shear strength times real contact area, over load"),
+    "contact_area": ("area", "real contact area"),
+    "contact_area_corrected": ("area", "real contact area, corrected for pixel rims"),
+    "contact_fraction": ("1", "real contact area over nominal area"),
+    "mean_gap": ("length", "mean gap"),
+    "largest_pressure": ("pressure", "largest contact pressure"),
+    "last_octave": ("1", "share of the hysteresis of waves shorter than four sites"),
+    "slope_friction_coefficient": ("1", "the hysteresis as mean of pressure times slope of the profile"),
+    "residual": ("1", "largest force off contact over the mean contact force"),
+    "products": ("1", "products of forces with the compliance"),
+}
+"""Dimension or unit, and meaning of the columns of steady sliding, in their order."""
+
+_MOST_OF_LAST_OCTAVE = 0.1
+
+Row = dict[str, Any]
+
+
+@answers(SteadySliding)
+def steady_sliding(question: SteadySliding) -> xr.Dataset:
+    """Answer the question of steady sliding."""
+    material = question.solid if isinstance(question.solid, Material) else material_of(question.solid)
+    surface = read(question.surface) if isinstance(question.surface, str | Path) else question.surface
+    scan = surface.scan if isinstance(surface, Surface) else surface
+    bodies = bodies_of(scan, _checked(material.solid))
+    law = question.shear_strength
+    of_law = vars(law) if isinstance(law, ShearStrength) else {}
+    units.check_units({"speeds": question.speeds}, of_law, dict(bodies.solid.parameters), si=bodies.si)
+    profile, speeds = Profile.of(bodies, question.direction, _load_of(question, bodies)), question.each_speed
+    if not question.beyond_table:
+        _check_known(material, profile, speeds)
+    rows: list[Row] = []
+    maps: dict[float, Field] = {}
+    state: State | None = None
+    with listener(question.progress) as listening:
+        for number, speed in enumerate(speeds.tolist(), 1):
+            at = written(speed, "m/s") if bodies.si else f"{speed:g}"
+            listening.stage(f"sliding at {at}, speed {number} of {speeds.size}")
+            state = solved(profile.at(speed), state)
+            rows.append(profile.row(state))
+            if np.isclose(speed, question.fields_at or [], rtol=1e-6, atol=0).any():
+                maps[speed] = profile.pressure(state)
+    dataset = _dataset(rows, maps, speeds, profile, question)
+    on_bodies = remarks_on_bodies(scan, bodies.solid) if isinstance(scan, Surface) else ()
+    for text in (*on_bodies, *_remarks(dataset)):
+        remark(text)
+    return dataset.assign_attrs(material=json.dumps(dict(material.facts)))
+
+
+def check_sliding(dataset: xr.Dataset) -> None:
+    """`InputError` unless `steady_sliding` made the dataset."""
+    advice = "asperity.steady_sliding(solid, scan, speeds=..., pressure=...)"
+    if checks.instance("dataset", dataset, xr.Dataset, advice).attrs.get("title") != TITLE:
+        raise InputError("dataset", expected="steady sliding", got="another one", advice=advice)
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A rough profile that slides, with its mirror images where its edges reflect."""
+
+    bodies: Bodies
+    lattice: Lattice
+    heights: Field
+    direction: tuple[float, ...]
+    load: float
+
+    @classmethod
+    def of(cls, bodies: Bodies, direction: str | tuple[int, ...], load: float) -> Self:
+        """Set up; `InputError` where edges are free, or the surface has no such direction."""
+        lattice, heights = bodies.lattice, bodies.heights
+        if lattice.edges == "free":
+            expected = "periodic or reflecting edges: beyond free ones the profile does not go on"
+            raise InputError("edges", expected=expected, got="'free'", cure={"edges": "reflecting"})
+        if lattice.reflecting:
+            heights = make_periodic(heights, "mirror")
+            lattice = Lattice(heights.shape, lattice.spacing)
+        steps = zip(sites_along(direction, lattice.dimension), lattice.spacing, strict=True)
+        vector = np.array([sites * step for sites, step in steps])
+        heights = heights - heights.max()
+        return cls(bodies, lattice, heights, tuple((vector / np.linalg.norm(vector)).tolist()), load)
+
+    @property
+    def copies(self) -> float:
+        """Sites over those of the scan."""
+        return self.lattice.sites / math.prod(self.bodies.lattice.shape)
+
+    def at(self, speed: float) -> Sliding:
+        """The contact problem at a speed."""
+        how = self.direction, speed, self.copies * self.load
+        return Sliding.of(self.lattice, self.heights, self.bodies.solid, *how)
+
+    def pressure(self, state: State) -> Field:
+        """Contact pressure of each site of the scan; its force on a solid that is defined on sites."""
+        return state.force[tuple(map(slice, self.bodies.lattice.shape))] / self.area_of_site
+
+    @property
+    def area_of_site(self) -> float:
+        """Area of a site; 1 on a solid that is defined on sites."""
+        return self.lattice.cell if self.bodies.solid.in_lengths else 1.0
+
+    def row(self, state: State) -> Row:
+        """Numbers of a state."""
+        body, sites = np.isfinite(self.heights), np.count_nonzero(state.in_contact)
+        rim = RIM * rim_sides(state.in_contact, self.lattice, body)
+        area = self.area_of_site / self.copies
+        load = self.copies * self.load
+        return {
+            "hysteresis_friction_coefficient": state.friction / load,
+            "contact_area": sites * area,
+            "contact_area_corrected": (sites - rim) * area,
+            "contact_fraction": sites / np.count_nonzero(body),
+            "mean_gap": float((state.u - self.heights)[body].mean()),
+            "largest_pressure": float(state.force.max()) / self.area_of_site,
+            "last_octave": state.share_of_last_octave,
+            "slope_friction_coefficient": state.friction_of_slopes / load,
+            "residual": state.residual,
+            "products": state.products,
+        }
+
+
+def _checked(solid: Solid) -> Solid:
+    """Refuse a solid whose response to a wave is not linear."""
+    laws = {"adhesion": solid.adhesion, "hardness": solid.yields or None, "creep": solid.creep}
+    for name, law in laws.items():
+        if law is not None:
+            expected, got = f"a solid without {name}, whose response is linear", f"one with {name}"
+            raise InputError("solid", expected=expected, got=got, advice="a slide in time, asperity.slide")
+    return solid
+
+
+def _load_of(question: SteadySliding, bodies: Bodies) -> float:
+    """The normal load; `InputError` unless it presses."""
+    given = {name: value for name in ("load", "pressure") if (value := getattr(question, name)) is not None}
+    name, value = next(iter(given.items()))
+    units.check_units(given, si=bodies.si, line=bodies.lattice.dimension == 1)
+    if not (load := control_by(bodies, name, value).value) > 0:
+        raise InputError(name, expected="more than 0", got=checks.shown(value), advice=f"{name}=1.0")
+    return float(load)
+
+
+def _check_known(material: Material, profile: Profile, speeds: Field) -> None:
+    """Refuse speeds at which waves oscillate faster or slower than the data of a material."""
+    begin, end = material.span
+    waves = np.abs(waves_along(profile.lattice, profile.direction)[0])
+    longest, shortest = float(waves[waves > 0].min()), float(waves.max())
+    least, most = (1 / (end * longest), 1 / (begin * shortest) if begin else math.inf)
+    for speed in speeds.tolist():
+        if not least * (1 - 1e-9) <= speed <= most * (1 + 1e-9):
+            known = f"{written(least, 'm/s')} to {written(most, 'm/s')}"
+            if least > most:
+                known = "none, as the scan has more decades of waves than the table has of times"
+            expected = f"speeds whose frequencies the table has, {known}"
+            cure: dict[str, Any] = {"beyond_table": True}
+            raise InputError("speeds", expected=expected, got=written(speed, "m/s"), cure=cure)
+
+
+def _dataset(
+    rows: list[Row], maps: dict[float, Field], speeds: Field, profile: Profile, question: SteadySliding
+) -> xr.Dataset:
+    bodies, law = profile.bodies, question.shear_strength
+    table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    if isinstance(law, ShearStrength):
+        adhered = law.at(speeds) * table["contact_area_corrected"] / profile.load
+        table["friction_coefficient"] = table["hysteresis_friction_coefficient"] + adhered
+    unit = {"place / time": "1", **units_of(bodies), "1": "1"}
+    unit.setdefault("area", "sites")
+    dataset = xr.Dataset(coords={"speed": speeds})
+    dataset["speed"].attrs.update(long_name="sliding speed", units=unit["place / time"])
+    for name, (dimension, meaning) in COLUMNS.items():
+        if name in table:
+            facts = {"long_name": meaning, "units": unit[dimension]}
+            dataset[name] = "speed", table[name], facts
+    if maps:
+        axes = ("y", "x")[-bodies.lattice.dimension :]
+        places: dict[str, Any] = dict(zip(axes, coordinates_of(bodies), strict=True))
+        dataset = dataset.assign_coords({"field_speed": list(maps), **places})
+        facts = {"long_name": "contact pressure", "units": unit["pressure"]}
+        dataset["pressure"] = ("field_speed", *axes), np.stack([*maps.values()]), facts
+    return dataset.assign_attrs(
+        title=TITLE,
+        asperity_version=__version__,
+        **attributes_of_solid(bodies.solid),
+        edges=bodies.lattice.edges,
+        shape=json.dumps(bodies.lattice.shape),
+        spacing=json.dumps(bodies.lattice.spacing),
+        surface=json.dumps(dict(bodies.surface)),
+        load=profile.load,
+        nominal_area=bodies.nominal_area,
+        direction=json.dumps(question.direction),
+    )
+
+
+def _remarks(dataset: xr.Dataset) -> Iterator[str]:
+    """Remarks on friction that the shortest waves of the scan decide."""
+    share, friction = dataset["last_octave"].values, dataset["hysteresis_friction_coefficient"].values
+    if not (wrong := share > _MOST_OF_LAST_OCTAVE).any():
+        return
+    at = int(np.argmax(np.where(wrong, friction, -1.0)))
+    speed, unit = float(dataset["speed"][at]), str(dataset["speed"].attrs["units"])
+    when = written(speed, unit) if unit == "m/s" else f"{speed:g}"
+    more = f"; likewise at {wrong.sum() - 1} other speeds" if wrong.sum() > 1 else ""
+    yield (
+        f"{100 * share[at]:.0f} % of the friction at {when} comes from the last octave of the scan, waves "
+        f"shorter than four pixels: a finer scan would change it{more}"
+    )

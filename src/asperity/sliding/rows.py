@@ -1,0 +1,41 @@
+"""Rows of steady sliding."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from asperity.base.readable import written
+from asperity.base.rows import Row
+from asperity.surfaces.provenance import understood
+
+
+def rows_of(dataset: xr.Dataset) -> list[Row]:
+    """Rows of a summary: the bodies, and the states at the ends of the speeds and of largest friction."""
+    attrs = dataset.attrs
+    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
+    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
+    friction = dataset["hysteresis_friction_coefficient"].values
+    places = {"slowest": 0, "largest friction": int(np.argmax(friction)), "fastest": friction.size - 1}
+    return [
+        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
+        *understood(scan),
+        Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        Row("pressure", attrs["load"] / attrs["nominal_area"], "Pa", note=" over the nominal area", digits=4),
+        Row("direction", str(json.loads(attrs["direction"]))),
+        Row("speeds", f"{friction.size}, each in its steady state"),
+        *(Row(name, _words(dataset.isel(speed=place))) for name, place in places.items()),
+        Row("heat", "left out: no flash temperature"),
+        Row("residual", float(dataset["residual"].max()), note=" at most", digits=2),
+    ]
+
+
+def _words(state: xr.Dataset) -> str:
+    """A state in words."""
+    text = f"{written(float(state['speed']), str(state['speed'].attrs['units']))}: hysteresis friction "
+    text += f"{float(state['hysteresis_friction_coefficient']):.4g}"
+    if "friction_coefficient" in state:
+        text += f", {float(state['friction_coefficient']):.4g} with shear strength"
+    return f"{text}, contact {100 * float(state['contact_fraction']):.4g} %"

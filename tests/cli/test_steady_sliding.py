@@ -1,0 +1,94 @@
+"""``asperity sliding``: its files, its words, and the same numbers as in Python."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asperity as asp
+
+HEIGHTS = asp.surfaces.spectral((24, 32), spacing=50.0, hurst=0.8, rms_height=3.0, seed=3)
+LENGTHS = ("--file-unit", "nm", "--pixel-size", "50", "--length-unit", "nm")
+ASKED = ("--pressure", "1MPa", "--speeds", "1um/s", "1mm/s", "--per-decade", "1")
+BRANCHES = [(0.4, 1e-4), (0.4, 1e-3)]
+
+
+@pytest.fixture
+def scan():
+    np.savetxt("scan.txt", HEIGHTS)
+    return "--surface", "scan.txt", *LENGTHS
+
+
+@pytest.fixture
+def table():
+    frequency = np.geomspace(10.0, 1e6, 31)
+    w = 1j * frequency
+    modulus: Any = 30 * (0.2 + sum(g * w * t / (1 + w * t) for g, t in BRANCHES))
+    rows = (f"{f:.8g},{m.real:.8g},{m.imag:.8g}" for f, m in zip(frequency, modulus, strict=True))
+    Path("dma.csv").write_text("\n".join(["omega_rad/s,E_storage_MPa,E_loss_MPa", *rows]))
+    return "dma.csv"
+
+
+def test_a_table_of_moduli_gives_the_curve_of_its_branches(says, scan, table):
+    more = ("--shear-strength", "2MPa", "--fields-at", "1um/s", "--beyond-table", "-q")
+    says("sliding", table, *scan, *ASKED, *more)
+    words = Path("sliding/summary.txt").read_text()
+    for said in ("slowest", "largest friction", "with shear strength", "no flash temperature", "residual"):
+        assert said in words
+    found = asp.results.load("sliding")
+    solid = asp.solids.half_space(young="30 MPa", branches=BRANCHES)
+    surface = asp.surfaces.read("scan.txt", file_unit="nm", pixel_size=50.0, length_unit="nm")
+    how: dict[str, Any] = {"speeds": ["1 um/s", "1 mm/s"], "per_decade": 1, "fields_at": ["1 um/s"]}
+    right = asp.steady_sliding(solid, surface, pressure="1 MPa", shear_strength="2 MPa", **how)
+    assert found.sizes == right.sizes == {"speed": 4, "field_speed": 1, "y": 24, "x": 32}
+    friction = right["hysteresis_friction_coefficient"]
+    assert float(friction.max() / friction.min()) > 2
+    np.testing.assert_allclose(found["hysteresis_friction_coefficient"], friction, rtol=0.02)
+    rows = list(csv.DictReader(Path("sliding/sliding.csv").read_text().splitlines()))
+    for name in ("speed_m_per_s", "contact_area_m2", "largest_pressure_Pa", "friction_coefficient"):
+        column = name.rsplit("_m_per_s")[0].removesuffix("_m2").removesuffix("_Pa")
+        assert [float(row[name]) for row in rows] == pytest.approx(found[column].values.tolist(), rel=1e-14)
+    written = {path.name for path in Path("sliding").iterdir()}
+    assert written == {
+        *("asperity.json", "config.toml", "history.zarr", "sliding.csv", "sliding.png"),
+        *("sliding_data.csv", "summary.txt"),
+    }
+    assert json.loads(Path("sliding/asperity.json").read_text())["kind"] == "sliding"
+    # The configuration that was written gives the same curve.
+    says("sliding", "sliding/config.toml", "--out", "again", "--figures", "", "-q")
+    again = asp.results.load("again")["hysteresis_friction_coefficient"]
+    np.testing.assert_allclose(again, found["hysteresis_friction_coefficient"], rtol=1e-8)
+
+
+def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
+    assert "--beyond-table" in mistaken("sliding", table, *scan, *ASKED, "-q")
+    refused = {
+        ("--pressure", "1MPa"): "--speeds",
+        (*ASKED, "--branch", "1 1s"): "flows without end",
+        (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "without hardness",
+        (*ASKED, "--branch", "0.5 1s", "--edges", "free"): "edges",
+        ("--speeds", "1", "--pressure", "1MPa"): "a number with its unit",
+    }
+    for flags, said in refused.items():
+        assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
+    solid = '[solid]\nkind = "half_space"\nmodulus = 3e7\n'
+    Path("legs.toml").write_text(f'[[protocol]]\nkind = "hold"\nduration = 3.0\n{solid}')
+    assert "[[protocol]]" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
+    Path("held.toml").write_text(f"[contact]\nseparation = 1e-6\n{solid}[sliding]\nspeeds = 1.0\n")
+    assert "separation" in mistaken("sliding", "held.toml", *scan, "-q")
+
+
+def test_the_figure_shows_friction_and_area():
+    surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
+    solid = asp.solids.half_space(young="30 MPa", branches=BRANCHES)
+    answer = asp.steady_sliding(solid, surface, speeds=[1e-6, 1e-5, 1e-4], pressure=1e6)
+    above, below = asp.figures.steady_sliding_figure(answer).axes
+    drawn: Any = above.lines[0].get_ydata(), below.lines[0].get_ydata()
+    np.testing.assert_allclose(drawn[0], answer["hysteresis_friction_coefficient"])
+    np.testing.assert_allclose(drawn[1], 100 * answer["contact_fraction"])
+    assert above.get_xscale() == below.get_xscale() == "log"
+    with pytest.raises(asp.errors.InputError, match="steady sliding"):
+        asp.figures.steady_sliding_figure(answer.assign_attrs(title="another"))
