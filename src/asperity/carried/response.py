@@ -70,7 +70,7 @@ def tangential_stiffness(contact: Contact, poisson: float, direction: Direction 
 def tangential_compliance(contact: Contact, poisson: float) -> Field:
     """See `Contact.tangential_compliance`."""
     check_half_space("tangential_compliance", contact.solid, contact.lattice)
-    return compliances(contact, poisson)[0].copy()
+    return np.array(compliances(contact, poisson)[0])
 
 
 @views.defines(Contact.resistance)
@@ -167,7 +167,9 @@ def _problem(lattice: Lattice, compliance: Spectrum, heights: Field, load: float
     """The contact problem of a compliance under a load."""
     stiffness = inverse(compliance)
     stiffness.flat[0] = 0.0
-    return SpectralProblem(lattice, heights - heights.max(), stiffness, lattice.flat_modes(-load / lattice.sites))
+    return SpectralProblem(
+        lattice, heights - heights.max(), stiffness, lattice.flat_modes(-load / lattice.sites)
+    )
 
 
 def _bonded(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:

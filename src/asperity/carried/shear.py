@@ -1,21 +1,24 @@
 r"""Contacts on a half-space that are all displaced along its surface, together, before anything slips.
 
-With the compliance K of `asperity.solids.laws.shear_compliance`, forces along both axes on the contacts C make
+With the compliance K of `asperity.solids.laws.shear_compliance`, forces f along both axes on the contacts C
+displace these by 1 along the axis j:
 
     K f = e_j on C,        k_ij = sum of f_i,        compliance c = 1 / k.
 
-Conjugate gradients on C find f; the preconditioner is the normal stiffness between sites of C. K is at most
-1 / (1 - nu) times the normal compliance. Where edges reflect, forces along the displacement are even at
-mirrors, and the others are odd: cosine and sine transforms. The sums of the odd ones are 0.
+Conjugate gradients on C find f; the preconditioner is 1 / K of all sites, between those of C. Where edges
+reflect, forces along the displacement are even at mirrors, and the others are odd: cosine and sine
+transforms. The sums of the odd ones are 0.
 
-Displacements along and across the surface are uncoupled, as of two bodies that are alike or incompressible.
+Displacements along and normal to the surface are uncoupled: the bodies are alike or incompressible.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
+from functools import cached_property
+from typing import Any, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -30,7 +33,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.lattice import Field, Lattice, Mask, Modes, Spectrum
 from asperity.solids.laws import shear_compliance
 
-_SOLVED = 1e-10
+_SOLVED = 1e-6
 """Relative residual on the contacts."""
 
 _COMPLIANCES: WeakKeyDictionary[Contact, dict[float, Field]] = WeakKeyDictionary()
@@ -39,10 +42,9 @@ _COMPLIANCES: WeakKeyDictionary[Contact, dict[float, Field]] = WeakKeyDictionary
 
 @dataclass(frozen=True, eq=False)
 class Shear:
-    """Spectra of the displacement along y and x by a force along y and x of a site, and of the normal one."""
+    """Spectra of the displacement along y and x by a force of a site along y and x."""
 
     lattice: Lattice
-    normal: Spectrum
     yy: Spectrum
     yx: Spectrum
     xx: Spectrum
@@ -53,7 +55,7 @@ class Shear:
         lattice, part = contact.lattice.embedding, poisson / (1 - poisson)
         scale = 1 / (cast(float, contact.solid.modulus) * lattice.cell)
         normal, yy, yx, xx = (scale * spectrum for spectrum in shear_compliance(lattice))
-        return cls(lattice, normal, normal + part * yy, part * yx, normal + part * xx)
+        return cls(lattice, normal + part * yy, part * yx, normal + part * xx)
 
     def along(self, direction: Direction) -> Spectrum:
         """Spectrum of the displacement by forces along the same direction; on the lattice."""
@@ -65,23 +67,27 @@ class Shear:
         return np.ascontiguousarray(whole[tuple(map(slice, self.lattice.spectral_shape))])
 
     def displacement(self, force: Field, axis: int) -> Field:
-        """Displacements along y and x, shape ``(2, *shape)``, by forces on contacts displaced along an axis."""
-        y, x = (self._modes(part, odd=n != axis) for n, part in enumerate(force))
-        moved = self.yy * y + self.yx * x, self.yx * y + self.xx * x
-        return np.stack([self._field(part, odd=n != axis) for n, part in enumerate(moved)])
+        """Displacements along y and x, shape ``(2, *shape)``, by such forces, of contacts moved along an axis."""
+        return self._applied((self.yy, self.yx, self.xx), force, axis)
 
-    def stiffen(self, force: Field, axis: int) -> Field:
-        """The preconditioner: normal stiffness times a field of each axis."""
-        stiffness = inverse(self.normal)
+    def stiffened(self, field: Field, axis: int) -> Field:
+        """Forces of displacements of all sites."""
+        return self._applied(self._stiffness, field, axis)
+
+    @cached_property
+    def _stiffness(self) -> tuple[Spectrum, Spectrum, Spectrum]:
+        determinant = inverse(self.yy * self.xx - self.yx**2)
+        return self.xx * determinant, -self.yx * determinant, self.yy * determinant
+
+    def _applied(self, spectra: tuple[Spectrum, Spectrum, Spectrum], fields: Field, axis: int) -> Field:
+        yy, yx, xx = spectra
+        y, x = (self._modes(part, odd=n != axis) for n, part in enumerate(fields))
         return np.stack(
-            [
-                self._field(stiffness * self._modes(part, odd=n != axis), odd=n != axis)
-                for n, part in enumerate(force)
-            ]
+            [self._field(yy * y + yx * x, odd=axis == 1), self._field(yx * y + xx * x, odd=axis == 0)]
         )
 
     def held(self, sites: Mask, axis: int) -> Field:
-        """Forces along y and x, shape ``(2, *shape)``, under which the sites are displaced by 1 along an axis."""
+        """Forces along y and x, shape ``(2, *shape)``, that displace the sites by 1 along an axis."""
         both, count = np.stack([sites, sites]), np.count_nonzero(sites)
 
         def spread(values: Field) -> Field:
@@ -89,11 +95,10 @@ class Shear:
             field[both] = values
             return field
 
-        shape = 2 * count, 2 * count
-        compliance, stiffness = (
-            scipy.sparse.linalg.LinearOperator(shape, lambda v, act=act: act(spread(v), axis)[both])
-            for act in (self.displacement, self.stiffen)
-        )
+        def operator(act: Callable[[Field, int], Field]) -> Any:
+            return scipy.sparse.linalg.LinearOperator((2 * count,) * 2, lambda v: act(spread(v), axis)[both])
+
+        compliance, stiffness = map(operator, (self.displacement, self.stiffened))
         target = np.repeat(np.arange(2) == axis, count).astype(float)
         force, failed = scipy.sparse.linalg.cg(compliance, target, rtol=_SOLVED, atol=0, M=stiffness)
         if failed:
@@ -128,16 +133,22 @@ def compliances(contact: Contact, poisson: float) -> Field:
 
 
 def _compliances(contact: Contact, poisson: float) -> Field:
-    sites, shear = contact.relative[2], Shear.of(contact, checks.number("poisson", poisson, above=-1, most=0.5))
+    sites, shear = (
+        contact.relative[2],
+        Shear.of(contact, checks.number("poisson", poisson, above=-1, most=0.5)),
+    )
     if not contact.area or sites.all():
         return np.full((2, 2, 2), 0.0 if contact.area else math.inf)
-    forces = [shear.held(sites, axis) for axis in (0, 1)]
     body = np.isfinite(contact.system().heights)
-    moved = [shear.displacement(force, axis)[:, body].mean(axis=-1) for axis, force in enumerate(forces)]
-    stiffness, surface = np.transpose([force.sum(axis=(1, 2)) for force in forces]), np.transpose(moved)
+    forces = [shear.held(sites, axis) for axis in (0, 1)]
+    moved = [shear.displacement(force, axis) for axis, force in enumerate(forces)]
+    sums = np.array([force[:, sites].sum(axis=-1) for force in forces])
+    surface = np.transpose([field[:, body].mean(axis=-1) for field in moved])
+    # The error of this is that of the forces squared.
+    stiffness = sums + sums.T - np.einsum("ijs,kjs->ik", *(np.array(f)[..., sites] for f in (forces, moved)))
     if shear.lattice.reflecting:
         stiffness, surface = stiffness * np.eye(2), surface * np.eye(2)
-    whole = np.linalg.inv((stiffness + stiffness.T) / 2)
+    whole = np.linalg.inv(stiffness)
     rough = whole - surface @ whole
     return np.stack([whole, (rough + rough.T) / 2])
 

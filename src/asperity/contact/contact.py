@@ -289,8 +289,8 @@ class Contact(Bodies, views.InNotebooks):
         poisson
             Poisson's ratio nu, from -1 to 0.5.
         direction
-            Of the force: ``"x"`` (along the rows), ``"y"`` or degrees from x towards y. By default the inverse
-            of the mean compliance over all directions.
+            Of the force: ``"x"`` (along the rows), ``"y"`` or degrees from x towards y. By default the result
+            is the inverse of the mean compliance over all directions.
 
         Raises
         ------
@@ -367,8 +367,8 @@ class Contact(Bodies, views.InNotebooks):
         friction
             Coefficient of friction of a site, > 0.
         poisson
-            Poisson's ratio, for the displacement, the stiffness and the energy lost. By default sites stick as
-            at 0.
+            Poisson's ratio, for the displacement, the stiffness and the energy lost. By default sites stick
+            as at 0.
         direction
             Of the shear force: ``"x"`` (along the rows), ``"y"`` or degrees from x towards y.
 

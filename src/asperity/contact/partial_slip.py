@@ -11,8 +11,11 @@ s are the forces on a punch of the shape mu K r under the load mu P - Q: a conta
 Where K is in proportion to the normal compliance (nu = 0), s = mu r(P - Q / mu), the forces of the same
 bodies under less load (M. Ciavarella, Int. J. Solids Struct. 35, 2349 (1998), DOI
 10.1016/S0020-7683(97)00154-6; J. Jaeger, J. Tribol. 120, 677 (1998), DOI 10.1115/1.2833765). On a ball and on
-ellipsoids this holds at every nu. Left out are tractions across Q, and the coupling of displacements along and
-across the surface, which two bodies that are alike or incompressible have not.
+ellipsoids this holds at every nu.
+
+Left out are tractions across Q: on rough contacts in which all sticks, the stiffness is too small by up to
+0.7 % at nu = 0.3, and 2.5 % at 0.5. So is the coupling of displacements along and normal to the surface,
+which two bodies that are alike or incompressible have not.
 
 In a cycle between Q and -Q a site slips there and back, each time by 2 g against mu r, so that it loses
 
