@@ -67,7 +67,7 @@ class Shear:
         return np.ascontiguousarray(whole[tuple(map(slice, self.lattice.spectral_shape))])
 
     def displacement(self, force: Field, axis: int) -> Field:
-        """Displacements along y and x, shape ``(2, *shape)``, by such forces, of contacts moved along an axis."""
+        """Displacements along y and x, shape ``(2, *shape)``, by such forces; contacts move along an axis."""
         return self._applied((self.yy, self.yx, self.xx), force, axis)
 
     def stiffened(self, field: Field, axis: int) -> Field:
