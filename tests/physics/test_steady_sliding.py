@@ -270,6 +270,34 @@ def test_very_slow_and_very_fast_it_is_a_press_without_friction(case, speed):
     assert abs(state.friction) < 1e-12 * load
 
 
+def test_where_contacts_go_round_in_circles_the_loss_grows_by_steps(monkeypatch):
+    # Almost a fluid, whose loss is many times its storage, on uncorrelated heights.
+    times = (6.369303222655531, 0.03960053436782671, 5.568884971323022, 0.16774095147644733)
+    solid = asp.solids.layer(
+        modulus=1.0, poisson=0.45, thickness=3.0, branches=[(0.24975, time) for time in times]
+    )
+    heights = np.asarray(asp.surfaces.gaussian((16, 16), rms=1.0, seed=8))
+    steps, grown = [], Sliding.with_loss
+
+    def counted(problem, loss):
+        steps.append(loss)
+        return grown(problem, loss)
+
+    monkeypatch.setattr(Sliding, "with_loss", counted)
+    speed, load = 0.004796752362439784, 0.1675965251916564 * 256
+    (state,), _ = states(solid, Surface(heights, pixel_size=(1.0, 1.0)), load, [speed])
+    assert steps == [0.0, 0.25, 0.5, 0.75, 1.0]
+    # Complementarity by other transforms.
+    whole = np.fft.irfft2(state.problem.compliance * np.fft.rfft2(state.force), s=(16, 16))
+    gap = whole - heights
+    gap -= gap[state.in_contact].mean()
+    assert state.force.min() >= 0
+    assert gap.min() > -1e-6
+    assert np.abs(gap[state.in_contact]).max() < 1e-6
+    assert state.force[~state.in_contact].max() == 0
+    assert state.force.sum() == pytest.approx(load)
+
+
 @pytest.mark.parametrize("direction", ["x", "y"])
 def test_friction_times_speed_is_what_the_branches_dissipate(direction):
     speeds = np.geomspace(1e-4, 1e4, 5)

@@ -17,6 +17,7 @@ from asperity.ask.sliding import SteadySliding
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.calls import remark
+from asperity.base.machine import require
 from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.contact.bodies import Bodies, bodies_of, control_by
@@ -54,6 +55,7 @@ COLUMNS = {
 """Dimension or unit, and meaning of the columns of steady sliding, in their order."""
 
 _MOST_OF_LAST_OCTAVE = 0.1
+_BYTES = 400  # for each site, measured at 1024 x 1024 sites
 
 Row = dict[str, Any]
 
@@ -69,6 +71,7 @@ def steady_sliding(question: SteadySliding) -> xr.Dataset:
     of_law = vars(law) if isinstance(law, ShearStrength) else {}
     units.check_units({"speeds": question.speeds}, of_law, dict(bodies.solid.parameters), si=bodies.si)
     profile, speeds = Profile.of(bodies, question.direction, _load_of(question, bodies)), question.each_speed
+    require(_BYTES + 16 * profile.branches, profile.lattice.shape)
     if not question.beyond_table:
         _check_known(material, profile, speeds)
     rows: list[Row] = []
@@ -134,6 +137,11 @@ class Profile:
     def pressure(self, state: State) -> Field:
         """Contact pressure of each site of the scan; its force on a solid that is defined on sites."""
         return state.force[tuple(map(slice, self.bodies.lattice.shape))] / self.area_of_site
+
+    @property
+    def branches(self) -> int:
+        """Branches whose spectra are kept one by one."""
+        return 0 if self.bodies.solid.shares is not None else len(self.bodies.solid.branches)
 
     @property
     def area_of_site(self) -> float:

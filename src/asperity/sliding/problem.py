@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -101,6 +101,11 @@ class Sliding:
         compliance.flat[0] = 0.0
         slope = np.where(np.ptp(along, axis=0) > 0, 0.0, along[0])
         return cls(lattice, heights, compliance, slope, load)
+
+    def with_loss(self, share: float) -> Sliding:
+        """The same over a solid with a share of the loss compliance."""
+        compliance = self.compliance.real + 1j * share * self.compliance.imag
+        return self if share == 1 else replace(self, compliance=compliance)
 
     @cached_property
     def stiffness(self) -> Modes:
