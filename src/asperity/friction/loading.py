@@ -183,7 +183,8 @@ class _Pieces:
         for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # move each edge between the final others
             part = slice(edges[n - 1], edges[n + 1])
             edges[n] = part.start + _split(self.time[part], self.place[part], 0.0, always=True)
-        return _Pieces(self.time, self.place, self.noise, tuple(edges))
+        fewer = replace(self, edges=tuple(edges))
+        return fewer if len(edges) == len(self.edges) else fewer.joined()  # moved edges change the lines
 
     def _line(self, first: int, end: int) -> tuple[float, float, float]:
         """Mean, slope and sum of squares about the line of some rows."""
