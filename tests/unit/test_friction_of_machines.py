@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import binom
 
 import asperity as asp
-from asperity.friction.loading import Drive
+from asperity.friction.loading import Drive, drive_of
 from asperity.friction.pulling import stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
@@ -112,6 +112,19 @@ def test_a_record_gives_its_parameters_whatever_was_measured(protocol, law, meas
 def test_a_stiffness_has_a_unit(text):
     record = F.Record.of_machine(TIME, FRICTION, load_point=PLACE, normal_stress=50e6, normal_force=2000.0)
     assert stiffness_of(record, text) == pytest.approx(TRUTH.k, rel=1e-12)
+
+
+def test_a_kink_between_two_rows_is_one_kink():
+    """The load points of 50 protocols of holds have the kinks of the protocol, and no others."""
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        slide, holds = rng.uniform(20.0, 60.0), 10 ** rng.uniform(1.0, 3.0, 3)
+        lasts = np.array([slide, *(part for hold in holds for part in (hold, slide))])
+        drive = Drive(np.cumsum(lasts)[:-1], np.array([1.0, *[0.0, 1.0] * 3]), np.ones(6))
+        ends = np.append(0.0, np.cumsum(lasts))
+        time = np.interp(np.arange(7 * 150 + 1) / 150, np.arange(8), ends)
+        found = drive_of(time, drive.place(time))
+        np.testing.assert_allclose(found.kinks, drive.kinks, rtol=1e-6)
 
 
 def test_what_rests_is_the_load_point():
