@@ -5,11 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import odeint
+from scipy.signal import lfilter
 from scipy.stats import binom
 
 import asperity as asp
+from asperity.errors import InputError
 from asperity.friction.loading import Drive, drive_of
-from asperity.friction.pulling import stiffness_of
+from asperity.friction.pulling import refuse_oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
 from tests.refusals import each_refuses
@@ -195,6 +198,63 @@ def test_a_hold_whose_load_point_is_recorded_too_early():
     np.testing.assert_allclose(fit.kinks, [2639.6, 2679.1], atol=0.3)
     assert fit.released == (0, 1)
     assert np.std(fit.residual) < 4.5e-4
+
+
+@P655
+@pytest.mark.parametrize(
+    ("name", "a", "a_minus_b"),
+    [("basalt_b819.txt", (0.008, 0.014), 0.0), ("sepiolite.txt", (0.012, 0.02), 0.0236)],
+)
+def test_records_of_another_laboratory(name, a, a_minus_b):
+    """As their machine writes them; the bounds are those of the peak, and of steady friction."""
+    fit = F.rate_and_state(F.read_record(RAW / name), law="slip")
+    assert a[0] < fit.a < a[1]
+    assert fit.a_minus_b == pytest.approx(a_minus_b, abs=0.0015)
+
+
+# -- Stick-slip ----------------------------------------------------------------------------------------------
+
+
+def correlated(rng, rows, rho=0.45):
+    return lfilter([np.sqrt(1 - rho**2)], [1, -rho], rng.standard_normal(rows + 100))[100:]
+
+
+def oscillates(time, place, friction):
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    assert record.drive is not None
+    try:
+        refuse_oscillation(record, record.drive)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def test_noise_whose_rows_correlate_is_no_stick_slip():
+    time, place, _, friction = exact([3.0, 10.0], [40.0, 40.0], shape=TRUTH._replace(b=0.008))
+    for seed in range(50):
+        noise = 1e-3 * correlated(np.random.default_rng(seed), time.size)
+        assert not oscillates(time, place, friction + noise)
+
+
+def test_a_slider_that_sticks_and_slips_is_refused_with_its_period():
+    """A spring at 0.4 to 0.8 of (b - a)/D_c; friction, with the damping of radiation, limits the velocity."""
+    a, b, D_c, damping = 0.008, 0.012, 10.0, 1e-5
+
+    def rate(y, _, k):
+        v, grown = np.exp(y[0]), np.exp(-y[1]) - np.exp(y[0]) / D_c
+        return [(k * (1.0 - v) - b * grown) / (a + damping * v), grown]
+
+    for n, part in enumerate(np.linspace(0.4, 0.8, 5)):
+        time = np.linspace(0.0, 3000.0, 3001)
+        k = part * (b - a) / D_c
+        y = odeint(rate, [0.5, np.log(D_c)], time, args=(k,), rtol=1e-8, mxstep=100000)
+        late, friction = time > 600, 0.6 + y @ [a, b]
+        noise = 3e-4 * correlated(np.random.default_rng(n), time.size)
+        text = oscillates(time[late], UM * time[late], (friction + noise)[late])
+        assert "with a period of" in text
+        spectrum = np.abs(np.fft.rfft((friction - friction.mean())[late]))
+        period = late.sum() / np.argmax(spectrum)
+        assert float(text.split("with a period of ")[1].split(" s,")[0]) == pytest.approx(period, rel=0.2)
 
 
 # -- Bad input -----------------------------------------------------------------------------------------------

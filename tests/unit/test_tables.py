@@ -220,9 +220,10 @@ def test_headers_of_machines_of_friction(header, load_point, slip):
         if at is not None:
             numbers[:, at] = (at + 1) * np.arange(5)
     record = read_record(written(header, numbers))
+    assert record.load_point is not None
     np.testing.assert_allclose(record.load_point, 1e-6 * numbers[:, load_point])
     assert (record.slip is None) == (slip is None)
-    if slip is not None:
+    if record.slip is not None:
         np.testing.assert_allclose(record.slip, 1e-6 * numbers[:, slip])
 
 
