@@ -1,6 +1,7 @@
 """Records of machines: load points under noise, sliders on springs against closed forms, honest refusals."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,40 @@ def test_a_record_gives_its_parameters_whatever_was_measured(protocol, law, meas
     assert isinstance(fixed, F.MachineFit)
     assert fixed.stiffness_stderr == 0
     assert fixed.a_stderr < fit.a_stderr
+
+
+def held(seed):
+    """Noise of 3e-4 on holds of 3 to 1129 s by the slip law, and slides of 60 um."""
+    shape, slide = Shape(a=0.0103, b=0.0131, D_c=3.5 * UM, k=6750.0), 60 / 0.62
+    lasts = [slide, 3.4, slide, 67.7, slide, 1129.0, slide]
+    drive = Drive(np.cumsum(lasts)[:-1], 0.62 * UM * np.array([1, 0, 1, 0, 1, 0, 1]), np.ones(6))
+    time = np.interp(np.arange(7 * 165 + 1) / 165, np.arange(8), np.append(0.0, np.cumsum(lasts)))
+    elastic = follow("slip", shape, drive, time).elastic(shape)
+    friction = 0.6 + elastic + 3e-4 * np.random.default_rng(seed).standard_normal(time.size)
+    return shape, F.Record.of_machine(time, friction, load_point=drive.place(time), units=("s", "um"))
+
+
+def test_no_false_minimum_where_the_load_point_seems_to_have_a_short_slide():
+    """From D_c below that of the slide of 0.2 um, which is not there, the search ended at a of 0.021."""
+    shape, record = held(1)
+    drive = record.drive
+    assert drive is not None
+    at = drive.kinks[2]
+    kinks = np.insert(np.delete(drive.kinks, 2), 2, [at - 0.36, at + 0.53])
+    wrong = Drive(kinks, np.insert(drive.velocity, 3, 0.25 * UM), np.full(7, 0.1))
+    fit = F.rate_and_state(replace(record, drive=wrong), law="slip", stiffness="6750 1/m")
+    assert fit.determined
+    for name in ("a", "b", "D_c"):
+        assert getattr(fit, name) == pytest.approx(getattr(shape, name), rel=0.03)
+
+
+def test_a_misfit_above_the_noise_is_remarked_and_determines_nothing():
+    laws = F.compare_state_laws(held(0)[1])
+    assert laws.fits["slip"].determined
+    assert not laws.fits["aging"].determined
+    (note,) = [text for row in laws.rows() if "times the noise" in (text := str(row.value))]
+    assert note.startswith("aging law, k fitted")
+    assert "6 starts with D_c from 0.06 to 60 um" in note
 
 
 @pytest.mark.parametrize("text", ["0.01 / um", "1e4 1/m", "0.5 MPa/um", "20 N/um", "10 / mm"])

@@ -35,6 +35,9 @@ _CYCLES, _SMOOTHED = 3, 3
 _BAND, _PERIODIC, _LASTS = 1.3, 0.7, 0.8
 """Ratio of frequencies about a period, least share of the power there, and of the first rises in the last."""
 
+_STEADY, _FINE = 10, 1e-3
+"""Least number of rows of steady sliding that show the noise; least noise, over the range of friction."""
+
 _EXAMPLE = "a unit, such as 1.6e-3 / um of the friction coefficient, or 0.16 MPa/um of the shear stress"
 
 
@@ -143,8 +146,26 @@ def _stick_slip(text: str) -> InputError:
     )
 
 
+def _steady_noise(record: Record, kink: float) -> float:
+    """Scatter of friction about a line before the first kink; between rows if these are few."""
+    steady = record.time < kink
+    time, friction = record.time[steady], record.friction[steady]
+    if time.size < _STEADY:
+        noise = math.sqrt(variance(record.time, record.friction))
+    else:
+        line = np.polynomial.Polynomial.fit(time, friction, 1)
+        noise = float(np.std(friction - line(time), ddof=2))
+    return max(noise, _FINE * float(np.ptp(record.friction)))
+
+
 def _result(
-    record: Record, machine: Machine, point: Floats, released: tuple[int, ...], first: int, V_0: float | None
+    record: Record,
+    machine: Machine,
+    point: Floats,
+    released: tuple[int, ...],
+    tried: tuple[float, ...],
+    first: int,
+    V_0: float | None,
 ) -> MachineFit:
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
@@ -192,6 +213,8 @@ def _result(
         stiffness_at_edge="k" in at_edge,
         kinks=point[len(machine.names) :],
         released=released,
+        noise=_steady_noise(record, float(point[len(machine.names) :].min())),
+        tried=tried,
         friction=whole_course(mu_0 + drift * place + elastic),
         slip=whole_course(place - elastic / k),
         state=whole_course(np.exp(course.states[:, 1]) * D_c / start),
