@@ -13,7 +13,7 @@ from asperity.base.words import counted, thousands, uncertain
 from asperity.friction.comparing import StateLaws
 from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
-from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
 _OPEN = 100.0
@@ -75,6 +75,14 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
         rows.append(Row("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
     if moved:
         rows.append(Row("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
+    for other in laws.every:
+        assert isinstance(other, MachineFit)
+        if other.misfit >= MISSES:
+            origin = "given" if other.stiffness_stderr == 0 else "fitted"
+            least, most = (f"{end / length:.2g}" for end in (other.tried[0], other.tried[-1]))
+            text = f"{other.law} law, k {origin}: misfit {other.misfit:.2g} times the noise before the first"
+            text += f" kink, the least from {len(other.tried)} starts with D_c from {least} to {most} {unit}"
+            rows.append(Row("note", f"{text}; the law does not describe the record"))
     drift, error = fit.drift * length, fit.drift_stderr * length
     rows.append(Row("drift", drift, f"1/{unit} of the load point", error=error))
     for n in fit.released:
