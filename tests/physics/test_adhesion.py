@@ -166,7 +166,51 @@ def test_a_wavy_line_is_that_of_johnson(n, zone, alpha, top):
     assert found[0] > (0.96 if n > 2048 else 0.93) * known
 
 
-@pytest.mark.parametrize("edges", ["free", "periodic"])
+def rough(edges):
+    """A rough contact on which forces go up and down like a saw."""
+    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=6.0, seed=3, rms_slope=0.12)
+    held = {} if edges == "free" else {"apparatus": math.inf}
+    solid = half_space(modulus=1.0, adhesion=Dugdale(work=0.004, range=0.2), **held)
+    return asp.press(Surface(heights, edges=edges), solid, load=1.0)
+
+
+def followed(contact, places):
+    """The same contact, and where it is held one after the other."""
+    states = [contact]
+    for place in places:
+        states.append(asp.press(states[-1], separation=place))
+    return states
+
+
+def test_the_pull_off_force_is_that_of_many_more_states():
+    contact = rough("free")
+    pulled = asp.pull(contact, steps=3)
+    peak = float(pulled.curve["separation"].values[pulled.curve["load"].values.argmin()])
+    fine = followed(contact, np.linspace(contact.separation, peak - 0.01, 30))
+    sampled = -min(state.load for state in followed(fine[-1], np.linspace(peak - 0.01, peak + 0.01, 60)))
+    assert (1 - 2e-3) * pulled.force <= sampled <= (1 + 1e-3) * pulled.force
+    by_load = asp.pull(contact, through="load", steps=3)
+    assert by_load.force == pytest.approx(pulled.force, rel=1e-3)
+    with pytest.raises(PulledOff):
+        asp.press(by_load.last, load=-1.0015 * by_load.force)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("edges", "error"), [("free", 0.01), ("periodic", 0.03)])
+def test_the_energy_lost_is_that_of_many_more_states(edges, error):
+    contact = rough(edges)
+    pulled, coarse = asp.pull(contact), asp.pull(contact, steps=5)
+    assert coarse.force == pytest.approx(pulled.force, rel=1e-3)
+    assert coarse.energy_lost == pytest.approx(pulled.energy_lost, rel=0.02)
+    places = np.linspace(contact.separation, float(pulled.curve["separation"].max()), 600)
+    states = followed(contact, [*places[1:], *places[-2::-1]])
+    loads = [state.load for state in states]
+    assert loads[599] == 0
+    lost = np.trapezoid(loads, -np.array([state.separation for state in states]))
+    assert pulled.energy_lost == pytest.approx(lost, rel=error)
+
+
+@pytest.mark.parametrize("edges", ["free", pytest.param("periodic", marks=pytest.mark.slow)])
 def test_a_cycle_loses_the_area_of_its_loop(edges):
     solid, one = sticking(0.5, 6.0, **({} if edges == "free" else {"apparatus": math.inf}))
     contact = asp.press(Surface(ball((40, 40)), edges=edges), solid, load=0.5 * one)

@@ -117,7 +117,7 @@ def refine(approach: list[Contact], retreat: list[Contact], solver: ContactSolve
 def _refine_peak(retreat: list[Contact], solver: ContactSolver | None) -> None:
     """Halve steps until no tension between states can be much above the largest.
 
-    From a state to the next the tension rises at most as fast as with unchanged contacts: these only break.
+    Between states the tension rises at most as fast as with unchanged contacts, for these only break.
     """
     while True:
         place, load, stiffness = _numbers(retreat)
