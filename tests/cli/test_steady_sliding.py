@@ -71,6 +71,7 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
         (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "without hardness",
         (*ASKED, "--branch", "0.5 1s", "--edges", "free"): "edges",
         ("--speeds", "1", "--pressure", "1MPa"): "a number with its unit",
+        ("--speeds", "1um/s", "--load", "1mN", "--periodic", "mirror"): "periodic",
     }
     for flags, said in refused.items():
         assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
