@@ -120,7 +120,12 @@ def test_stiffness_is_the_slope_and_carries_the_conductances(edges):
     assert stiffness[1] == pytest.approx(0.24e6 / (gaps[0] - gaps[1]), rel=0.02)
     assert found["conductance"].values == pytest.approx(2 * stiffness / (3e9 * 4e-6))
     assert found["thermal_conductance"].values == pytest.approx(2 * stiffness / (3e9 * 10))
-    assert found["tangential_stiffness"].values == pytest.approx(2 * 0.7 / 1.7 * stiffness)
+    mean, *ends = (found[f"tangential_stiffness{end}"].values for end in ("", "_soft", "_stiff"))
+    assert mean == pytest.approx(2 * 0.7 / 1.7 * stiffness, rel=0.03)
+    assert mean == pytest.approx(2 / (1 / ends[0] + 1 / ends[1]))
+    along = asp.Carried(poisson=0.0, direction="y")
+    even = table(asp.law(ELASTIC, scan, pressures=[5e6, 6e6], carried=along))
+    assert even["tangential_stiffness_y"].values == pytest.approx(even["stiffness"].values)
     if edges != "free":
         contact = asp.press(scan, ELASTIC, pressure=6e6)
         assert stiffness[1] == pytest.approx(contact.normal_stiffness / AREA)

@@ -99,7 +99,7 @@ ALL: dict[str, list[dict[str, Any]]] = {
     "friction": [{"shear_strength": 1e7, "rate_coefficient": 0.01, "reference_velocity": 1e-6}],
     "carried": [
         {"stiffness": True, "resistivity": [1e-8, 2e-8], "conductivity": [0.5], "work_of_adhesion": 0.05}
-        | {"shear": 0.5, "friction_coefficient": 0.25}
+        | {"shear": 0.5, "friction_coefficient": 0.25, "shear_direction": "y"}
     ],
     "output": [{"maps_at": [0.0, 0.5], "figures": ["pdf"], "pixel": 1e-6, "blur": 2e-6, "threshold": 0.5}],
 }

@@ -83,7 +83,7 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
     upper.plot([0, 1], [0.5, 0.5], transform=upper.transAxes)
     upper.errorbar(x[1:], y[1:], error[1:], label="data")
     ends = np.ma.masked_less(y, 2) - 1, np.where(y < 5, y + 1, np.nan)
-    upper.fill_between(x, *ends, step="mid", label="band")
+    upper.fill_between(x, *ends, where=y != 3, step="mid", label="band")
     upper.axhline(3.0)
     upper.set_ylabel("area [µm²]")
     lower.stairs(y[:-1], x, label="counts")
@@ -97,9 +97,9 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
         "data: area [um^2]": y[1:],
         "data: area low [um^2]": (y - error)[1:],
         "data: area high [um^2]": (y + error)[1:],
-        "time t (3) [s]": x[1:-1],
-        "band: area low [um^2]": y[1:-1] - 1,
-        "band: area high [um^2]": y[1:-1] + 1,
+        "time t (3) [s]": x[[1, 3]],
+        "band: area low [um^2]": y[[1, 3]] - 1,
+        "band: area high [um^2]": y[[1, 3]] + 1,
         "time t (4) [s]": x,
         "counts: part up to the next": y[:-1],
     }
@@ -119,6 +119,7 @@ def test_the_table_has_what_a_plot_draws_and_what_a_user_adds_to_it(prediction, 
     )
     below.plot("t", "A", data={"t": [1, 2], "A": [3, 4]})
     below.errorbar("t", "A", "A", data={"t": [1, 2], "A": [3, 4]})
+    below.fill_between("t", "A", where="B", data={"t": [1, 2], "A": [3, 4], "B": [True, False]})
     below.plot([[1, 2], [3, 4], [5, 6]])
     figures.write(figure, tmp_path / "area.svg")
     table = read_table(tmp_path / "area.csv")

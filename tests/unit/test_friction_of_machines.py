@@ -1,15 +1,19 @@
 """Records of machines: load points under noise, sliders on springs against closed forms, honest refusals."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import odeint
+from scipy.signal import lfilter
 from scipy.stats import binom
 
 import asperity as asp
-from asperity.friction.loading import Drive
-from asperity.friction.pulling import stiffness_of
+from asperity.errors import InputError
+from asperity.friction.loading import Drive, drive_of
+from asperity.friction.pulling import refuse_oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
 from tests.refusals import each_refuses
@@ -108,10 +112,57 @@ def test_a_record_gives_its_parameters_whatever_was_measured(protocol, law, meas
     assert fixed.a_stderr < fit.a_stderr
 
 
+def held(seed):
+    """Noise of 3e-4 on holds of 3 to 1129 s by the slip law, and slides of 60 um."""
+    shape, slide = Shape(a=0.0103, b=0.0131, D_c=3.5 * UM, k=6750.0), 60 / 0.62
+    lasts = [slide, 3.4, slide, 67.7, slide, 1129.0, slide]
+    drive = Drive(np.cumsum(lasts)[:-1], 0.62 * UM * np.array([1, 0, 1, 0, 1, 0, 1]), np.ones(6))
+    time = np.interp(np.arange(7 * 165 + 1) / 165, np.arange(8), np.append(0.0, np.cumsum(lasts)))
+    elastic = follow("slip", shape, drive, time).elastic(shape)
+    friction = 0.6 + elastic + 3e-4 * np.random.default_rng(seed).standard_normal(time.size)
+    return shape, F.Record.of_machine(time, friction, load_point=drive.place(time), units=("s", "um"))
+
+
+def test_no_false_minimum_where_the_load_point_seems_to_have_a_short_slide():
+    """From D_c below that of the slide of 0.2 um, which is not there, the search ended at a of 0.021."""
+    shape, record = held(1)
+    drive = record.drive
+    assert drive is not None
+    at = drive.kinks[2]
+    kinks = np.insert(np.delete(drive.kinks, 2), 2, [at - 0.36, at + 0.53])
+    wrong = Drive(kinks, np.insert(drive.velocity, 3, 0.25 * UM), np.full(7, 0.1))
+    fit = F.rate_and_state(replace(record, drive=wrong), law="slip", stiffness="6750 1/m")
+    assert fit.determined
+    for name in ("a", "b", "D_c"):
+        assert getattr(fit, name) == pytest.approx(getattr(shape, name), rel=0.03)
+
+
+def test_a_misfit_above_the_noise_is_remarked_and_determines_nothing():
+    laws = F.compare_state_laws(held(0)[1])
+    assert laws.fits["slip"].determined
+    assert not laws.fits["aging"].determined
+    (note,) = [text for row in laws.rows() if "times the noise" in (text := str(row.value))]
+    assert note.startswith("aging law, k fitted")
+    assert "6 starts with D_c from 0.06 to 60 um" in note
+
+
 @pytest.mark.parametrize("text", ["0.01 / um", "1e4 1/m", "0.5 MPa/um", "20 N/um", "10 / mm"])
 def test_a_stiffness_has_a_unit(text):
     record = F.Record.of_machine(TIME, FRICTION, load_point=PLACE, normal_stress=50e6, normal_force=2000.0)
     assert stiffness_of(record, text) == pytest.approx(TRUTH.k, rel=1e-12)
+
+
+def test_a_kink_between_two_rows_is_one_kink():
+    """The load points of 50 protocols of holds have the kinks of the protocol, and no others."""
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        slide, holds = rng.uniform(20.0, 60.0), 10 ** rng.uniform(1.0, 3.0, 3)
+        lasts = np.array([slide, *(part for hold in holds for part in (hold, slide))])
+        drive = Drive(np.cumsum(lasts)[:-1], np.array([1.0, *[0.0, 1.0] * 3]), np.ones(6))
+        ends = np.append(0.0, np.cumsum(lasts))
+        time = np.interp(np.arange(7 * 150 + 1) / 150, np.arange(8), ends)
+        found = drive_of(time, drive.place(time))
+        np.testing.assert_allclose(found.kinks, drive.kinks, rtol=1e-6)
 
 
 def test_what_rests_is_the_load_point():
@@ -182,6 +233,63 @@ def test_a_hold_whose_load_point_is_recorded_too_early():
     np.testing.assert_allclose(fit.kinks, [2639.6, 2679.1], atol=0.3)
     assert fit.released == (0, 1)
     assert np.std(fit.residual) < 4.5e-4
+
+
+@P655
+@pytest.mark.parametrize(
+    ("name", "a", "a_minus_b"),
+    [("basalt_b819.txt", (0.008, 0.014), 0.0), ("sepiolite.txt", (0.012, 0.02), 0.0236)],
+)
+def test_records_of_another_laboratory(name, a, a_minus_b):
+    """As their machine writes them; the bounds are those of the peak, and of steady friction."""
+    fit = F.rate_and_state(F.read_record(RAW / name), law="slip")
+    assert a[0] < fit.a < a[1]
+    assert fit.a_minus_b == pytest.approx(a_minus_b, abs=0.0015)
+
+
+# -- Stick-slip ----------------------------------------------------------------------------------------------
+
+
+def correlated(rng, rows, rho=0.45):
+    return lfilter([np.sqrt(1 - rho**2)], [1, -rho], rng.standard_normal(rows + 100))[100:]
+
+
+def oscillates(time, place, friction):
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    assert record.drive is not None
+    try:
+        refuse_oscillation(record, record.drive)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def test_noise_whose_rows_correlate_is_no_stick_slip():
+    time, place, _, friction = exact([3.0, 10.0], [40.0, 40.0], shape=TRUTH._replace(b=0.008))
+    for seed in range(50):
+        noise = 1e-3 * correlated(np.random.default_rng(seed), time.size)
+        assert not oscillates(time, place, friction + noise)
+
+
+def test_a_slider_that_sticks_and_slips_is_refused_with_its_period():
+    """A spring at 0.4 to 0.8 of (b - a)/D_c; friction, with the damping of radiation, limits the velocity."""
+    a, b, D_c, damping = 0.008, 0.012, 10.0, 1e-5
+
+    def rate(y, _, k):
+        v, grown = np.exp(y[0]), np.exp(-y[1]) - np.exp(y[0]) / D_c
+        return [(k * (1.0 - v) - b * grown) / (a + damping * v), grown]
+
+    for n, part in enumerate(np.linspace(0.4, 0.8, 5)):
+        time = np.linspace(0.0, 3000.0, 3001)
+        k = part * (b - a) / D_c
+        y = odeint(rate, [0.5, np.log(D_c)], time, args=(k,), rtol=1e-8, mxstep=100000)
+        late, friction = time > 600, 0.6 + y @ [a, b]
+        noise = 3e-4 * correlated(np.random.default_rng(n), time.size)
+        text = oscillates(time[late], UM * time[late], (friction + noise)[late])
+        assert "with a period of" in text
+        spectrum = np.abs(np.fft.rfft((friction - friction.mean())[late]))
+        period = late.sum() / np.argmax(spectrum)
+        assert float(text.split("with a period of ")[1].split(" s,")[0]) == pytest.approx(period, rel=0.2)
 
 
 # -- Bad input -----------------------------------------------------------------------------------------------

@@ -22,8 +22,7 @@ RESEARCH = Path(__file__).parents[2] / "research" / "src" / "asperity_research"
 ROOMS = [
     {"errors"},
     {"base"},
-    {"sheets"},
-    {"progress"},
+    {"sheets", "progress"},
     {"theory"},
     {"lattice"},
     {"patches", "creep", "adhesion"},

@@ -222,8 +222,9 @@ WITHOUT_NUMBERS = {
         name for name, one in vars(asp.figures).items() if inspect.isfunction(one) and name[0] != "_"
     ),
     "fits": "jackknife read_measurements",
-    "inference": "infer",
-    "friction": "add_friction events_of fit_events hold_peaks read_record record_of save_parameters",
+    "inference": "infer inference_page inference_pictures",
+    "friction": "add_friction events_of fit_events hold_peaks rate_and_state_figure read_record record_of "
+    "save_parameters",
     "prediction": "predict",
     "relaxation": "combined read",
     "results": "load load_contact read_table save whole_file whole_folder",

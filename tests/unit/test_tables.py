@@ -203,6 +203,30 @@ def test_headers_of_friction(header):
     np.testing.assert_allclose(record.friction, 0.6)
 
 
+@pytest.mark.parametrize(
+    ("header", "load_point", "slip"),
+    [
+        ("Time(s);Displ(microns);Friction;Effective_Normal_stress(MPa)", 1, None),
+        ("Time (sec);LP_Disp (mic);Shr_stress (MPa);nor_disp (mic);Nor_stress (MPa);on_board (mic)", 1, 5),
+        ("time_s;vdcdt_um;mu;hdcdt_um;effns_MPa;vobdcdt_um;LP_vel_um/s", 1, 5),
+        ("time_s;lp_displacement_um;vstress_MPa;normal displacement (um);sigma_n (MPa);Ec_disp (um)", 1, 5),
+        ("time_s;disp_um;tau (MPa);layer_thick (um);NS_MPa;strain", 1, None),
+    ],
+)
+def test_headers_of_machines_of_friction(header, load_point, slip):
+    """Words of xlook, of biaxial machines and of their scripts; the layer's thickness is no slip."""
+    numbers = np.full((5, header.count(";") + 1), 5.0)
+    for at in (0, load_point, slip):
+        if at is not None:
+            numbers[:, at] = (at + 1) * np.arange(5)
+    record = read_record(written(header, numbers))
+    assert record.load_point is not None
+    np.testing.assert_allclose(record.load_point, 1e-6 * numbers[:, load_point])
+    assert (record.slip is None) == (slip is None)
+    if record.slip is not None:
+        np.testing.assert_allclose(record.slip, 1e-6 * numbers[:, slip])
+
+
 def test_friction_is_a_ratio_of_numbers_in_units_or_of_numbers_without():
     numbers = np.column_stack([np.arange(5), 0.1 * np.arange(5), np.full(5, 30), np.full(5, 50)])
     for header in (

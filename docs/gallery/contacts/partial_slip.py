@@ -3,9 +3,9 @@ Does rest make a contact stiffer, and when does it begin to slip?
 =================================================================
 
 Under a shear force :math:`Q` below the friction limit :math:`\mu P` a contact slips from the border of its
-patches inwards, and the rest sticks. What sticks is the contact that the same bodies have under the load
-:math:`P - Q/\mu` (Ciavarella; Jaeger), so `partial_slip` needs one press. With rest the contact grows, and
-with it grow its stiffness, the current that it passes, and the part that sticks at a given shear force.
+patches inwards, and the rest sticks. What sticks is nearly the contact that the same bodies have under the
+load :math:`P - Q/\mu` (Ciavarella; Jaeger): exactly at :math:`\nu = 0`. With rest the contact grows, and with
+it grow its stiffness, the current that it passes, and the part that sticks at a given shear force.
 
 The pad is a viscoelastic square of 64 µm that ends at its edges.
 """
@@ -32,7 +32,7 @@ sides = [0, 64, 0, 64]
 for ax, (name, contact) in zip(
     (grid["a"], grid["b"]), {"young": young, "after 1000 s": old}.items(), strict=True
 ):
-    slip = contact.partial_slip(MU * LOAD / 2, MU)
+    slip = contact.partial_slip(MU * LOAD / 2, MU, NU)
     shown = np.where(slip.stick, 2.0, np.where(slip.slip, 1.0, 0.0))
     ax.imshow(shown, cmap=plt.matplotlib.colors.ListedColormap(["white", "#d55e00", "black"]), extent=sides)
     ax.set(title=f"{name}: {slip.stick_fraction:.0%} of the\ncontact sticks (black)", xlabel="x [µm]")
@@ -55,6 +55,6 @@ print(
     f"area {grown:.2f}, stiffness {stiffer:.2f}, conductance {conducts:.2f} times those of the young contact"
 )
 
-# Origin: both are the normal stiffness times constants (Barber 2003; Johnson 1985, section 7.2).
-assert abs(stiffer / conducts - 1) < 1e-9
+# Origin: conductance is the normal stiffness times a constant (Barber 2003); the tangential one is nearly so.
+assert abs(stiffer / conducts - 1) < 0.01
 assert stiffer > 1.1

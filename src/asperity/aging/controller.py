@@ -76,7 +76,7 @@ class Controller:
         if time > 2 * self.since:
             self.tried, self.unsolved, self.since = 0, 0, time
         remaining, usual = stop - time, min(self.length, longest)
-        if usual >= remaining * (1 - 1e-9):
+        if usual >= remaining * (1 - 1e-9):  # else rounding would leave a step of nothing
             return remaining
         # Two equal steps rather than a long one and a very short one.
         return remaining / 2 if 2 * usual > remaining else usual
@@ -84,6 +84,7 @@ class Controller:
     def is_stuck(self, time: float, length: float) -> bool:
         """Whether further steps of a length from a time are useless."""
         many = self.tried * self.tolerance ** (1 / 3) > TUNING.most_steps
+        # The last: so short a step that time, in double precision, does not pass.
         return many or self.unsolved > TUNING.most_unsolved or not time + length > time
 
     def accepts(self, length: float, error: float) -> bool:
@@ -102,6 +103,7 @@ class Controller:
         if error > 1:
             self.length = length * change
             return False
+        # A step that a stop made short says nothing against the length before it.
         self.length = max(length * change, min(self.length, growth * length))
         return True
 

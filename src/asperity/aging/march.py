@@ -164,6 +164,7 @@ class _March:
     def published(self) -> Frame:
         """The present state."""
         state = self.now.state()
+        # No step has estimated what balancing the forces moves u0 by.
         if self.relative(state.moved, self.deformation) * self.controller.tolerance > self.rtol:
             raise ConvergenceError(
                 f"aging: forces that the solver left move u0 by {state.moved:.1e}, more than rtol allows; "
@@ -179,9 +180,11 @@ class _March:
         if keep_area:  # the load falls, so that no contact is exact
             self.area = ConstantArea(float(start.area), 0.0, system.control.value, float(start.area))
         kinds = [kind for kind in KINDS.values() if kind is not SeparableSteps or (exact and not keep_area)]
+        # A kind that does not suit this solid begins with nothing.
         self.now = next(filter(None, (kind.begin(system, self.solver, start) for kind in kinds)))
         self.deformation = 0.0
         self.raise_deformation()
+        # The first step follows what creeps here, however large a deformation errors are measured by.
         self.controller.begin(self.deformation, self.now.speed())
         self.deformation = max(self.deformation, deformation)
 
@@ -224,7 +227,7 @@ class _March:
 
     def relative(self, error: float, scale: float) -> float:
         """Error of a length in units of what is allowed."""
-        if error <= self.rounding():
+        if error <= self.rounding():  # shorter steps would not make it less
             return 0.0
         if not (math.isfinite(error) and scale > 0):
             return math.inf
@@ -258,7 +261,7 @@ class _March:
                 self.relative(attempt.mean_error - self.unnoticed, self.deformation + attempt.mean),
             )
             if error <= 1 and self.area and self.area.misses(self.now.contacts_tried()):
-                continue
+                continue  # the same step under another load, until it keeps the area
             if controller.accepts(length, error):
                 self.take(stop if landing else time + length)
             else:
@@ -285,7 +288,7 @@ class _March:
         since, control, contacts = self.now.time, self.now.system.control, self.now.contacts_tried()
         self.counts.steps += 1
         self.now.accept(time)
-        self.origin.passed(control, since, time)
+        self.origin.passed(control, since, time)  # after the step, as a rejected one passes nothing
         if self.area:
             self.area.accept(time, contacts, control.at(time).value)
         self.raise_deformation()

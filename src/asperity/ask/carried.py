@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Gt, Len
 
@@ -26,11 +26,15 @@ class Carried:
     conductivity
         Record ``thermal_resistance``; see `Contact.thermal_resistance`.
     poisson
-        Record ``tangential_stiffness``; see `Contact.tangential_stiffness`.
+        Record ``tangential_stiffness``; see `Contact.tangential_stiffness`. Without a direction, also that
+        of the softest and the stiffest direction, ``tangential_stiffness_soft`` and ``_stiff``.
     shear, friction
         Record ``stick_fraction``, the share of the contact that sticks under this shear force, applied at
         that time, with this coefficient of friction. It is 0 where the bodies slide: at loads up to
         shear / friction. See `Contact.partial_slip`.
+    direction
+        Of the shear force, ``"x"`` (along the rows) or ``"y"``, and of the tangential stiffness. By default
+        the force is along x.
     work_of_adhesion
         Record ``pull_off``, the force that pulls the contact apart at that time, with this work of adhesion;
         0 without contact, NaN in full contact. See `Contact.pull_off`.
@@ -64,6 +68,15 @@ class Carried:
         Gt(0),
         Quantity("local coefficient of friction under the shear force", key="friction_coefficient"),
     ] = None
+    direction: Annotated[
+        Literal["x", "y"] | None,
+        Quantity(
+            "direction of the shear force and of the tangential stiffness",
+            more=": x along the rows, y from row to row. By default x for the force, and without one the "
+            "stiffness in the softest and the stiffest direction and a mean.",
+            key="shear_direction",
+        ),
+    ] = None
     work_of_adhesion: Annotated[
         float | str | None,
         Gt(0),
@@ -74,3 +87,8 @@ class Carried:
         if (self.shear is None) != (self.friction is None):
             got = "friction" if self.shear is None else "shear"
             raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
+
+    @property
+    def along(self) -> Literal["x", "y"] | None:
+        """The direction of the shear force, or that stated; else None."""
+        return self.direction or ("x" if self.shear is not None else None)

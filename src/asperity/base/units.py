@@ -32,7 +32,7 @@ _IN_WORDS = {
     "min": r"mins|minutes?|minuten",
     "h": r"hrs?|hours?|std|stunden?|heures?",
     "d": r"days?|tage?|jours?",
-    "um": r"microns?|mi[ck]romet(?:er|re)s?",
+    "um": r"mic|microns?|mi[ck]romet(?:er|re)s?",
     "nm": r"nanomet(?:er|re)s?",
 }
 _WITHOUT_PREFIX = ("minute", "hour", "day", "week", "year")

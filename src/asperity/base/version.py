@@ -1,3 +1,3 @@
 """The version, in one place."""
 
-__version__ = "0.4.20"
+__version__ = "0.4.21"

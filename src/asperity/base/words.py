@@ -127,14 +127,15 @@ def uncertain(value: float, error: float) -> str:
         return to_digits(value, 4) if error == 0 else f"{to_digits(value, 3)} (undetermined)"
     if error > abs(value):
         return f"{value:.2g} ± {float(f'{error:.1g}'):g}"
-    return " ± ".join(to_error((value, error), error))
+    number, of_error = to_error((value, error), error)
+    return f"{number} ± {f'{error:.1g}' if 'e' in of_error else of_error}"
 
 
 def to_error(values: Iterable[float], error: float) -> list[str]:
     """Write numbers to the decimals that the two digits of an error have; to four digits without one."""
     values = list(values)
     decimals = max(0, 1 - math.floor(math.log10(error))) if math.isfinite(error) and error > 0 else math.inf
-    if decimals > 6 or max(map(abs, values)) >= 1e5:
+    if decimals > 9 or max(map(abs, values)) >= 1e5:
         return [to_digits(value, 4) for value in values]
     return [f"{value:.{decimals}f}" for value in values]
 

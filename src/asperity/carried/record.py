@@ -7,8 +7,9 @@ import numpy as np
 from asperity.ask.carried import Carried
 from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
+from asperity.carried.shear import principal, stiffness_along
 from asperity.contact import Contact
-from asperity.lattice import Mask
+from asperity.lattice import Field, Mask
 
 
 def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
@@ -22,7 +23,7 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     check_half_space("carried", contact.solid, contact.lattice)
     numbers = {"normal_stiffness": contact.normal_stiffness}
     if carried.poisson is not None:
-        numbers["tangential_stiffness"] = contact.tangential_stiffness(carried.poisson)
+        numbers |= tangential(contact.tangential_compliance(carried.poisson), carried)
     if carried.resistivity is not None:
         numbers["resistance"] = contact.resistance(carried.resistivity)
     if carried.conductivity is not None:
@@ -34,6 +35,15 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     return numbers
 
 
+def tangential(compliance: Field, carried: Carried) -> dict[str, float]:
+    """Tangential stiffness along the direction asked for, or a mean, the softest and the stiffest one."""
+    numbers = {"tangential_stiffness": stiffness_along(compliance, carried.along)}
+    if carried.along is None:
+        soft, stiff, _ = principal(compliance)
+        numbers |= {"tangential_stiffness_soft": soft, "tangential_stiffness_stiff": stiff}
+    return numbers
+
+
 def maps(carried: Carried, contact: Contact) -> dict[str, Mask]:
     """Maps of a contact by name: which sites ``stick``; empty without shear."""
     if carried.shear is None or carried.friction is None:
@@ -41,4 +51,8 @@ def maps(carried: Carried, contact: Contact) -> dict[str, Mask]:
     force, mu = sheared(contact, carried.shear, carried.friction)
     slides = force >= mu * contact.load
     none = np.zeros(contact.heights.shape, dtype=bool)
-    return {"stick": none if slides else contact.partial_slip(force, mu).stick}
+    return {
+        "stick": none
+        if slides
+        else contact.partial_slip(force, mu, carried.poisson, carried.along or "x").stick
+    }

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from asperity.base import checks, units, views
-from asperity.contact import ActiveSet, Contact, Load
-from asperity.contact.contact import Each
-from asperity.contact.instantaneous import pressed_anew
+from asperity.carried.shear import Shear, compliances, stiffness_along
+from asperity.contact import ActiveSet, Contact
+from asperity.contact.arrays import inverse
+from asperity.contact.contact import Direction, Each
 from asperity.contact.interface import Interface
-from asperity.contact.partial_slip import PartialSlip, shear_ratio
-from asperity.contact.problem import PUBLISHED, Guess
+from asperity.contact.partial_slip import PartialSlip
+from asperity.contact.problem import PUBLISHED, Guess, SpectralProblem
 from asperity.contact.rigid_body import Prescribed
 from asperity.errors import InputError
-from asperity.lattice import Field, Lattice, Mask
+from asperity.lattice import Field, Lattice, Mask, Spectrum
 from asperity.solids import Solid
 
 _RESPONSES: WeakKeyDictionary[Contact, tuple[float, float, Field]] = WeakKeyDictionary()
@@ -58,10 +60,17 @@ def punch(contact: Contact, in_contact: Mask) -> Field:
 
 
 @views.defines(Contact.tangential_stiffness)
-def tangential_stiffness(contact: Contact, poisson: float) -> float:
+def tangential_stiffness(contact: Contact, poisson: float, direction: Direction | None = None) -> float:
     """See `Contact.tangential_stiffness`."""
     check_half_space("tangential_stiffness", contact.solid, contact.lattice)
-    return shear_ratio(checks.number("poisson", poisson, above=-1, most=0.5)) * contact.normal_stiffness
+    return stiffness_along(compliances(contact, poisson)[0], direction)
+
+
+@views.defines(Contact.tangential_compliance)
+def tangential_compliance(contact: Contact, poisson: float) -> Field:
+    """See `Contact.tangential_compliance`."""
+    check_half_space("tangential_compliance", contact.solid, contact.lattice)
+    return np.array(compliances(contact, poisson)[0])
 
 
 @views.defines(Contact.resistance)
@@ -118,7 +127,11 @@ def sheared(contact: Contact, shear: float | str, friction: float) -> tuple[floa
 
 @views.defines(Contact.partial_slip)
 def partial_slip(
-    contact: Contact, shear: float | str, friction: float, poisson: float | None = None
+    contact: Contact,
+    shear: float | str,
+    friction: float,
+    poisson: float | None = None,
+    direction: Direction = "x",
 ) -> PartialSlip:
     """See `Contact.partial_slip`."""
     check_half_space("partial_slip", contact.solid, contact.lattice)
@@ -130,8 +143,41 @@ def partial_slip(
     if force >= mu * contact.load:
         expected = f"less than friction times load, {mu * contact.load:.6g}: from there on the bodies slide"
         raise InputError("shear", expected=expected, got=f"{force:.6g}", advice="less shear, or more load")
-    # The tolerance is that of the whole contact, also where a small load sticks.
-    held = Load(max(contact.load - force / mu, float(np.finfo(float).eps) * contact.load))
-    stuck = pressed_anew(contact, held, least_force=contact.residual_scale)
-    stick, traction = stuck.in_contact & contact.in_contact, mu * (contact.pressure - stuck.pressure)
-    return PartialSlip(force, mu, stick, contact.in_contact & ~stick, traction, ratio, contact, stuck)
+    shear_of, touching = Shear.of(contact, ratio or 0.0), contact.relative[2]
+    lattice, compliance = shear_of.lattice, shear_of.along(direction)
+    most = mu * lattice.extended(contact.force, beyond=0.0)
+    punch = np.where(touching, lattice.apply(compliance, most), -np.inf)
+    left = max(mu * contact.load - force, float(np.finfo(float).eps) * mu * contact.load)
+    problem = _problem(lattice, compliance, punch, left)
+    solution = ActiveSet().solve(problem, Guess(np.zeros(lattice.shape), touching), PUBLISHED)
+    stick = solution.in_contact
+    traction = most - np.where(stick, problem.force(solution.u), 0.0)
+    slipped = np.where(touching, solution.u - problem.heights, 0.0)
+    return PartialSlip(
+        *(force, mu, lattice.cut(stick), lattice.cut(touching & ~stick)),
+        lattice.cut(traction) / lattice.cell,
+        ratio,
+        float(lattice.apply(compliance, traction)[stick].mean()),
+        4 * float(np.vdot(most, slipped)),
+        partial(_bonded, lattice, compliance, stick),
+    )
+
+
+def _problem(lattice: Lattice, compliance: Spectrum, heights: Field, load: float) -> SpectralProblem:
+    """The contact problem of a compliance under a load."""
+    stiffness = inverse(compliance)
+    stiffness.flat[0] = 0.0
+    return SpectralProblem(
+        lattice, heights - heights.max(), stiffness, lattice.flat_modes(-load / lattice.sites)
+    )
+
+
+def _bonded(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:
+    """Stiffness of sites that are displaced together."""
+    if sites.all():
+        return math.inf
+    problem = _problem(lattice, compliance, np.where(sites, 0.0, -np.inf), 1.0)
+    problem = replace(problem, interface=Interface(low=-math.inf))
+    u = ActiveSet().solve(problem, Guess(np.zeros(lattice.shape), sites), PUBLISHED).u
+    force = np.where(sites, problem.force(u), 0.0)
+    return 1 / float(lattice.apply(compliance, force)[sites].mean())

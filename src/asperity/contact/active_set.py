@@ -230,9 +230,10 @@ class _Run:
                 return
             if self.worst > target and not self.within_tolerance():
                 self.evaluate_force()
+                # Forces evaluated anew are no less than half: single precision has given all it can.
                 if self.single and self.worst > 0.5 * before:
                     self.single = False
-                    if self.worst > before:
+                    if self.worst > before:  # it made things worse: take the correction back
                         self.u -= displacement
                         self.evaluate_force()
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -35,6 +35,9 @@ WHERE_FROM = "asperity.press(...), the `final` of a history, or asperity.results
 
 Each = float | str | Sequence[float | str]
 """A number of both bodies, or a pair: one of each."""
+
+Direction = Literal["x", "y"] | float
+"""Along the rows, from row to row, or degrees from x towards y."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -257,15 +260,20 @@ class Contact(Bodies, views.InNotebooks):
         raise NotImplementedError
 
     @views.later
-    def tangential_stiffness(self, /, poisson: float) -> float:
-        """Stiffness against a small shear force, before anything slips, force / length.
+    def tangential_compliance(self, /, poisson: float) -> Field:
+        """Displacements along y and x by a unit of shear force along y and x, before anything slips.
 
-        That is 2 (1 - nu) / (2 - nu) times `normal_stiffness`; of half-spaces alone.
+        Of half-spaces alone, all contacts together, without an apparatus; see `asperity.carried.shear`.
 
         Parameters
         ----------
         poisson
             Poisson's ratio nu, from -1 to 0.5.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape ``(2, 2)``, symmetric, length / force; infinite without contact.
 
         Raises
         ------
@@ -274,7 +282,26 @@ class Contact(Bodies, views.InNotebooks):
 
         References
         ----------
-        K. L. Johnson, *Contact Mechanics* (Cambridge 1985), section 7.2.
+        K. L. Johnson, *Contact Mechanics* (Cambridge 1985), sections 3.6 and 7.2.
+        """
+        raise NotImplementedError
+
+    @views.later
+    def tangential_stiffness(self, /, poisson: float, direction: Direction | None = None) -> float:
+        """Stiffness against a small shear force, before anything slips, force / length.
+
+        Parameters
+        ----------
+        poisson
+            Poisson's ratio nu, from -1 to 0.5.
+        direction
+            Of the force: ``"x"`` (along the rows), ``"y"`` or degrees from x towards y. By default the result
+            is the inverse of the mean compliance over all directions.
+
+        Raises
+        ------
+        InputError
+            As `tangential_compliance`, or there is no such direction.
         """
         raise NotImplementedError
 
@@ -328,7 +355,12 @@ class Contact(Bodies, views.InNotebooks):
 
     @views.later
     def partial_slip(
-        self, /, shear: float | str, friction: float, poisson: float | None = None
+        self,
+        /,
+        shear: float | str,
+        friction: float,
+        poisson: float | None = None,
+        direction: Direction = "x",
     ) -> PartialSlip:
         """Where the contact sticks and slips under a shear force that does not make it slide.
 
@@ -341,7 +373,10 @@ class Contact(Bodies, views.InNotebooks):
         friction
             Coefficient of friction of a site, > 0.
         poisson
-            Poisson's ratio, for the displacement, the stiffness and the energy lost.
+            Poisson's ratio, for the displacement, the stiffness and the energy lost. By default sites stick
+            as at 0.
+        direction
+            Of the shear force: ``"x"`` (along the rows), ``"y"`` or degrees from x towards y.
 
         Returns
         -------
@@ -351,7 +386,8 @@ class Contact(Bodies, views.InNotebooks):
         Raises
         ------
         InputError
-            The bodies slide, the solid is no half-space, or a number is out of its range.
+            The bodies slide, the solid is no half-space, or a number is out of its range; or edges reflect,
+            and the direction is neither x nor y.
         """
         raise NotImplementedError
 

@@ -151,7 +151,7 @@ class FreeSites:
             del estimate
             change = lattice.apply(self.stiffness, direction)
             curvature = inner(direction, change, xp)
-            if not (slope > 0 and curvature > 0):
+            if not (slope > 0 and curvature > 0):  # rounding is all that is left
                 break
             length = slope / curvature
             part = direction * length
@@ -159,6 +159,7 @@ class FreeSites:
             if allowed_error > 0:
                 square = max(square, inner(part, part, xp))
             change *= length
+            # The residual in contact is kept, too: it predicts the change of the forces there.
             residual -= change
             del part, change  # memory for the transforms
             defect[...] = residual

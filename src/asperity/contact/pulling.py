@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from asperity.contact.controls import Control, Load, Separation
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.problem import ContactSolver
 from asperity.errors import PulledOff
+from asperity.lattice import Field
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,15 @@ class Tuning:
 
     little: float = 0.4
     """Change of the load, over ``change``, below which the next step of a separation is twice as long."""
+
+    peak: float = 1e-3
+    """Share of the largest tension that states may miss."""
+
+    lost: float = 1e-2
+    """Share of the energy lost that states may miss, rms."""
+
+    work: float = 1e-4
+    """The same, over the work of all loads: a loop may have hardly any area."""
 
 
 TUNING = Tuning()
@@ -48,7 +59,7 @@ def retreat(
             if not state.force.any():
                 return states
     step = change
-    while step > TUNING.least * change:
+    while step > min(TUNING.least * change, max(-TUNING.peak * states[-1].load, TUNING.least**3 * change)):
         try:
             states.append(pressed_anew(states[-1], Load(states[-1].load - step), solver))
         except PulledOff:
@@ -88,3 +99,68 @@ def _through_separation(
         state = tried
         yield state
         step = min(2 * step if by < TUNING.little else step, TUNING.longest * law.reach)
+
+
+def refine(approach: list[Contact], retreat: list[Contact], solver: ContactSolver | None) -> None:
+    """Insert states into a retreat and an approach by separation, for the largest tension and the loop."""
+    _refine_peak(retreat, solver)
+    _refine_area(approach, retreat, solver)
+    if (
+        retreat[0].lattice.edges != "free"
+    ):  # a site that pulls lifts others, so long steps choose other states
+        _follow(retreat, solver)
+        approach[0] = retreat[-1]
+        _follow(approach, solver)
+        _refine_peak(retreat, solver)
+
+
+def _refine_peak(retreat: list[Contact], solver: ContactSolver | None) -> None:
+    """Halve steps until no tension between states can be much above the largest.
+
+    From a state to the next the tension rises at most as fast as with unchanged contacts: these only break.
+    """
+    while True:
+        place, load, stiffness = _numbers(retreat)
+        bound = load[:-1] - stiffness[:-1] * np.diff(place)
+        if bound.min() >= (1 + TUNING.peak) * min(load.min(), 0.0):
+            return
+        _halve(retreat, int(bound.argmin()), solver)
+
+
+def _refine_area(approach: list[Contact], retreat: list[Contact], solver: ContactSolver | None) -> None:
+    """Halve steps until trapezoids give the energy lost; their errors are independent of each other."""
+    while True:
+        missed = [_missed(branch) for branch in (approach, retreat)]
+        (forth, pressed, _), (back, pulled, _) = map(_numbers, (approach, retreat))
+        work = np.trapezoid(pressed, forth), np.trapezoid(pulled, back)
+        if math.hypot(*missed[0], *missed[1]) <= TUNING.lost * abs(sum(work)) + TUNING.work * abs(work[0]):
+            return
+        worst = int(missed[0].max() < missed[1].max())
+        _halve((approach, retreat)[worst], int(missed[worst].argmax()), solver)
+
+
+def _missed(states: list[Contact]) -> Field:
+    """Largest error of each trapezoid: the load follows unchanged contacts, until it jumps."""
+    place, load, stiffness = _numbers(states)
+    step = np.diff(place)
+    jump = np.diff(load) + np.maximum(stiffness[1:], stiffness[:-1]) * step
+    return np.asarray(abs(jump * step) / 2)
+
+
+def _numbers(states: list[Contact]) -> Field:
+    """Separations, loads and normal stiffnesses, shape ``(3, states)``."""
+    return np.transpose([(state.separation, state.load, state.normal_stiffness) for state in states])
+
+
+def _halve(states: list[Contact], place: int, solver: ContactSolver | None) -> None:
+    """Insert the state half way from one to the next."""
+    before, after = states[place : place + 2]
+    middle = Separation((before.separation + after.separation) / 2)
+    states.insert(place + 1, pressed_anew(before, middle, solver))
+
+
+def _follow(states: list[Contact], solver: ContactSolver | None) -> None:
+    """Compute each state anew from the one before."""
+    for place in range(1, len(states)):
+        there = Separation(states[place].separation)
+        states[place] = pressed_anew(states[place - 1], there, solver)

@@ -43,8 +43,9 @@ from asperity.base.calls import remark
 from asperity.base.readable import written
 from asperity.base.version import __version__
 from asperity.carried import Carried
-from asperity.carried.record import quantities
+from asperity.carried.record import quantities, tangential
 from asperity.carried.response import unit_response
+from asperity.carried.shear import compliances, principal
 from asperity.contact import Contact, Load
 from asperity.contact.instantaneous import pressed_anew
 from asperity.contact.remarks import Resolved, remarks_on_bodies, remarks_on_contacts, resolution_of
@@ -61,7 +62,15 @@ TITLE = "Law of a rough contact"
 OF_LAWS = {
     "approach": ("m", "approach of the rough layer alone, from first touch"),
     "stiffness": ("Pa/m", "normal stiffness per area, instantaneous"),
-    "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips"),
+    "tangential_stiffness": ("Pa/m", "tangential stiffness per area, before anything slips, mean"),
+    **{
+        f"tangential_stiffness_{short}": ("Pa/m", f"tangential stiffness per area {where}")
+        for short, where in {
+            **{axis: f"along {axis}" for axis in "yx"},
+            **{kind: f"in the {kind}est direction" for kind in ("soft", "stiff")},
+        }.items()
+    },
+    "softest_direction": ("deg", "softest direction of the tangential stiffness, from x towards y"),
     "conductance": ("S/m^2", "electrical conductance per area"),
     "thermal_conductance": ("W/m^2/K", "thermal conductance per area"),
     "contact_fraction": ("1", "real contact area over nominal area"),
@@ -72,12 +81,13 @@ OF_LAWS = {
 }
 """Unit and meaning of the columns of a law, in their order; some have a band, ``_low`` and ``_high``."""
 
+TANGENTIAL = tuple(name for name in OF_LAWS if name.startswith("tangential"))
 _CONDUCTANCES = {"resistance": "conductance", "thermal_resistance": "thermal_conductance"}
 
 _BY_TILE = {
     "contact_fraction": "in_contact",
     "mean_gap": "gap",
-    **dict.fromkeys(("stiffness", "tangential_stiffness", *_CONDUCTANCES.values()), "punch"),
+    **dict.fromkeys(("stiffness", *TANGENTIAL, *_CONDUCTANCES.values()), "punch"),
 }
 """Columns with a band, and the sums over tiles that vary as they do; ``"punch"``: forces of a rigid punch."""
 
@@ -180,10 +190,16 @@ def _row(contact: Contact, rough: Field, carried: Carried | None) -> State:
         # The law has the stiffness of the mean of the surface, `carried` that of the body.
         per_area = of_body / (of_mean * area)
         for name, value in quantities(carried, contact).items():
-            if name == "tangential_stiffness":
-                row[name] = value * per_area
-            elif name in _CONDUCTANCES:
+            if name in _CONDUCTANCES:
                 row[_CONDUCTANCES[name]] = per_area / value
+        if carried.poisson is not None:
+            compliance = compliances(contact, carried.poisson)[1] * area
+            found = tangential(compliance, carried)
+            if carried.direction:
+                found = {f"{name}_{carried.direction}": value for name, value in found.items()}
+            else:
+                found["softest_direction"] = principal(compliance)[2]
+            row |= found
     row |= {name: getattr(contact, name) for name in ("contact_fraction", "mean_gap", "largest_pressure")}
     maps = {"in_contact": contact.in_contact, "load": contact.force, "punch": force}
     maps["gap"] = np.where(body, gap, 0.0)

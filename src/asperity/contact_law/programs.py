@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from asperity.base import checks, units
 from asperity.base.readable import written
-from asperity.contact_law.laws import check_law
+from asperity.contact_law.laws import TANGENTIAL, check_law
 from asperity.errors import InputError
 from asperity.lattice import Field
 
@@ -27,7 +27,7 @@ _APART = 1e-12
 """Relative distance that 13 digits tell; more need more than the 20 letters of a number in CalculiX."""
 
 _GAPS = ("hydraulic_gap_y", "hydraulic_gap_x")
-_OF_PRESSURE = ("stiffness", "tangential_stiffness", "conductance", "thermal_conductance", *_GAPS)
+_OF_PRESSURE = ("stiffness", *TANGENTIAL, "conductance", "thermal_conductance", *_GAPS)
 
 
 def law_for(

@@ -28,6 +28,12 @@ def rows_of(dataset: xr.Dataset) -> list[Row]:
         area = f"contact {100 * float(table['contact_fraction'][-1]):.3g} % under the last pressure"
         text = f"approach {_ends(table, 'approach')}, stiffness {_ends(table, 'stiffness')}, {area}"
         rows.append(Row(f"age {written(time, 's')}", text))
+        if "softest_direction" in table:
+            ends = [float(table[f"tangential_stiffness_{end}"][-1]) for end in ("soft", "stiff")]
+            soft, stiff = (written(end, "Pa/m") for end in ends)
+            angle = f"{float(table['softest_direction'][-1]):.3g} degrees from x towards y"
+            text = f"stiffness {soft} along {angle}, {stiff} across, under the last pressure"
+            rows.append(Row("shear", text))
         for name, first, second, rms, most in closure_fits(dataset, age=time).itertuples():
             text = f"a = p / (K + p / V): K = {written(first, 'Pa/m')}, V = {written(second, 'm')}"
             if name == "power":

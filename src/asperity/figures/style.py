@@ -104,10 +104,11 @@ class RecordingAxes(Axes):
         self._keep("steps", kwargs, edges, np.append(values, np.nan))
         return super().stairs(values, edges, **kwargs)
 
-    def fill_between(self, x: Any, y1: Any, y2: Any = 0, *args: Any, **kwargs: Any) -> Any:
+    def fill_between(self, x: Any, y1: Any, y2: Any = 0, where: Any = None, *args: Any, **more: Any) -> Any:
         """Draw a band."""
-        self._keep("band", kwargs, x, y1, y2)
-        return super().fill_between(x, y1, y2, *args, **kwargs)
+        shown = np.ma.array(x, mask=where is not None and np.asarray(where) == 0)
+        self._keep("band", more, shown, y1, y2)
+        return super().fill_between(x, y1, y2, where, *args, **more)
 
     def _keep(self, kind: str, look: Mapping[str, Any], *numbers: Any) -> None:
         """Keep a series, of a kind of `_ENDS`, unless it only marks a place in the picture."""

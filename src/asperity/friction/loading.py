@@ -183,7 +183,21 @@ class _Pieces:
         for n in [*range(1, len(edges) - 1)] * _SWEEPS:  # move each edge between the final others
             part = slice(edges[n - 1], edges[n + 1])
             edges[n] = part.start + _split(self.time[part], self.place[part], 0.0, always=True)
-        return _Pieces(self.time, self.place, self.noise, tuple(edges))
+        fewer = replace(self, edges=tuple(edges))._without_between()
+        # Moved edges change the lines.
+        return fewer if len(fewer.edges) == len(self.edges) else fewer.joined()
+
+    def _without_between(self) -> _Pieces:
+        """Without the first segment whose neighbors, with one kink, fit its rows as well."""
+        for n in range(1, len(self.edges) - 2):
+            first, *_, last = ends = self.edges[n - 1 : n + 3]
+            at = first + _split(self.time[first:last], self.place[first:last], 0.0, always=True)
+            three, two = (
+                sum(self._line(*pair)[2] for pair in pairwise(e)) for e in (ends, (first, at, last))
+            )
+            if two - three < _GAIN * max(self.noise, three / (last - first)):
+                return replace(self, edges=(*self.edges[:n], at, *self.edges[n + 2 :]))
+        return self
 
     def _line(self, first: int, end: int) -> tuple[float, float, float]:
         """Mean, slope and sum of squares about the line of some rows."""

@@ -16,6 +16,9 @@ from asperity.fits.result import parameters_of, quality, rms
 from asperity.friction.laws import RateAndState, StateLaw
 from asperity.friction.records import Record
 
+MISSES = 2.5
+"""Misfit over the noise from which a law does not describe a record: above those of published fits."""
+
 
 def described(
     residual: Floats, friction: Floats, effective: float, count: int, values: dict[str, float], errors: Floats
@@ -125,6 +128,10 @@ class MachineFit(RateAndStateFit):
         Fitted times at which the velocity of the load point changes.
     released
         Kinks whose fitted time, by friction, is far from that of the measured load point.
+    noise
+        Scatter of friction about a line before the first kink, at least 0.1 % of the range of friction.
+    tried
+        D_c of the starts of the search, in order.
     friction, slip, state
         The course of the slider: friction coefficient, slip since the first time, theta; shape (n,), NaN
         before steady sliding.
@@ -137,11 +144,23 @@ class MachineFit(RateAndStateFit):
     drift_stderr: float
     kinks: Floats
     released: tuple[int, ...]
+    noise: float
+    tried: tuple[float, ...]
     friction: Floats
     slip: Floats
     state: Floats
 
     scales: ClassVar[frozenset[str]] = frozenset({"D_c", "stiffness"})
+
+    @property
+    def misfit(self) -> float:
+        """Standard deviation of the residuals, over the noise."""
+        return float(np.std(self.residual)) / self.noise
+
+    @property
+    def determined(self) -> bool:
+        """Whether the law describes the record to its noise, and this determines D_c to a factor of three."""
+        return super().determined and self.misfit < MISSES
 
     def predict(self, record: Record) -> Floats:
         """Friction coefficient at each time of the fitted record, shape (n,)."""

@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
 from asperity.base import checks, units
@@ -27,7 +29,15 @@ _LIKE_NOISE = 6.0
 _LARGE = 0.2
 """Least rise of an oscillation over the range of friction."""
 
-_CYCLES = 3
+_CYCLES, _SMOOTHED = 3, 3
+"""Largest number of peaks that are no oscillation; times to look for them, each by the period before."""
+
+_BAND, _PERIODIC, _LASTS = 1.3, 0.7, 0.8
+"""Ratio of frequencies about a period, least share of the power there, and of the first rises in the last."""
+
+_STEADY, _FINE = 10, 1e-3
+"""Least number of rows of steady sliding that show the noise; least noise, over the range of friction."""
+
 _EXAMPLE = "a unit, such as 1.6e-3 / um of the friction coefficient, or 0.16 MPa/um of the shear stress"
 
 
@@ -73,7 +83,7 @@ def pulled_fit(
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
-    _refuse_oscillation(record, drive)
+    refuse_oscillation(record, drive)
     if a is None:
         a = record.a
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
@@ -87,21 +97,44 @@ def pulled_fit(
     return _result(record, *solution, rows - time.size, V_0)
 
 
-def _refuse_oscillation(record: Record, drive: Drive) -> None:
-    """Refuse oscillations that do not die out at a constant velocity of the load point."""
-    time, friction = record.time, record.friction
-    noise = math.sqrt(variance(time, friction))
+def refuse_oscillation(record: Record, drive: Drive) -> None:
+    """Refuse oscillations of one period that do not die out at a constant velocity of the load point."""
+    time, friction, second = record.time, record.friction, record.scales[0]
+    least = max(_LIKE_NOISE * math.sqrt(variance(time, friction)), _LARGE * float(np.ptp(friction)))
     edges = drive.edges(time)
     for n, speed in enumerate(drive.velocity):
-        inside = friction[(time >= edges[n]) & (time <= edges[n + 1])]
-        least = max(_LIKE_NOISE * noise, _LARGE * float(np.ptp(friction)))
-        peaks, about = find_peaks(inside, prominence=least)
-        heights = about["prominences"]
-        if speed > 0 and peaks.size > _CYCLES and heights[-2] >= heights[1]:
-            second = record.scales[0]
+        rows = (time >= edges[n]) & (time <= edges[n + 1])
+        if speed > 0 and (cycles := _cycles(friction[rows], least)) is not None:
+            peaks, height = cycles
+            period = float(np.median(np.diff(time[rows][peaks])))
             span = f"{edges[n] / second:.6g} to {edges[n + 1] / second:.6g} {record.units[0]}"
-            text = f"{peaks.size} oscillations from {span} that do not die out, the last of {heights[-2]:.2g}"
-            raise _stick_slip(text)
+            slip = f"{period * speed / record.scales[1]:.3g} {record.units[1]}"
+            text = f"{peaks.size} oscillations from {span} with a period of {period / second:.3g}"
+            text = f"{text} {record.units[0]}, {slip} of the load point, that do not die out"
+            raise _stick_slip(f"{text}, the last of {height:.2g}")
+
+
+def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | None:
+    """Peaks of oscillations that last, and the rise of the last but one; None for noise.
+
+    Noise, of which rows may correlate, is less after a mean over a quarter of a period, and has no period:
+    less of its power is at that of its peaks.
+    """
+    smooth, period = friction, 1
+    for _ in range(_SMOOTHED):
+        peaks, about = find_peaks(smooth, prominence=least)
+        if peaks.size <= _CYCLES:
+            return None
+        period = int(np.median(np.diff(peaks)))
+        smooth = uniform_filter1d(friction, max(1, period // 4))
+    periodic = (smooth - uniform_filter1d(friction, period))[peaks[0] : peaks[-1]]
+    power, heights = np.abs(np.fft.rfft(periodic))[1:] ** 2, about["prominences"]
+    frequency = np.arange(1, power.size + 1) / (peaks.size - 1)
+    share = power[(frequency > 1 / _BAND) & (frequency < _BAND)].sum() / power.sum()
+    early, late = (
+        float(np.median(part)) for part in (heights[: peaks.size // 2], heights[peaks.size // 2 :])
+    )
+    return (peaks, float(heights[-2])) if share > _PERIODIC and late > _LASTS * early else None
 
 
 def _stick_slip(text: str) -> InputError:
@@ -113,8 +146,26 @@ def _stick_slip(text: str) -> InputError:
     )
 
 
+def _steady_noise(record: Record, kink: float) -> float:
+    """Scatter of friction about a line before the first kink; between rows if these are few."""
+    steady = record.time < kink
+    time, friction = record.time[steady], record.friction[steady]
+    if time.size < _STEADY:
+        noise = math.sqrt(variance(record.time, record.friction))
+    else:
+        line = np.polynomial.Polynomial.fit(time, friction, 1)
+        noise = float(np.std(friction - line(time), ddof=2))
+    return max(noise, _FINE * float(np.ptp(record.friction)))
+
+
 def _result(
-    record: Record, machine: Machine, point: Floats, released: tuple[int, ...], first: int, V_0: float | None
+    record: Record,
+    machine: Machine,
+    point: Floats,
+    released: tuple[int, ...],
+    tried: tuple[float, ...],
+    first: int,
+    V_0: float | None,
 ) -> MachineFit:
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
@@ -162,6 +213,8 @@ def _result(
         stiffness_at_edge="k" in at_edge,
         kinks=point[len(machine.names) :],
         released=released,
+        noise=_steady_noise(record, float(point[len(machine.names) :].min())),
+        tried=tried,
         friction=whole_course(mu_0 + drift * place + elastic),
         slip=whole_course(place - elastic / k),
         state=whole_course(np.exp(course.states[:, 1]) * D_c / start),

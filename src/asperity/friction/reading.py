@@ -20,27 +20,38 @@ from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, named
 from asperity.sheets.tables import Table
 
 ROLES = (
-    Role("", "", r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thickness|dicke"),
+    Role(
+        "",
+        "",
+        r"temp(?!s\b)|humid|feucht|\bstd|\berr|angle|winkel|thick|dicke|^nor(m|mal)?\b.*dis|dilat|strain"
+        r"|(load ?point|^lp)\b.*(vel|speed)",
+    ),
     TIME,
     Role(
         "normal stress",
         "Pa",
-        r"(normale?|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ",
+        r"(norm?|normale?|eff|effective)\b.*(stress|pressure|contrainte)|normalspannung|^sigma|^σ"
+        r"|^(eff ?)?ns$",
     ),
     Role("normal force", "N", r"normal.*(force|load)|normalkraft|force normale|^(load|fn|f n|fz|f z)$"),
-    Role("shear stress", "Pa", r"shear.*stress|(schub|scher)spannung|contrainte.*(cisail|tang)|^tau$|^τ$"),
+    Role(
+        "shear stress",
+        "Pa",
+        r"(shr|shear).*stress|^vstress|(schub|scher)spannung|contrainte.*(cisail|tang)|^tau$|^τ$",
+    ),
     Role(
         "shear force",
         "N",
         r"(shear|friction|tangential|lateral).*force|(reib|reibungs|tangential|quer|scher)kraft"
         r"|force.*(frottement|tangent)|^f ?[stx]$",
     ),
-    Role("load point", "m", r"load ?point|lastpunkt|^lp\b|piston|actuator|\bram\b"),
-    Role("velocity", "m/s", r"veloc|speed|slip rate|geschwindigkeit|vitesse|^v$"),
+    Role("load point", "m", r"load ?point|lastpunkt|^lp\b|piston|actuator|\bram\b|^(displ?|vdcdt)$"),
+    Role("velocity", "m/s", r"veloc|\bvel\b|speed|slip rate|geschwindigkeit|vitesse|^v$"),
     Role(
         "displacement",
         "m",
-        r"displac|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$",
+        r"\bdisp(l|lac\w*)?\b|slip|position|distance|weg\b|verschiebung|deplacement|glissement|^[xds]$"
+        r"|^on ?board|^vobdcdt",
     ),
     Role("friction", "1", r"friction|^mu\b|^μ|^cof\b|coef|reib\w*(zahl|wert|koeff)|frottement"),
 )

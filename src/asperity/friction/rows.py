@@ -9,11 +9,11 @@ import numpy as np
 from asperity.base import views
 from asperity.base.readable import written
 from asperity.base.rows import Row, table_rows
-from asperity.base.words import counted, uncertain
+from asperity.base.words import counted, thousands, uncertain
 from asperity.friction.comparing import StateLaws
 from asperity.friction.events import Event
 from asperity.friction.laws import STATE_LAWS, StateLaw
-from asperity.friction.parameters import MachineFit, RateAndStateFit
+from asperity.friction.parameters import MISSES, MachineFit, RateAndStateFit
 from asperity.friction.records import Record
 
 _OPEN = 100.0
@@ -28,7 +28,7 @@ def rows_of(laws: StateLaws, /, first: str = "") -> list[Row]:
     record, kinds = laws.record, laws.peaks()
     slip = written(float(record.displacement[-1]), "m" if record.si else "1", 3)
     fit = laws.fits[laws.preferred]
-    fitted = f"{counted(fit.points, 'value')} fitted of {record.time.size}"
+    fitted = f"{counted(fit.points, 'value')} fitted of {thousands(record.time.size)}"
     source = (record.read or first) if laws.runs == 1 else f"{laws.runs} surfaces: {first}, ..."
     rows = [
         Row("record", source),
@@ -75,8 +75,16 @@ def _machine(laws: StateLaws, fit: MachineFit) -> list[Row]:
         rows.append(Row("", f"the same within errors for each law and stiffness: {', '.join(kept)}"))
     if moved:
         rows.append(Row("", f"law and stiffness change {', '.join(moved)}: state both with the value"))
-    drift = f"{fit.drift * length:.2g} +- {fit.drift_stderr * length:.1g} 1/{unit} of the load point"
-    rows.append(Row("drift", drift))
+    for other in laws.every:
+        assert isinstance(other, MachineFit)
+        if other.misfit >= MISSES:
+            origin = "given" if other.stiffness_stderr == 0 else "fitted"
+            least, most = (f"{end / length:.2g}" for end in (other.tried[0], other.tried[-1]))
+            text = f"{other.law} law, k {origin}: misfit {other.misfit:.2g} times the noise before the first"
+            text += f" kink, the least from {len(other.tried)} starts with D_c from {least} to {most} {unit}"
+            rows.append(Row("note", f"{text}; the law does not describe the record"))
+    drift, error = fit.drift * length, fit.drift_stderr * length
+    rows.append(Row("drift", drift, f"1/{unit} of the load point", error=error))
     for n in fit.released:
         assert laws.record.drive is not None
         seen, turned = float(laws.record.drive.kinks[n]) / second, float(fit.kinks[n]) / second

@@ -13,8 +13,8 @@ from asperity.base.checks import Floats
 from asperity.friction.machine import Machine
 from asperity.friction.slider import RunsAwayError
 
-_STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
-"""Starts: a over the range of friction, b/a, D_c over the shortest slide, k over the observed slope."""
+_STARTS = {"a": (0.03, 0.1, 0.3), "b": (0.7, 1.3), "D_c": (1e-3, 0.01, 0.03, 0.1, 0.3, 1.0), "k": (0.7, 2.0)}
+"""Starts: a over the range of friction, b/a, D_c over the median slide, k over the observed slope."""
 
 _POLISHED, _FIRST, _FREE, _LAST = 3, 8, 16, 60
 """Number of starts to follow; evaluations for each, for the best with free kinks, and in the last search."""
@@ -32,12 +32,13 @@ _RELEASED = 4.0
 """Standard errors beyond which a measured kink is not fitted."""
 
 
-def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
+def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...], tuple[float, ...]]:
     """Search from several starts; `RunsAwayError` if none slides stably.
 
-    Returns the machine with its noise, the point of the least squares, and the released kinks.
+    Returns the machine with its noise, the point of the least squares, released kinks, and D_c of the starts.
     """
-    count, starts = len(machine.names), _starts(machine)[:_POLISHED]
+    count, every = len(machine.names), _starts(machine)
+    starts = every[:_POLISHED]
     # First with measured kinks, as friction of a stiff machine jumps there from row to row; then with free
     # kinks, as measured ones may be wrong.
     tried = [minimum for start in starts if (minimum := _polished(machine, start, _FIRST, count))]
@@ -59,14 +60,14 @@ def solve(machine: Machine) -> tuple[Machine, Floats, tuple[int, ...]]:
         point = point if best is None else best[1]
         if np.allclose(last.noise, machine.noise, rtol=_SETTLED) and not off.any():
             break
-    return machine, point, tuple(sorted(released))
+    return machine, point, tuple(sorted(released)), tuple(sorted(machine.shape(start).D_c for start in every))
 
 
 def _starts(machine: Machine) -> list[Floats]:
-    """Points to search from, the best first."""
+    """Points to search from: that of the least squares for each D_c, the best first."""
     size, rooms = float(np.ptp(machine.friction)), np.diff(machine.drive.edges(machine.time))
     slides = rooms * machine.drive.velocity
-    scales = {"a": size, "D_c": float(slides[slides > 0].min()), "k": _stiffness_seen(machine)}
+    scales = {"a": size, "D_c": float(np.median(slides[slides > 0])), "k": _stiffness_seen(machine)}
     low, high = machine.bounds
     starts: list[tuple[float, int, Floats]] = []
     for parts in product(*(_STARTS[name] for name in machine.names)):
@@ -78,7 +79,8 @@ def _starts(machine: Machine) -> list[Floats]:
         cost = float(np.sum(machine.residual(np.clip(point, low, high)) ** 2))
         if math.isfinite(cost):
             starts.append((cost, len(starts), point))
-    return [point for _, _, point in sorted(starts)]
+    ordered, at = [point for _, _, point in sorted(starts)], machine.names.index("D_c")
+    return list({point[at]: point for point in reversed(ordered)}.values())[::-1]
 
 
 def _stiffness_seen(machine: Machine) -> float:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.analysis.bands import Interval, OfScan, banded, interval, rows_of_maps
@@ -32,6 +33,7 @@ from asperity.errors import InputError
 from asperity.lattice import Field, Mask
 from asperity.relaxation import Fit, Material, PronySeries
 from asperity.relaxation.materials import relaxing_of
+from asperity.results.quantities import PREDICT, areas_first, select
 from asperity.solids import PARAMETERS_OF_LAWS, Solid
 from asperity.solids.branches import Branches
 from asperity.surfaces import statistics
@@ -156,6 +158,15 @@ class Prediction(views.InNotebooks, views.Pictured):
     def rows(self, /) -> list[Row]:
         """Rows of a summary: material, scan, load, areas and growth with their 95 % bands, friction."""
         raise NotImplementedError
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Its series over `time` with their bands: a row for each time, units in ``table.attrs["units"]``."""
+        names = [*areas_first(select(table=PREDICT)), "effective_load"]
+        wide = [one for name in names for one in (name, f"{name}_low", f"{name}_high") if one in self.dataset]
+        table = pd.DataFrame({name: self.series(name) for name in wide})
+        table.attrs["units"] = {name: self.dataset[name].attrs["units"] for name in wide}
+        return table
 
     @property
     def fit(self) -> Fit | None:

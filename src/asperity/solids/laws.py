@@ -154,14 +154,52 @@ def compliance_of_pixels(lattice: Lattice) -> Spectrum:
     of an infinite half-space. That the sums in the empty space are of nothing real does no harm, as it has
     neither forces nor heights. The spectrum is positive, a length.
     """
+    return _of_pixels(lattice, _from_origin)
+
+
+@lru_cache(maxsize=1)
+def shear_compliance(lattice: Lattice) -> tuple[Spectrum, Spectrum, Spectrum, Spectrum]:
+    r"""Spectra of a half-space under forces along its surface, times E* and the area of a pixel.
+
+    The displacement along i by a force along j has delta_ij N + nu / (1 - nu) B_ij. N is the compliance under
+    normal forces. Returns N, B_yy, B_yx and B_xx. With the wave vector q and a distance r
+
+        N = 2 / q,    B_yy = N q_x^2 / q^2,    B_yx = -N q_x q_y / q^2,    B_xx = N q_y^2 / q^2,
+
+    or where edges are free the integrals over a pixel of 1 / r, y^2 / r^3, y x / r^3 and x^2 / r^3, over pi
+    (V. Cerruti, 1882; K. L. Johnson, *Contact Mechanics* (1985), section 3.6). Where edges reflect, spectra
+    have one more wave along each axis, for `asperity.carried.shear`.
+    """
+    if lattice.body:
+        normal = compliance_of_pixels(lattice)
+        cross = _of_pixels(lattice, lambda y, x: -np.hypot(y, x), sign=-1)
+        along_x = _of_pixels(lattice, lambda y, x: y * np.arcsinh(x / np.abs(y)))
+        return normal, normal - along_x, cross, along_x
+    angles = lattice.angles
+    if lattice.reflecting:
+        angles = tuple(np.meshgrid(*(np.pi * np.arange(n + 1) / n for n in lattice.shape), indexing="ij"))
+    y, x = (angle / side for angle, side in zip(angles, lattice.spacing, strict=True))
+    q = np.hypot(y, x)
+    q.flat[0] = math.inf
+    # A wave with two sites a period has no sign, and a product of sines is minus that of two derivatives.
+    signed = np.prod([np.abs(angle) < np.pi for angle in np.broadcast_arrays(*angles)], axis=0)
+    cross = (1 if lattice.reflecting else -1) * signed * y * x
+    return 2 / q, 2 * x**2 / q**3, 2 * cross / q**3, 2 * y**2 / q**3
+
+
+def _of_pixels(lattice: Lattice, integral: Callable[[Field, Field], Field], sign: int = 1) -> Spectrum:
+    """Spectrum of a function of the distance over pi, integrated over a pixel.
+
+    ``integral`` is that over y and x; ``sign`` is -1 for a function that is odd in both.
+    """
     corners = (
         (np.arange(n // 2 + 2) - 0.5) * side for n, side in zip(lattice.shape, lattice.spacing, strict=True)
     )
-    integral = _from_origin(*np.meshgrid(*corners, indexing="ij", sparse=True))
-    near = np.diff(np.diff(integral, axis=0), axis=1) / np.pi
+    values = integral(*np.meshgrid(*corners, indexing="ij", sparse=True))
+    near = np.diff(np.diff(values, axis=0), axis=1) / np.pi
     for axis, n in enumerate(lattice.shape):  # and the same at the distances before the next image
         mirrored = np.flip(np.take(near, np.arange(1, (n + 1) // 2), axis), axis)
-        near = np.concatenate((near, mirrored), axis)
+        near = np.concatenate((near, sign * mirrored), axis)
     return np.ascontiguousarray(scipy.fft.rfftn(near).real)
 
 

@@ -16,16 +16,13 @@ from asperity.figures.page import prediction_page, prediction_pictures
 from asperity.figures.writing import write_each
 from asperity.prediction.results import Prediction
 from asperity.relaxation import Fit
-from asperity.results.quantities import PREDICT, areas_first, select
 
 
 def write_files(prediction: Prediction, folder: Path, *, output: Output, command: str) -> None:
     """Write all but history and summary to a folder, with the command on the page."""
-    dataset = prediction.dataset
-    names = [*areas_first(select(table=PREDICT)), "effective_load"]
-    wide = [column for name in names for column in (name, f"{name}_low", f"{name}_high") if column in dataset]
-    columns = {f"{name} [{dataset[name].attrs['units']}]": prediction.series(name) for name in wide}
-    table = pd.DataFrame(columns).to_csv(index=False, lineterminator="\n", na_rep="nan")
+    columns = prediction.table
+    columns.columns = [f"{name} [{unit}]" for name, unit in columns.attrs["units"].items()]
+    table = columns.to_csv(index=False, lineterminator="\n", na_rep="nan")
     (folder / "history.csv").write_text(table, encoding="utf-8")
     if prediction.bands:
         units = {"shortest": "m", "area": "m^2", "pressure": "Pa", "growth": "1", "stiffness": "N/m"}
