@@ -71,6 +71,7 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
         (*ASKED, "--branch", "0.5 1s", "--hardness", "1GPa"): "without hardness",
         (*ASKED, "--branch", "0.5 1s", "--edges", "free"): "edges",
         ("--speeds", "1", "--pressure", "1MPa"): "a number with its unit",
+        ("--speeds", "1um/s", "--load", "1mN", "--periodic", "mirror"): "periodic",
     }
     for flags, said in refused.items():
         assert said in mistaken("sliding", *scan, "--young", "30MPa", *flags, "-q")
@@ -79,6 +80,27 @@ def test_what_cannot_slide_steadily_is_refused(mistaken, scan, table):
     assert "[[protocol]]" in mistaken("sliding", "legs.toml", *scan, *ASKED[2:], "-q")
     Path("held.toml").write_text(f"[contact]\nseparation = 1e-6\n{solid}[sliding]\nspeeds = 1.0\n")
     assert "separation" in mistaken("sliding", "held.toml", *scan, "-q")
+
+
+def test_a_file_of_a_run_slides_a_lattice_of_springs(says):
+    text = '[surface]\nkind = "gaussian"\nshape = [16, 16]\nrms = 1.0\nseed = 1\n[contact]\nload = 60.0\n'
+    text += '[solid]\nkind = "spring_lattice"\nk0 = 1.0\nk1 = 3.0\n[friction]\nshear_strength = 0.5\n'
+    Path("run.toml").write_text(f"{text}[sliding]\nspeeds = [0.1, 100.0]\nper_decade = 1\n")
+    says("sliding", "run.toml", "--figures", "", "-q")
+    found = asp.results.load("sliding")
+    solid = asp.solids.spring_lattice(k0=1.0, k1=3.0)
+    rough = asp.surfaces.gaussian((16, 16), rms=1.0, seed=1)
+    how: dict[str, Any] = {"speeds": [0.1, 100.0], "per_decade": 1, "shear_strength": 0.5}
+    right = asp.steady_sliding(solid, rough, load=60.0, **how)
+    for name in right.data_vars:
+        np.testing.assert_allclose(found[name], right[name], rtol=1e-8)
+    added = right["friction_coefficient"] - right["hysteresis_friction_coefficient"]
+    np.testing.assert_allclose(added, 0.5 * right["contact_area"] / 60)
+    header = Path("sliding/sliding.csv").read_text().splitlines()[0]
+    assert header.startswith("speed,hysteresis_friction_coefficient,friction_coefficient,contact_area,")
+    words = Path("sliding/summary.txt").read_text()
+    assert "Pa" not in words
+    assert "finer scan" not in words
 
 
 def test_the_figure_shows_friction_and_area():

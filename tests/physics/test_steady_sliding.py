@@ -477,6 +477,7 @@ FLUID = asp.solids.half_space(modulus=2.0, branches=[(0.5, 1.0), (0.5, 2.0)])
         ({"fields_at": [2.0]}, "fields_at", "2.0"),
         ({"shear_strength": -1.0}, "shear_strength", "-1.0"),
         ({"solid": FLUID}, "solid", "one that flows without end: the load sinks in at every speed"),
+        ({"solid": FLUID, "direction": (1, 1)}, "solid", "one that flows without end"),
         ({"solid": SOFT.with_hardness(1.0)}, "solid", "one with hardness"),
         (
             {"solid": asp.solids.half_space(modulus=2.0, adhesion=asp.solids.Dugdale(1.0, 0.1))},

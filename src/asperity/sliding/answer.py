@@ -87,7 +87,7 @@ def steady_sliding(question: SteadySliding) -> xr.Dataset:
                 maps[speed] = profile.pressure(state)
     dataset = _dataset(rows, maps, speeds, profile, question)
     on_bodies = remarks_on_bodies(scan, bodies.solid) if isinstance(scan, Surface) else ()
-    for text in (*on_bodies, *_remarks(dataset)):
+    for text in (*on_bodies, *(_remarks(dataset) if bodies.solid.in_lengths else ())):
         remark(text)
     return dataset.assign_attrs(material=json.dumps(dict(material.facts)))
 
@@ -154,10 +154,11 @@ class Profile:
         rim = RIM * rim_sides(state.in_contact, self.lattice, body)
         area = self.area_of_site / self.copies
         load = self.copies * self.load
+        corrected = {"contact_area_corrected": (sites - rim) * area} if self.bodies.solid.in_lengths else {}
         return {
             "hysteresis_friction_coefficient": state.friction / load,
             "contact_area": sites * area,
-            "contact_area_corrected": (sites - rim) * area,
+            **corrected,
             "contact_fraction": sites / np.count_nonzero(body),
             "mean_gap": float((state.u - self.heights)[body].mean()),
             "largest_pressure": float(state.force.max()) / self.area_of_site,
@@ -210,7 +211,8 @@ def _dataset(
     bodies, law = profile.bodies, question.shear_strength
     table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if isinstance(law, ShearStrength):
-        adhered = law.at(speeds) * table["contact_area_corrected"] / profile.load
+        area = table.get("contact_area_corrected", table["contact_area"])
+        adhered = law.at(speeds) * area / profile.load
         table["friction_coefficient"] = table["hysteresis_friction_coefficient"] + adhered
     unit = {"place / time": "1", **units_of(bodies), "1": "1"}
     unit.setdefault("area", "sites")

@@ -11,11 +11,11 @@ the problem
 
     u >= h,    p >= 0,    (u - h) p = 0,    sum of p = load
 
-has one solution. Solid ground returns less than it takes: per nominal area the friction is
+has one solution. Per nominal area the friction against the motion is
 
     tau = -<p du/dx> = sum_q (q . V / V) Im C(q) abs(p_q)^2,
 
-which is the dissipation over V. Off contact p = 0, and in contact u = h, so -<p dh/dx> is the same up to the
+the dissipation over V. Off contact p = 0, and in contact u = h, so -<p dh/dx> is the same up to the
 discretization.
 """
 
@@ -36,6 +36,8 @@ from asperity.solids import Solid
 Vector = tuple[float, ...]
 """Components along the axes of a lattice."""
 
+_ACROSS = 1e-12  # part of the largest component below which rounding hides that a wave stands still
+
 
 def waves_along(lattice: Lattice, direction: Vector) -> list[Spectrum]:
     """Wave vectors times a unit vector, radians per length.
@@ -53,7 +55,9 @@ def _along(lattice: Lattice, direction: Vector, signs: Sequence[int]) -> Spectru
     for angle, side, part, sign in zip(lattice.angles, lattice.spacing, direction, signs, strict=True):
         shortest = np.isclose(np.abs(angle), np.pi)
         parts.append(np.where(shortest, sign * np.abs(angle), angle) * part / side)
-    return np.asarray(np.broadcast_to(sum(parts), lattice.spectral_shape))
+    along = np.array(np.broadcast_to(sum(parts), lattice.spectral_shape))
+    along[np.abs(along) < _ACROSS * np.abs(along).max()] = 0.0
+    return along
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +160,7 @@ class State:
 
     @cached_property
     def dissipation(self) -> Spectrum:
-        """Friction force over the speed of each wave, summed to -sum p du/dx; shape of a spectrum."""
+        """Dissipation over the speed in each wave; the sum is -sum p du/dx. Shape of a spectrum."""
         problem, lattice = self.problem, self.problem.lattice
         power = np.abs(lattice.forward(self.force)) ** 2 * lattice.multiplicity / lattice.sites
         return np.asarray(problem.slope * problem.compliance.imag * power)

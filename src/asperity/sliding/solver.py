@@ -118,20 +118,25 @@ class _Run:
         while self.share == 1 or not self.at_once:
             self.correct()
             wrong = self.find_wrong()
-            number = int(np.count_nonzero(wrong > 0))
-            state = self.published()
-            if number == 0 and state.residual <= max(TOLERANCE, self.rounding_of(state)):
-                return state
-            if self.products > TUNING.most_products:
-                raise ConvergenceError(
-                    f"steady sliding: {number} sites on the wrong side and residual {state.residual:.1e} "
-                    f"after {self.products} products, expected {TOLERANCE:.0e}; try more speeds per decade"
-                )
-            if number:
+            if number := int(np.count_nonzero(wrong)):
+                self.check_products(number)
                 self.exchange(wrong, number)
-            else:
-                self.reduction = max(TUNING.digits, 0.1 * TOLERANCE / state.residual)
+                continue
+            state = self.published()
+            if state.residual <= max(TOLERANCE, self.rounding_of(state)):
+                return state
+            self.check_products(0)
+            self.reduction = max(TUNING.digits, 0.1 * TOLERANCE / state.residual)
         return None
+
+    def check_products(self, number: int) -> None:
+        """Give up after too many products."""
+        if self.products > TUNING.most_products:
+            raise ConvergenceError(
+                f"steady sliding: {number} sites on the wrong side and residual "
+                f"{self.published().residual:.1e} after {self.products} products, expected {TOLERANCE:.0e}; "
+                "try more speeds per decade"
+            )
 
     def correct(self) -> None:
         """Bring the surface in contact nearer to the heights."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from asperity.app.config import RunConfig
-from asperity.app.runs.pipeline import check_units, completed, unused
+from asperity.app.runs.pipeline import check_units, completed, unused, without_copies
 from asperity.ask.prediction import Predict, begins_to_rise, loading_of
 from asperity.ask.run import Contact
 from asperity.errors import InputError
@@ -39,13 +39,10 @@ def predict_config(
     loading = loading_of(config.protocol, *config.contact.table.values())
     ramp = loading[0].duration if loading else Predict.own()["ramp"].read("ramp", own.get("ramp"))
     times = _times(config, ramp or 0.0)
-    material, surface = config.solid.material, config.surface.scan
+    material = config.solid.material
     if not material.solid.half_space:
         raise no_half_space("kind", config.solid.kind).about("kind", "solid", "kind")
-    if surface is not config.surface and config.contact.load is not None:
-        expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
-        path, advice = ("surface", "periodic"), "periodic = 'reflect', or a pressure"
-        raise InputError("periodic", expected=expected, got="'mirror'", advice=advice, path=path)
+    surface = without_copies(config)
     progress.stage("reading the scan")
     scan = surface.build()
     scan.in_meters()

@@ -158,6 +158,16 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
         raise InputError("quantities", expected=expected, got=repr(text.written), advice=advice)
 
 
+def without_copies(config: RunConfig) -> SurfaceSection:
+    """The surface without mirrored copies; `InputError` beside a load, which is that of all copies."""
+    scan = config.surface.scan
+    if scan is not config.surface and config.contact.load is not None:
+        expected = "'reflect' beside a load, for one on mirrored copies is that of all of them"
+        path, advice = ("surface", "periodic"), "periodic = 'reflect', or a pressure"
+        raise InputError("periodic", expected=expected, got="'mirror'", advice=advice, path=path)
+    return scan
+
+
 def _odd_numbers(config: RunConfig, modulus: float | None, rough: Surface) -> tuple[str, ...]:
     """Remarks on numbers that were written without a unit and are out of proportion in SI."""
     if modulus is None or not rough.has_lengths:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asperity.app.config import RunConfig
-from asperity.app.runs.pipeline import Outcome, check_units, completed, unused
+from asperity.app.runs.pipeline import Outcome, check_units, completed, unused, without_copies
 from asperity.ask.run import Aging, Carried, Output
 from asperity.base.calls import remarks_made
 from asperity.errors import InputError
@@ -35,7 +35,7 @@ def sliding_of_config(
     if config.contact.separation is not None:
         expected, path = "a load or a pressure, under which the profile slides", ("contact", "separation")
         raise InputError("separation", expected=expected, got=config.contact.separation, path=path)
-    material, surface = config.solid.material, config.surface.scan
+    material, surface = config.solid.material, without_copies(config)
     progress.stage("reading the scan")
     scan = surface.build()
     check_units(config, material.solid, scan)

@@ -19,7 +19,8 @@ def write_sliding(outcome: Outcome, folder: Path, *, own: Mapping[str, Any]) -> 
     dataset = outcome.dataset
     over_speed = [name for name in dataset.data_vars if dataset[name].dims == ("speed",)]
     table = dataset[over_speed].to_dataframe().reset_index()
-    names = {str(name): with_unit(str(name), dataset[name].attrs.get("units", "1")) for name in table}
+    si = dataset["speed"].attrs["units"] == "m/s"
+    names = {str(name): with_unit(str(name), dataset[name].attrs["units"] if si else "1") for name in table}
     table.rename(columns=names).to_csv(folder / "sliding.csv", index=False, lineterminator="\n")
     text = f"{to_toml(outcome.config)}\n{tables_to_toml({'sliding': dict(own)})}"
     (folder / "config.toml").write_text(text, encoding="utf-8")
