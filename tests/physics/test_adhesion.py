@@ -98,19 +98,20 @@ def test_a_ball_is_that_of_maugis(lam, unit, size, loads):
 
 
 @pytest.mark.parametrize(
-    ("lam", "unit", "size", "through"),
+    ("lam", "unit", "size", "through", "error"),
     [
-        (0.1, 6.0, 48, "load"),
-        pytest.param(0.3, 16.0, 80, "load", marks=pytest.mark.slow),
-        pytest.param(0.5, 20.0, 112, "load", marks=pytest.mark.slow),
-        pytest.param(1.0, 40.0, 176, "separation", marks=pytest.mark.slow),
+        (0.1, 6.0, 48, "load", 0.02),
+        pytest.param(0.3, 16.0, 80, "load", 0.02, marks=pytest.mark.slow),
+        pytest.param(0.3, 16.0, 80, "separation", 0.02, marks=pytest.mark.slow),
+        pytest.param(0.5, 20.0, 112, "load", 0.02, marks=pytest.mark.slow),
+        pytest.param(1.0, 40.0, 176, "load", 0.025, marks=pytest.mark.slow),  # 30 pixels in the zone
     ],
 )
-def test_it_is_pulled_off_under_the_load_of_maugis(lam, unit, size, through):
+def test_it_is_pulled_off_under_the_load_of_maugis(lam, unit, size, through, error):
     solid, one = sticking(lam, unit)
     contact = asp.press(Surface(ball((size, size)), edges="free"), solid, load=0.0)
     pulled = asp.pull(contact, through=through)
-    assert pulled.force / one == pytest.approx(-maugis(lam)[0][0], rel=0.02)
+    assert pulled.force / one == pytest.approx(-maugis(lam)[0][0], rel=error)
     if through == "separation":
         return
     with pytest.raises(PulledOff) as off:
