@@ -67,7 +67,7 @@ LIBRARIES = {
 LOCAL = {"P", "plt", "pyplot", "figure", "rough", "aged", "found", "areas", "c"}
 """Names of variables that pages and docstrings introduce."""
 
-COMPOSED = r"_(mean|count|history|paper|s|m|m2|N|Pa|Hz)$|^(final|relaxed|surface|fit_q)_"
+COMPOSED = r"_(mean|count|history|paper|s|m|m2|N|Pa|Hz|deg)$|^(final|relaxed|surface|fit_q)_"
 """Parts that the source adds to names of quantities."""
 
 FILE = r"[\w.{}-]+\.(cff|csv|gif|html|i\b|inp|json|md|mi|mp4|nc|npy|npz|opd|png|py|toml|txt|xlook|yaml|zarr)"

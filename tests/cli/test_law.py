@@ -85,6 +85,18 @@ def test_a_solid_in_numbers_gives_what_python_gives(says, scan):
     assert found["stiffness"].attrs["units"] == "Pa/m"
 
 
+def test_columns_and_summary_say_the_direction_of_shear(says, scan):
+    flags = *RANGE, "--young", "3GPa", "--poisson", "0.3", "--figures", "", "-q"
+    for direction, column in ((), "softest_direction_deg"), (("y",), "tangential_stiffness_y_Pa_per_m"):
+        says("law", *scan, *flags, *(("--shear-direction", *direction) * len(direction)), "--out", column)
+        (head, *_), summary = (
+            Path(column, name).read_text().splitlines() for name in ("law.csv", "summary.txt")
+        )
+        assert column in head.split(",")
+        assert ("tangential_stiffness_Pa_per_m" in head.split(",")) == (not direction)
+        assert any("degrees from x towards y" in line for line in summary) == (not direction)
+
+
 def test_the_figure_has_a_curve_for_each_age_and_direction():
     surface = asp.surfaces.Surface(1e-9 * HEIGHTS, "m", (50e-9, 50e-9), "m")
     solid = asp.solids.half_space(modulus="3 GPa", branches=[(0.4, 10.0)])

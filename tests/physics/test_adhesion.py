@@ -170,8 +170,8 @@ def test_a_wavy_line_is_that_of_johnson(n, zone, alpha, top):
 def rough(edges):
     """A rough contact on which forces go up and down like a saw."""
     heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=6.0, seed=3, rms_slope=0.12)
-    held: dict[str, Any] = {} if edges == "free" else {"apparatus": math.inf}
-    solid = half_space(modulus=1.0, adhesion=Dugdale(work=0.004, range=0.2), **held)
+    apparatus = None if edges == "free" else math.inf
+    solid = half_space(modulus=1.0, adhesion=Dugdale(work=0.004, range=0.2), apparatus=apparatus)
     return asp.press(Surface(heights, edges=edges), solid, load=1.0)
 
 

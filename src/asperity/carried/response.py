@@ -48,7 +48,10 @@ def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field
 @views.defines(Contact._normal_stiffness)
 def normal_stiffness(contact: Contact) -> float:
     """See `Contact.normal_stiffness`."""
-    lowered = unit_response(contact)[0] if contact.area else math.inf
+    if not contact.area:
+        return 0.0
+    # Many contacts of a pull keep this number; the forces would take their memory.
+    lowered = (_RESPONSES.get(contact) or _flat_punch(contact, contact.relative[2]))[0]
     return 1.0 / lowered if lowered > 0 else math.inf
 
 
