@@ -123,6 +123,18 @@ def held(seed):
     return shape, F.Record.of_machine(time, friction, load_point=drive.place(time), units=("s", "um"))
 
 
+def test_a_search_does_not_end_where_the_course_is_sensitive():
+    """After holds, differences over steps of 1e-4 have a gradient of the wrong sign."""
+    shape, slide = Shape(a=0.01024, b=0.01386, D_c=1.926 * UM, k=2987.5), 31 / 0.62
+    time, place, _, friction = exact(
+        [0.62, 0.0, 0.62, 0.0, 0.62], [slide, 52.87, slide, 9.19, slide], step=0.28, law="slip", shape=shape
+    )
+    friction = friction + 3e-4 * np.random.default_rng(50).standard_normal(time.size)
+    fit = F.rate_and_state(F.Record.of_machine(time, friction, load_point=place), law="slip")
+    for name in ("a", "b", "D_c"):
+        assert getattr(fit, name) == pytest.approx(getattr(shape, name), rel=0.05)
+
+
 def test_no_false_minimum_where_the_load_point_seems_to_have_a_short_slide():
     """From D_c below that of the slide of 0.2 um, which is not there, the search ended at a of 0.021."""
     shape, record = held(1)

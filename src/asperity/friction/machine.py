@@ -22,7 +22,10 @@ from asperity.friction.loading import Drive
 from asperity.friction.slider import Course, RunsAwayError, Shape, follow
 
 _DIFFERENCE = 1e-4
-"""Step of differences, in the logarithms."""
+"""Step of differences for errors, in logarithms: above errors of the integrator, as k may hardly matter."""
+
+FINE = 3e-6
+"""Step for a search, which ends early on larger ones where holds make the course sensitive."""
 
 _EDGE = 1e-3
 """Distance from the end of its range below which a parameter is not determined."""
@@ -116,13 +119,13 @@ class Machine:
             sizes = [rows.size for _, rows, _ in self.pieces]
             return np.full(int(self.used.sum()) + sum(sizes) + int(self.measured.sum()), np.nan)
 
-    def slopes(self, point: Floats, many: int) -> Floats:
+    def slopes(self, point: Floats, many: int, difference: float = _DIFFERENCE) -> Floats:
         """Derivatives of mu_0, drift and residuals, in columns for the first `many` searched numbers."""
         base = self.course(point)
         linear, parts = self.compared(point, base)
         values, columns = np.concatenate([linear, *parts]), []
         for n in range(many):
-            step = self._step(n, self.shape(point))
+            step = self._step(n, self.shape(point), difference)
             try:
                 ahead = self._beside(point, n, step, base)
             except RunsAwayError:  # beside the limit of stability
@@ -170,12 +173,12 @@ class Machine:
         ends = np.abs(np.array(self.bounds) - point).min(axis=0)
         return frozenset(name for name, end in zip(self.names, ends, strict=False) if end < _EDGE)
 
-    def _step(self, n: int, shape: Shape) -> float:
+    def _step(self, n: int, shape: Shape, difference: float) -> float:
         if n < len(self.names):
-            return _DIFFERENCE * (max(shape.a, abs(shape.b)) if self.names[n] == "b" else 1.0)
+            return difference * (max(shape.a, abs(shape.b)) if self.names[n] == "b" else 1.0)
         at = n - len(self.names)
         change = abs(float(self.drive.velocity[at + 1] - self.drive.velocity[at]))
-        return min(10 * _DIFFERENCE * shape.D_c / change, 0.05 * float(self.drive.spread[at]))
+        return min(10 * difference * shape.D_c / change, 0.05 * float(self.drive.spread[at]))
 
     def judged(self, point: Floats) -> tuple[Machine, float, float]:
         """The machine with the noise at a point; correlation and independent share of the rows of friction.
