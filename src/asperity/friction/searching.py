@@ -79,8 +79,10 @@ def _starts(machine: Machine) -> list[Floats]:
         cost = float(np.sum(machine.residual(np.clip(point, low, high)) ** 2))
         if math.isfinite(cost):
             starts.append((cost, len(starts), point))
-    ordered, at = [point for _, _, point in sorted(starts)], machine.names.index("D_c")
-    return list({point[at]: point for point in reversed(ordered)}.values())[::-1]
+    best: dict[float, Floats] = {}
+    for _, _, point in sorted(starts):
+        best.setdefault(float(point[machine.names.index("D_c")]), point)
+    return list(best.values())
 
 
 def _stiffness_seen(machine: Machine) -> float:
