@@ -77,8 +77,6 @@ axes[1].set(yscale="log", ylabel="contact fraction")
 axes[2].set(ylabel="E''/E' at a wave of 10 µm", xlabel="sliding speed [m/s]", ylim=(0, None))
 
 # %%
-# The verdict.
-
 at = int(np.argmax(friction))
 print(f"largest friction {friction[at]:.3f} at {speeds[at]:.1g} m/s")
 print(f"contact {contact[0]:.2f} to {contact[-1]:.4f}")
