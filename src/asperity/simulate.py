@@ -32,15 +32,10 @@ from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Checkpoint, listener
 from asperity.protocols import Hold as HoldLeg
-from asperity.protocols import (
-    Leg,
-    Schedule,
-    check_edges,
-    check_start,
-    checked_direction,
-    legs_of,
-    sites_along,
-)
+from asperity.protocols import Leg
+from asperity.protocols.histories import check_start
+from asperity.protocols.legs import check_edges, checked_direction, legs_of, sites_along
+from asperity.protocols.schedule import Schedule
 from asperity.results.checkpoint import Keeper, Place, fingerprint_of
 from asperity.results.dataset import Moment, Snapshot, dataset_of, moment_of, snapshot_of
 from asperity.results.history import History

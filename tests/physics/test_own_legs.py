@@ -14,7 +14,8 @@ import asperity as asp
 from asperity.analysis.legs import leg_table, protocol_of
 from asperity.base.parameters import Quantity
 from asperity.contact import ActiveSet, Multigrid
-from asperity.protocols import Hold, Leg, Repeat, Step, described, in_words, leg_of
+from asperity.protocols import Hold, Leg, Repeat, Step
+from asperity.protocols.legs import described, in_words, leg_of
 from tests.history_reference import assert_follows, second_order
 from tests.refusals import each_refuses
 from tests.surfaces import correlated, uncorrelated

@@ -27,6 +27,7 @@ from asperity.base.parameters import parameters_of
 from asperity.base.words import tables_to_toml
 from asperity.errors import ConfigError, InputError
 from asperity.protocols import Leg
+from asperity.protocols.legs import TARGETS
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
 from tests.refusals import refuses
@@ -86,8 +87,8 @@ ALL: dict[str, list[dict[str, Any]]] = {
     ],
     "protocol": [
         {"kind": "hold", "duration": 10.0, "hold": "load", "mobility": 2.0},
-        *({"kind": "ramp", "duration": 10.0, "mobility": 2.0, end: 0.5} for end in protocols._TARGETS),
-        *({"kind": "step", end: 0.5} for end in protocols._TARGETS),
+        *({"kind": "ramp", "duration": 10.0, "mobility": 2.0, end: 0.5} for end in TARGETS),
+        *({"kind": "step", end: 0.5} for end in TARGETS),
         {"kind": "slide", "distance": 1e-6, "velocity": 1e-6, "direction": "-y", "substeps": 2, "every": 3}
         | {"mobility": 2.0},
     ],

@@ -24,7 +24,8 @@ from asperity.errors import OutputError
 from asperity.figures import history_figure, plot_history, plot_spectrum, plot_surface, sliding_figure
 from asperity.figures.contacts import COLORS
 from asperity.friction import add_friction
-from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step, legs_of
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step
+from asperity.protocols.legs import legs_of
 from asperity.solids import half_space, spring_lattice
 from asperity.surfaces import Surface, gaussian, power_spectrum
 from tests.refusals import each_refuses, refuses

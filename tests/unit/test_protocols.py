@@ -13,19 +13,8 @@ from annotated_types import Gt
 import asperity as asp
 from asperity.analysis.legs import leg_table, protocol_of
 from asperity.base.parameters import Quantity
-from asperity.protocols import (
-    Hold,
-    Leg,
-    Ramp,
-    Repeat,
-    Slide,
-    Step,
-    described,
-    in_words,
-    leg_of,
-    legs_of,
-    measured,
-)
+from asperity.protocols import Hold, Leg, Ramp, Repeat, Slide, Step, measured
+from asperity.protocols.legs import described, in_words, leg_of, legs_of
 from tests.refusals import each_refuses
 from tests.surfaces import uncorrelated
 

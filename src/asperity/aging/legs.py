@@ -25,7 +25,9 @@ from asperity.contact.instantaneous import check_whole, pressed_anew, slid
 from asperity.contact.problem import ContactSolver
 from asperity.errors import InputError, PulledOff
 from asperity.lattice import Field, Lattice
-from asperity.protocols import Leg, Schedule, Shifts
+from asperity.protocols import Leg
+from asperity.protocols.legs import Shifts
+from asperity.protocols.schedule import Schedule
 from asperity.solids import Solid
 
 

@@ -30,7 +30,8 @@ from asperity.base.checks import Floats
 from asperity.carried.response import punch
 from asperity.contact import Contact
 from asperity.lattice import Field
-from asperity.protocols import Hold, legs_of
+from asperity.protocols import Hold
+from asperity.protocols.legs import legs_of
 from asperity.relaxation import PronySeries
 from asperity.results.quantities import select
 from asperity.solids import Solid

@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from asperity.protocols import Hold, Leg, leg_of, legs_of
+from asperity.protocols import Hold, Leg
+from asperity.protocols.legs import leg_of, legs_of
 from asperity.results.history import check_dataset
 
 

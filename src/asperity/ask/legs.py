@@ -9,7 +9,8 @@ from asperity.ask.section import Keys, SectionError, keys_of_maker, read_keys, u
 from asperity.base.checks import choice, shown
 from asperity.base.parameters import parameters_of
 from asperity.errors import InputError
-from asperity.protocols import KINDS, Leg, measured
+from asperity.protocols import Leg, measured
+from asperity.protocols.legs import KINDS
 
 Place = tuple[str | int, ...]
 

@@ -17,7 +17,9 @@ from asperity.base import checks
 from asperity.base.parameters import Quantity, parameters_of
 from asperity.errors import InputError
 from asperity.progress import Checkpoint, Progress
-from asperity.protocols import Hold, Leg, MeasuredHistory, Ramp, legs_of, start_of
+from asperity.protocols import Hold, Leg, MeasuredHistory, Ramp
+from asperity.protocols.histories import start_of
+from asperity.protocols.legs import legs_of
 from asperity.relaxation import Material, Measured, PronySeries, material
 from asperity.solids import Solid
 from asperity.surfaces import Surface

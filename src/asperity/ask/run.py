@@ -24,7 +24,9 @@ from asperity.base.checks import choice, shown
 from asperity.base.files import Format
 from asperity.base.parameters import Parameter, Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name
-from asperity.protocols import Leg, described, start_of
+from asperity.protocols import Leg
+from asperity.protocols.histories import start_of
+from asperity.protocols.legs import described
 
 FILES = {"surface": "path", "solid": "relaxation", "output": "measured"}
 """Keys that name files, by their sections."""

@@ -19,7 +19,7 @@ from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 from asperity.lattice import Field
 from asperity.progress import Progress
-from asperity.protocols import checked_direction
+from asperity.protocols.legs import checked_direction
 from asperity.relaxation import Material, Measured, PronySeries
 from asperity.solids import Solid
 

@@ -21,7 +21,7 @@ from asperity.figures.time_axis import BESIDE, GAP, TimeAxis, label_times, time_
 from asperity.fits import Measurements
 from asperity.fits.measurements import measured_area
 from asperity.lattice import Field
-from asperity.protocols import Say
+from asperity.protocols.legs import Say
 from asperity.results.quantities import select
 
 _MANY = 100

@@ -17,7 +17,8 @@ from asperity.errors import InputError
 from asperity.friction.laws import RateAndState
 from asperity.friction.loading import STEP
 from asperity.friction.records import Record
-from asperity.protocols import Hold, Leg, Slide, legs_of
+from asperity.protocols import Hold, Leg, Slide
+from asperity.protocols.legs import legs_of
 
 
 def slide_hold_slide(

@@ -27,7 +27,8 @@ from asperity.lattice import Field
 from asperity.prediction.plausible import remarks_on_history, remarks_on_prediction
 from asperity.prediction.results import Band, Prediction, growth_of, resolved
 from asperity.progress import Progress, listener
-from asperity.protocols import Hold, Leg, Ramp, Schedule
+from asperity.protocols import Hold, Leg, Ramp
+from asperity.protocols.schedule import Schedule
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.relaxation.materials import relaxing_of

@@ -29,7 +29,7 @@ from asperity.contact.problem import ContactSolver
 from asperity.errors import CheckpointError
 from asperity.lattice import Field
 from asperity.progress import Checkpoint
-from asperity.protocols import Schedule
+from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import Moment, Snapshot
 from asperity.results.store import whole_file
 

@@ -18,7 +18,8 @@ from asperity.carried import Carried, record
 from asperity.contact import Contact, Control
 from asperity.contact.bodies import Bodies
 from asperity.patches import QUANTILES, clustering_box, map_series, quantiles
-from asperity.protocols import Leg, described, in_words
+from asperity.protocols import Leg
+from asperity.protocols.legs import described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
 from asperity.solids import Solid

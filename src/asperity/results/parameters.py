@@ -9,7 +9,7 @@ from asperity.ask.run import ORDER
 from asperity.ask.section import KINDS as SECTIONS
 from asperity.base.parameters import parameters_of
 from asperity.creep import Eyring
-from asperity.protocols import KINDS
+from asperity.protocols.legs import KINDS
 from asperity.results.quantities import Units, select
 from asperity.solids import PARAMETERS_OF_LAWS
 

@@ -26,7 +26,7 @@ from asperity.contact.rim import RIM, rim_sides
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.progress import listener
-from asperity.protocols import sites_along
+from asperity.protocols.legs import sites_along
 from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.results.dataset import attributes_of_solid, coordinates_of

@@ -20,7 +20,7 @@ from asperity.base.version import __version__
 from asperity.base.words import tables_to_toml
 from asperity.errors import InputError
 from asperity.lattice import Field
-from asperity.protocols import in_words
+from asperity.protocols.legs import in_words
 from asperity.results.quantities import CAMPAIGN, Units, select, units_named
 
 _NO_ENSEMBLE = (

@@ -119,7 +119,7 @@ def given(
 def _check_leg(leg: Mapping[str, Any]) -> None:
     """Refuse a leg with a number that has no unit, where it is of a quantity that has one."""
     from asperity.base.parameters import parameters_of
-    from asperity.protocols import KINDS, in_words
+    from asperity.protocols.legs import KINDS, in_words
 
     for inner in leg.get("legs", ()):
         _check_leg(inner)

@@ -17,8 +17,8 @@ from asperity.ask.section import Keys as Parameters
 from asperity.ask.sliding import SteadySliding
 from asperity.base.parameters import Parameter
 from asperity.errors import LARGEST
-from asperity.protocols import KINDS as LEGS
 from asperity.protocols import measured
+from asperity.protocols.legs import KINDS as LEGS
 
 What = Literal[
     "number",

@@ -28,7 +28,8 @@ from asperity.base import files
 from asperity.base.readable import written
 from asperity.base.rows import words_of
 from asperity.errors import AsperityError, ConfigError, InputError, printable
-from asperity.protocols import Schedule, described
+from asperity.protocols.legs import described
+from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import attributes_of_solid
 from asperity.results.parameters import PARAMETERS
 from asperity.results.quantities import units_named

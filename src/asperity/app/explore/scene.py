@@ -27,7 +27,7 @@ from asperity.app.config import RunConfig, to_tables, to_toml
 from asperity.base.words import finite
 from asperity.lattice import Edges, Field, Mask
 from asperity.patches import patches
-from asperity.protocols import Schedule
+from asperity.protocols.schedule import Schedule
 from asperity.results.dataset import Moment, dataset_of, moment_of
 from asperity.results.quantities import PAGE, Quantity, areas_first, select
 

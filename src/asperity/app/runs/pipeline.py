@@ -32,7 +32,8 @@ from asperity.prediction.plausible import remark_on_loading, remarks_on_history
 from asperity.prediction.predicting import USUAL_MAPS, hold_times, map_moments, times_of_legs
 from asperity.prediction.results import resolved
 from asperity.progress import Progress
-from asperity.protocols import Ramp, Schedule
+from asperity.protocols import Ramp
+from asperity.protocols.schedule import Schedule
 from asperity.results import Checkpoint
 from asperity.simulate import age, pressed, relax
 from asperity.solids import Solid

@@ -1,14 +1,4 @@
-"""Histories of load and separation: a list of legs, one after the other.
-
-    P = asp.protocols
-    protocol = [P.Hold(10.0), P.Step(load=160.0), P.Hold(100.0)]
-    protocol = [P.Repeat([P.Ramp(5.0, load=400.0), P.Ramp(5.0, load=100.0)], count=3)]
-    protocol = [P.Slide(50.0, velocity=0.1), P.Hold(1e3), P.Slide(50.0, velocity=0.1)]
-
-Times run through the whole history. Durations are in the unit of time, loads and separations in those of
-`asperity.press`, distances in that of the distance between sites. Where a contact has units, they may be
-texts: ``Hold("10 min")``, ``Step(load="2 N")``, ``Slide("20 um", velocity="1 um/s")``.
-"""
+"""Legs of a history, one by one and in lists."""
 
 from __future__ import annotations
 
@@ -16,31 +6,17 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import accumulate
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from annotated_types import Ge, Gt, Le
 
 from asperity.base import checks
-from asperity.base.calls import answered as _answered
 from asperity.base.parameters import Checked, Quantity, parameters_of
 from asperity.errors import LARGEST, InputError
-from asperity.sheets.columns import TIME, Chosen, Columns, Role, in_line, named
-from asperity.sheets.tables import Table
 
 if TYPE_CHECKING:
     from asperity.lattice import Lattice
-
-__all__ = ["Hold", "Leg", "MeasuredHistory", "Ramp", "Repeat", "Slide", "Step", "measured"]
-
-
-_SAME_TIME = 1e-9
-"""Relative difference of a sum of durations and an equal time."""
-
-_SAME_START = 1e-6
-"""Relative difference of a load and an equal one that a solver found."""
 
 _AXES = {"x": (0, 1), "-x": (0, -1), "y": (1, 0), "-y": (-1, 0)}
 
@@ -59,18 +35,8 @@ _Approach = Annotated[
     Quantity("how far the rigid body has moved at the end since time 0; instead of the load", "m"),
 ]
 
-_TARGETS = ("load", "pressure", "separation", "approach")
+TARGETS = ("load", "pressure", "separation", "approach")
 """Quantities that a `Ramp` or a `Step` may prescribe."""
-
-_ROLES = (
-    Role("", "", r"temp(?!s\b)|rate\b|veloc|speed|geschw|vitesse|\bstd|\berr|shear|scher|schub|tang|lateral"),
-    TIME,
-    Role("separation", "m", r"separation|abstand|\bgap\b|spalt|ecart"),
-    Role("approach", "m", r"displac|verschieb|deplac|approach|annaher|rapproch|\bweg\b|stroke|crosshead"),
-    Role("load", "N", r"load|force|kraft|\blast\b|charge|^f ?[nz]?$"),
-    Role("pressure", "Pa", r"press|druck|stress|spannung|contrainte"),
-)
-"""Columns of a measured history; the first is of what is left alone."""
 
 Say = Callable[[str, float], str]
 """Writes a value of a quantity of the results, with its unit."""
@@ -121,8 +87,8 @@ class Leg(Checked):
         for name in sorted(vars(self).keys() - parameters):
             expected, advice = "a field whose annotation has a Quantity", "Annotated[float, Quantity(...)]"
             raise InputError(name, expected=expected, got="one without", advice=advice)
-        if self.target not in _TARGETS and (self.target or type(self).value is not Leg.value):
-            expected = f"one of {', '.join(map(repr, _TARGETS))}"
+        if self.target not in TARGETS and (self.target or type(self).value is not Leg.value):
+            expected = f"one of {', '.join(map(repr, TARGETS))}"
             raise InputError("target", expected=expected, got=repr(self.target))
         if self.target and self.duration > 0:
             checks.number("longest", self.longest, least=self.duration / _MOST_STEPS)
@@ -226,13 +192,13 @@ class Change(Leg):
     approach: float | None
 
     def __post_init__(self) -> None:
-        checks.one_of(self.example, **{name: getattr(self, name) for name in _TARGETS})
+        checks.one_of(self.example, **{name: getattr(self, name) for name in TARGETS})
         super().__post_init__()
 
     @property
     def target(self) -> str:  # type: ignore[override]
         """The prescribed quantity."""
-        return next(name for name in _TARGETS if getattr(self, name) is not None)
+        return next(name for name in TARGETS if getattr(self, name) is not None)
 
     @property
     def end(self) -> float:
@@ -508,184 +474,3 @@ def leg_of(values: Mapping[str, Any]) -> Leg:
     if not matching:
         raise InputError("protocol", expected="legs whose classes are imported", got=repr(kind))
     return matching[-1](**arguments)
-
-
-class MeasuredHistory(tuple[Leg, ...]):
-    """Legs of a measured history; see `measured`.
-
-    Attributes
-    ----------
-    start
-        Where it begins, as the argument of `asperity.press`: ``{"load": 46.0}``; empty for an approach.
-    read
-        What was read, in one line.
-    """
-
-    start: dict[str, float]
-    read: str
-
-
-def measured(
-    file: Annotated[
-        str | Path | Mapping[str, Sequence[float] | checks.Floats],
-        Quantity("table of a measured load or separation"),
-    ],
-    *,
-    columns: Annotated[Chosen | None, Quantity("columns to read, names or numbers from 0")] = None,
-    units: Annotated[Sequence[str] | str | None, Quantity("units of its columns: load=mN")] = None,
-    compression: Annotated[Literal["positive", "negative"] | None, Quantity("sign of what presses")] = None,
-    within: Annotated[float, Ge(0), Quantity("deviation up to which rows are one ramp")] = 0.0,
-) -> MeasuredHistory:
-    """Legs of a history as a machine wrote it: ramps from row to row, of which rows on a line are one.
-
-    Rows of equal values are a hold, and rows of one time are a step. The first row is the beginning: press
-    the contact there by ``asperity.press(..., **history.start)``. Each leg ends at a recorded time.
-
-    Parameters
-    ----------
-    file
-        Table of a time and one of a load (force), a pressure, a separation or an approach (displacement), by
-        names in English, German or French with units; or a mapping of arrays, shape (rows,), or a data frame.
-        Arrays without units are in those of the contact. An approach counts from the first row.
-    columns, units
-        Columns to read, and units of them, as in `asperity.relaxation.read`.
-    compression
-        Sign of what presses: ``"positive"``, by default, or ``"negative"``. A load that never presses needs
-        ``"positive"``, too.
-    within
-        Deviation up to which rows are one ramp, >= 0, in SI units, or in those of the contact: the noise of
-        the load, for instance. By default only rounding.
-
-    Raises
-    ------
-    InputError
-        The table cannot be read, times fall back, or it is not clear what is prescribed or presses.
-    """
-    keys = {"compression": compression, "within": within}
-    for name, value in keys.items():
-        keys[name] = parameters_of(measured)[name].read(name, value)
-    table = _table_of(file) if hasattr(file, "keys") else file
-    read = Columns(table, _ROLES, columns, units)
-    places, bare = read.by_role, isinstance(table, Table)
-    targets = [name for name in _TARGETS if name in places]
-    if "time" not in places or len(targets) != 1:
-        expected = f"a column of time and one of {', '.join(_TARGETS[:-1])} or {_TARGETS[-1]}"
-        got = named(read.table) if len(targets) < 2 else " and ".join(targets)
-        cure = {"columns": f"{places.get('time', 0)} {places[targets[0]] if targets else 1}"}
-        raise InputError(read.table.name, expected=expected, got=got, cure=cure)
-    target = targets[0]
-    times, values = read.values("time", bare=bare), read.values(target, bare=bare)
-    if not (np.ptp(times) or np.ptp(values)):
-        raise InputError(read.table.name, expected="at least 2 rows that differ", got=f"{len(times)}")
-    if (back := np.diff(times) < 0).any():
-        raise in_line(read.table, int(np.argmax(back)) + 1, places["time"], "time", "not to fall back")
-    if compression and target == "separation":
-        raise InputError("compression", expected="none of a separation", got=repr(compression))
-    if target in ("load", "pressure") and compression is None and values.max() <= 0 > values.min():
-        expected = f"the sign of a {target} that presses, as none in {read.table.name} is above 0"
-        raise InputError("compression", expected=expected, got="none", cure={"compression": "negative"})
-    sign = -1.0 if compression == "negative" else 1.0
-    values = sign * (values - values[0] if target == "approach" else values) + 0.0
-    new = np.diff(times, prepend=-math.inf) + np.abs(np.diff(values, prepend=math.inf)) > 0
-    times, values = times[new], values[new]
-    corners = _corners(times, values, float(keys["within"] or 0.0))
-    history = MeasuredHistory(_legs_between(target, times[corners], values[corners]))
-    pressed_by = target if values[0] else target.replace("pressure", "load")  # both touch only
-    history.start = {} if target == "approach" else {pressed_by: float(values[0])}
-    side = "" if target == "separation" else f", {'below' if sign < 0 else 'above'} 0 presses"
-    history.read = f"{read.read}, {len(history)} legs{side}"
-    return history
-
-
-def start_of(protocol: object) -> dict[str, float]:
-    """Where a measured history begins; empty for other legs."""
-    return protocol.start if isinstance(protocol, MeasuredHistory) else {}
-
-
-def check_start(protocol: object, contact: Any) -> None:
-    """`InputError` if a measured history begins elsewhere than the contact is."""
-    for name, value in start_of(protocol).items():
-        present = contact.separation if name == "separation" else contact.load
-        present /= contact.nominal_area if name == "pressure" else 1.0
-        if abs(present - value) > _SAME_START * max(abs(present), abs(value)):
-            advice = f"asperity.press(..., {name}={value!r})"
-            expected = f"a contact at the {name} at which the history begins, {value:g}"
-            raise InputError("protocol", expected=expected, got=f"{present:g}", advice=advice)
-
-
-def _table_of(arrays: Any) -> Table:
-    """Table of arrays by their names; `InputError` unless they are numbers in as many rows."""
-    names = [*map(str, arrays.keys())]
-    values = np.column_stack(checks.broadcast(**{name: checks.line(name, arrays[name]) for name in names}))
-    lines = [(number, ", ".join(map(str, row))) for number, row in enumerate(values.tolist(), 1)]
-    return Table("history", names, [""] * len(names), values, lines, ",")
-
-
-def _corners(times: np.ndarray, values: np.ndarray, within: float) -> list[int]:
-    """Rows between which the values are lines, up to a deviation and rounding: each as long as can be."""
-    eps = 8 * float(np.finfo(float).eps)
-    largest, latest = float(np.abs(values).max()), float(np.abs(times).max())
-    corners, low, high = [0], -math.inf, math.inf
-    for row in range(1, len(times)):
-        lapse, slope = _slope(times, values, corners[-1], row)
-        if corners[-1] < row - 1 and not low <= slope <= high:
-            corners.append(row - 1)
-            low, high = -math.inf, math.inf
-            lapse, slope = _slope(times, values, row - 1, row)
-        if not lapse:
-            corners.append(row)
-            continue
-        slack = (within + eps * (largest + abs(slope) * latest)) / lapse
-        low, high = max(low, slope - slack), min(high, slope + slack)
-    return [*corners[: -1 if corners[-1] == len(times) - 1 else None], len(times) - 1]
-
-
-def _slope(times: np.ndarray, values: np.ndarray, begin: int, end: int) -> tuple[float, float]:
-    """Time between two rows, and the slope of the line; NaN of two rows of one time."""
-    lapse = float(times[end] - times[begin])
-    return lapse, float(values[end] - values[begin]) / lapse if lapse else math.nan
-
-
-def _legs_between(target: str, times: np.ndarray, values: np.ndarray) -> Iterator[Leg]:
-    """Steps, holds and ramps between rows."""
-    for lapse, value, rise in zip(np.diff(times).tolist(), values[1:].tolist(), np.diff(values), strict=True):
-        change: Any = {target: value}
-        yield Step(**change) if not lapse else Ramp(lapse, **change) if rise else Hold(lapse)
-
-
-@dataclass(frozen=True)
-class Schedule:
-    """Legs, repetitions written out, and the times at which they begin and end: one more, the first 0."""
-
-    legs: tuple[Leg, ...]
-    switches: tuple[float, ...]
-
-    @classmethod
-    def of(cls, protocol: Iterable[Leg], times: np.ndarray) -> Schedule:
-        """Lay out legs; a switch that is one of the times but for rounding is that time.
-
-        `InputError` if some time is after the end.
-        """
-        legs = tuple(protocol)
-        switches = [0.0]
-        for end in accumulate(leg.duration for leg in legs):
-            near = times[np.searchsorted(times, end - _SAME_TIME * end) :][:1]
-            switches.append(float(near[0]) if near.size and near[0] <= end + _SAME_TIME * end else end)
-        if times.size and times[-1] > switches[-1]:
-            expected = f"times up to {switches[-1]:g}, where the protocol ends"
-            advice = "a longer last Hold, or fewer times"
-            raise InputError("times", expected=expected, got=f"{times[-1]:g}", advice=advice)
-        return cls(legs, tuple(switches))
-
-    @property
-    def holds_separation(self) -> bool:
-        """Whether the rigid body is held or moved in some leg."""
-        return any(leg.moves_the_body for leg in self.legs)
-
-    @property
-    def slides(self) -> bool:
-        """Whether the rough surface slides in some leg."""
-        return any(leg.speed for leg in self.legs)
-
-
-__dir__ = _answered(globals())
