@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial, singledispatch
 from html import escape
+from typing import cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,7 +31,7 @@ from asperity.solids import Solid
 from asperity.surfaces import Surface
 from asperity.surfaces.provenance import lateral_unit
 
-_SIZE, _DPI = (3.6, 2.7), 100
+_SIZE, _DPI = (3.6, 3.3), 100
 """Size of a picture in inches, and its dots per inch."""
 
 _MOST_BRANCHES = 8
@@ -147,8 +148,8 @@ def _(fit: Fit) -> str:
 def _(prediction: Prediction) -> str:
     def draw(axes: Axes) -> None:
         draw_growth(axes, prediction)
-        axes.legend(loc="upper left")
         axes.set_xlabel("time under load [s]")
+        style.legend_below(cast(style.Drawing, axes.figure), axes)
 
     return _card(
         "Prediction",
@@ -177,7 +178,7 @@ def _number(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-_NAME = "text-align:left;font-weight:normal;opacity:.75;padding-right:1em"
+_NAME = "text-align:left;font-weight:normal;opacity:.75;padding-right:1em;white-space:nowrap"
 _NOTE = "font-size:smaller;opacity:.75"
 
 
