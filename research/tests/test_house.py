@@ -16,10 +16,10 @@ FOR_COMMANDS = {  # stated in asperity.app.cli.command
     "asperity.app.cli.new_files": {"FIGURE_SUFFIXES", "check_new_file"},
     "asperity.app.cli.options": {"Work", "flags_of_fields"},
     "asperity.app.cli.output": {"write_figure"},
-    "asperity.app.cli.report": {"aligned"},
     "asperity.app.config": {"RunConfig", "config_from"},
     "asperity.base.calls": {"showing"},
     "asperity.base.checks": {"instance"},
+    "asperity.base.rows": {"aligned"},
     "asperity.base.words": {"counted", "data_size", "duration", "power", "thousands"},
 }
 

@@ -204,7 +204,7 @@ def test_a_stream_without_the_letters(finished, tmp_path):
     ascii_only = os.environ | {"PYTHONIOENCODING": "ascii"}
     done = subprocess.run(words, env=ascii_only, check=False, capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "value +- standard error" in done.stdout
+    assert " +- " in done.stdout
 
 
 @pytest.mark.slow

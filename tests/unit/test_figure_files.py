@@ -8,6 +8,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -81,7 +82,7 @@ def test_the_table_of_a_figure_holds_what_is_drawn(tmp_path):
     upper.fill_between([], [], label="in the legend alone")
     upper.plot(x, y, label=r"law $\mu$")
     upper.plot([0, 1], [0.5, 0.5], transform=upper.transAxes)
-    upper.errorbar(x[1:], y[1:], error[1:], label="data")
+    upper.errorbar(x[1:], pd.Series(y[1:]), pd.Series(error[1:]), label="data")
     ends = np.ma.masked_less(y, 2) - 1, np.where(y < 5, y + 1, np.nan)
     upper.fill_between(x, *ends, where=y != 3, step="mid", label="band")
     upper.axhline(3.0)

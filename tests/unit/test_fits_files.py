@@ -116,6 +116,7 @@ def test_mistakes_are_named_with_their_line():
         ("temperature_degC,A (mm^2),time_s", "area", "A (mm^2)"),
         ("time_s,RH_%,mu_s", "friction", "mu_s"),
         ("time_s,time_std_s,friction", ("area", "friction"), "friction"),
+        ("time under load (s),time_std_s,area", "area", "area"),
         ("force_nN,indentation_nm,time_s", ("depth", "radius"), "indentation_nm"),
         ("time_s,contact_area_m2,area", "area", "area"),
         ("Zeit (s),Kraft (N),Kontaktradius (um)", ("depth", "radius"), "Kontaktradius (um)"),

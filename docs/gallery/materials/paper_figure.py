@@ -45,7 +45,8 @@ with tempfile.TemporaryDirectory() as folder:
     print(*(file.name for file in files))
     table = Path(folder) / "area.csv"
     print(table.read_text().splitlines()[1][:60], "...")
-    found = asp.fits.read_measurements(table, value="corrected for pixel rims: real contact area [um^2]")
+    curve = "corrected for pixel rims: real contact area [um^2]"
+    found = asp.fits.read_measurements(table, time="time under load [s]", value=curve)
 
 # Origin: the series of the prediction itself; Lee and Radok with J(t) of one branch in closed form; 85 mm.
 np.testing.assert_allclose(found.value, area, rtol=1e-9)

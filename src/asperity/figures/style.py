@@ -95,7 +95,10 @@ class RecordingAxes(Axes):
 
     def errorbar(self, x: Any, y: Any, yerr: Any = None, *args: Any, **kwargs: Any) -> Any:
         """Draw points and their errors."""
-        ends = () if yerr is None or "data" in kwargs else np.ma.asarray(y) + np.multiply([[-1], [1]], yerr)
+        ends: Any = ()
+        if yerr is not None:
+            with suppress(TypeError, ValueError):
+                ends = np.ma.asarray(y) + np.multiply([[-1], [1]], np.asarray(yerr, dtype=float))
         self._keep("errors" if len(ends) else "points", kwargs, x, y, *ends)
         return super().errorbar(x, y, yerr, *args, **kwargs)
 

@@ -67,7 +67,7 @@ class Columns:
         units: Units | None = None,
     ) -> None:
         self.table = path if isinstance(path, Table) else read_table(Path(path))
-        self._wanted = {role.name: role for role in roles}
+        self._roles, self._wanted = roles, {role.name: role for role in roles}
         meanings = [self._meaning(name) for name in self.table.names]
         self._parts = [parts for _, parts in meanings]
         numbers = {role for role, parts in meanings if parts.base is None}
@@ -145,7 +145,7 @@ class Columns:
         """Role of a name, and its parts: the first with a role."""
         every = _parts(name)
         for parts in every:
-            roles = (role for role in self._wanted.values() if re.search(role.words, normal(parts.label)))
+            roles = (role for role in self._roles if re.search(role.words, normal(parts.label)))
             if parts.label.strip() != "T" and (role := next(roles, None)):  # T is a temperature
                 return role.name, parts
         return "", every[0]
