@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,6 +21,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits import growth_rate
 from asperity.results.history import History
 from asperity.results.quantities import select, units_of
+from asperity.surfaces.provenance import understood
 
 _MOST_LEGS = 20
 """Legs of a history that are listed."""
@@ -49,6 +52,17 @@ def _of(name: str, value: float, unit: str | None) -> Row:
 @views.defines(History.rows)
 def _rows(history: History, /) -> list[Row]:
     return history_rows(history.dataset, summary_of(history.dataset))
+
+
+def bodies_rows(attrs: Mapping[str, Any]) -> list[Row]:
+    """Rows on surface and solid, from the attributes of a law or of a slide."""
+    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
+    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
+    return [
+        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
+        *understood(scan),
+        Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+    ]
 
 
 def history_rows(dataset: xr.Dataset, summary: AgingSummary | None) -> list[Row]:

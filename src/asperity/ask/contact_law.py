@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from annotated_types import Ge, Le
 
 from asperity.ask.carried import Carried
-from asperity.ask.question import Question
+from asperity.ask.question import Question, in_decades
 from asperity.ask.run import Aging
 from asperity.base import checks
 from asperity.base.parameters import Quantity
@@ -112,11 +111,7 @@ class Law(Question):
     @property
     def steps(self) -> Field:
         """The pressures, Pa, of a range those within it, too."""
-        steps = np.array(self.pressures, dtype=np.float64)
-        if steps.size != 2 or not 0 < steps[0] < steps[1]:
-            return steps
-        decades = math.log10(steps[1] / steps[0])
-        return np.geomspace(steps[0], steps[1], math.ceil(decades * self.per_decade) + 1)
+        return in_decades(self.pressures, self.per_decade)
 
     @property
     def ages(self) -> Field:

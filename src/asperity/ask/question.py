@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
-from typing import ClassVar, ParamSpec, TypeVar
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, ParamSpec, TypeVar
+
+import numpy as np
 
 from asperity.ask.section import KINDS, Keys
+from asperity.base.checks import Floats
 from asperity.base.parameters import parameters_of
 
 _P = ParamSpec("_P")
@@ -34,6 +38,15 @@ def answers(
         return ask
 
     return asked
+
+
+def in_decades(given: Sequence[Any] | Floats | float | str, per_decade: int) -> Floats:
+    """Numbers as given; of the two ends of a range so many in each decade."""
+    numbers = np.array(given, dtype=np.float64)
+    if numbers.size != 2 or not 0 < numbers[0] < numbers[1]:
+        return numbers
+    decades = math.log10(numbers[1] / numbers[0])
+    return np.geomspace(numbers[0], numbers[1], math.ceil(decades * per_decade) + 1)
 
 
 class Question:

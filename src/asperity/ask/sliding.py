@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from annotated_types import Ge, Gt, Le
 from numpy.typing import ArrayLike
 
-from asperity.ask.question import Question
+from asperity.ask.question import Question, in_decades
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
 from asperity.base.parameters import Quantity
@@ -135,8 +134,4 @@ class SteadySliding(Question):
     @property
     def each_speed(self) -> Field:
         """The speeds, of a range those within it, too."""
-        speeds = np.array(self.speeds, dtype=np.float64)
-        if speeds.size != 2 or not 0 < speeds[0] < speeds[1]:
-            return speeds
-        decades = math.log10(speeds[1] / speeds[0])
-        return np.geomspace(speeds[0], speeds[1], math.ceil(decades * self.per_decade) + 1)
+        return in_decades(self.speeds, self.per_decade)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from asperity.base.readable import in_unit, written
-from asperity.base.words import to_error, uncertain
+from asperity.base.words import UNKNOWN, to_error, uncertain
 from asperity.errors import printable
 
 
@@ -39,7 +39,7 @@ class Row:
         error = factor * (self.error or (high - low) / 4)
         number, *ends = to_error([factor * one for one in (self.value, low, high)], error)
         number = uncertain(factor * self.value, error) if self.error else number
-        between = "unknown: too few patches" if math.isnan(low) else " to ".join(ends)
+        between = UNKNOWN if math.isnan(low) else " to ".join(ends)
         return spelled(f"{number} {unit}".rstrip()) + f" (95 %: {between})" * bool(self.interval) + self.note
 
 

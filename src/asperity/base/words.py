@@ -17,6 +17,9 @@ PLAIN = {
 }
 """Letters that not every terminal and no header of a table has, and what stands for them."""
 
+UNKNOWN = "unknown: too few patches"
+"""Why a scan has no band."""
+
 MEANT = {"spacing": "pixel_size", "file": "path", "frictionless": "bonded", "E": "young", "nu": "poisson"}
 """Arguments and keys that people write, and what to write where there is such a one."""
 
@@ -51,7 +54,7 @@ def band_ends(ends: Iterable[float], say: Callable[[float], str] = "{:.4g}".form
     """Two ends of the band of a scan, or, where they are NaN, why they are unknown."""
     low, high = ends
     if math.isnan(low):
-        return "unknown: too few patches"
+        return UNKNOWN
     return f"{say(low)} to {say(high)}"
 
 

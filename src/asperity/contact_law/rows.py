@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import json
-
 import xarray as xr
 
+from asperity.analysis.rows import bodies_rows
 from asperity.base.readable import written
 from asperity.base.rows import Row
 from asperity.contact_law.programs import closure_fits
-from asperity.surfaces.provenance import understood
 
 
 def rows_of(dataset: xr.Dataset) -> list[Row]:
     """Rows of a summary of a law: its solid, and at each age its values at the first and last pressure."""
-    attrs = dataset.attrs
-    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
-    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
     rows = [
-        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
-        *understood(scan),
-        Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        *bodies_rows(dataset.attrs),
         Row("pressures", f"{dataset.sizes['pressure']}: {_ends(dataset, 'pressure')}, each held"),
     ]
     for time in dataset["time"].values.tolist():

@@ -7,24 +7,20 @@ import json
 import numpy as np
 import xarray as xr
 
+from asperity.analysis.rows import bodies_rows
 from asperity.base.readable import written
 from asperity.base.rows import Row
-from asperity.surfaces.provenance import understood
 
 
 def rows_of(dataset: xr.Dataset) -> list[Row]:
     """Rows of a summary: the bodies, and the states at the ends of the speeds and of largest friction."""
     attrs = dataset.attrs
-    scan, pixels = json.loads(attrs["surface"]), " x ".join(map(str, json.loads(attrs["shape"])))
-    modulus = f", E* = {written(attrs['modulus'], 'Pa')}" if "modulus" in attrs else ""
     unit = str(dataset["largest_pressure"].attrs["units"])
     unit = unit if unit == "Pa" else "1"
     friction = dataset["hysteresis_friction_coefficient"].values
     places = {"slowest": 0, "largest friction": int(np.argmax(friction)), "fastest": friction.size - 1}
     return [
-        Row("surface", f"{scan.get('file') or 'surface'}: {pixels} pixels"),
-        *understood(scan),
-        Row("solid", f"{str(attrs['solid']).replace('_', ' ')}{modulus}"),
+        *bodies_rows(dataset.attrs),
         Row("pressure", attrs["load"] / attrs["nominal_area"], unit, note=" over the nominal area", digits=4),
         Row("direction", str(json.loads(attrs["direction"]))),
         Row("speeds", f"{friction.size}, each in its steady state"),
