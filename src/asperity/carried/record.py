@@ -49,10 +49,7 @@ def maps(carried: Carried, contact: Contact) -> dict[str, Mask]:
     if carried.shear is None or carried.friction is None:
         return {}
     force, mu = sheared(contact, carried.shear, carried.friction)
-    slides = force >= mu * contact.load
-    none = np.zeros(contact.heights.shape, dtype=bool)
-    return {
-        "stick": none
-        if slides
-        else contact.partial_slip(force, mu, carried.poisson, carried.along or "x").stick
-    }
+    if force >= mu * contact.load:  # it slides
+        return {"stick": np.zeros(contact.heights.shape, dtype=bool)}
+    slip = contact.partial_slip(force, mu, carried.poisson, carried.along or "x")
+    return {"stick": slip.stick}

@@ -38,11 +38,16 @@ def _flat_punch(contact: Contact, in_contact: Mask) -> tuple[float, float, Field
     flat = np.where(in_contact, 0.0, -np.inf)
     mechanics, held = contact.system().mechanics, Prescribed(1.0, 0.0)
     step, lattice = mechanics.implicit_step(0.0), mechanics.lattice
-    problem = replace(step.flat_problem(flat, 0.0, held).spectral(), interface=Interface(low=-math.inf))
-    u = ActiveSet().solve(problem, Guess(np.zeros_like(flat), in_contact), PUBLISHED).u
+    u, force = _bonded(step.flat_problem(flat, 0.0, held).spectral(), in_contact)
     _, position = step.stretch_modes(lattice.forward(u), step.flat_modes(0.0), held)
-    force = np.where(in_contact, problem.force(u), 0.0)
     return -position, -float(u[np.isfinite(contact.system().heights)].mean()), lattice.cut(force)
+
+
+def _bonded(problem: SpectralProblem, sites: Mask) -> tuple[Field, Field]:
+    """Surface and forces where just these sites touch, in tension, too."""
+    problem = replace(problem, interface=Interface(low=-math.inf))
+    u = ActiveSet().solve(problem, Guess(np.zeros(sites.shape), sites), PUBLISHED).u
+    return u, np.where(sites, problem.force(u), 0.0)
 
 
 @views.defines(Contact._normal_stiffness)
@@ -162,7 +167,7 @@ def partial_slip(
         ratio,
         float(lattice.apply(compliance, traction)[stick].mean()),
         4 * float(np.vdot(most, slipped)),
-        partial(_bonded, lattice, compliance, stick),
+        partial(_stiffness_together, lattice, compliance, stick),
     )
 
 
@@ -175,12 +180,9 @@ def _problem(lattice: Lattice, compliance: Spectrum, heights: Field, load: float
     )
 
 
-def _bonded(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:
+def _stiffness_together(lattice: Lattice, compliance: Spectrum, sites: Mask) -> float:
     """Stiffness of sites that are displaced together."""
     if sites.all():
         return math.inf
-    problem = _problem(lattice, compliance, np.where(sites, 0.0, -np.inf), 1.0)
-    problem = replace(problem, interface=Interface(low=-math.inf))
-    u = ActiveSet().solve(problem, Guess(np.zeros(lattice.shape), sites), PUBLISHED).u
-    force = np.where(sites, problem.force(u), 0.0)
+    _, force = _bonded(_problem(lattice, compliance, np.where(sites, 0.0, -np.inf), 1.0), sites)
     return 1 / float(lattice.apply(compliance, force)[sites].mean())

@@ -133,10 +133,8 @@ def compliances(contact: Contact, poisson: float) -> Field:
 
 
 def _compliances(contact: Contact, poisson: float) -> Field:
-    sites, shear = (
-        contact.relative[2],
-        Shear.of(contact, checks.number("poisson", poisson, above=-1, most=0.5)),
-    )
+    shear = Shear.of(contact, checks.number("poisson", poisson, above=-1, most=0.5))
+    sites = contact.relative[2]
     if not contact.area or sites.all():
         return np.full((2, 2, 2), 0.0 if contact.area else math.inf)
     body = np.isfinite(contact.system().heights)

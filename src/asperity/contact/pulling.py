@@ -105,9 +105,8 @@ def refine(approach: list[Contact], retreat: list[Contact], solver: ContactSolve
     """Insert states into a retreat and an approach by separation, for the largest tension and the loop."""
     _refine_peak(retreat, solver)
     _refine_area(approach, retreat, solver)
-    if (
-        retreat[0].lattice.edges != "free"
-    ):  # a site that pulls lifts others, so long steps choose other states
+    # Where edges are not free, a site that pulls lifts others, so long steps choose other states.
+    if retreat[0].lattice.edges != "free":
         _follow(retreat, solver)
         approach[0] = retreat[-1]
         _follow(approach, solver)
@@ -130,18 +129,17 @@ def _refine_peak(retreat: list[Contact], solver: ContactSolver | None) -> None:
 def _refine_area(approach: list[Contact], retreat: list[Contact], solver: ContactSolver | None) -> None:
     """Halve steps until trapezoids give the energy lost; their errors are independent of each other."""
     while True:
-        missed = [_missed(branch) for branch in (approach, retreat)]
-        (forth, pressed, _), (back, pulled, _) = map(_numbers, (approach, retreat))
-        work = np.trapezoid(pressed, forth), np.trapezoid(pulled, back)
+        numbers = [_numbers(branch) for branch in (approach, retreat)]
+        missed = [_missed(*branch) for branch in numbers]
+        work = [np.trapezoid(load, place) for place, load, _ in numbers]
         if math.hypot(*missed[0], *missed[1]) <= TUNING.lost * abs(sum(work)) + TUNING.work * abs(work[0]):
             return
         worst = int(missed[0].max() < missed[1].max())
         _halve((approach, retreat)[worst], int(missed[worst].argmax()), solver)
 
 
-def _missed(states: list[Contact]) -> Field:
+def _missed(place: Field, load: Field, stiffness: Field) -> Field:
     """Largest error of each trapezoid: the load follows unchanged contacts, until it jumps."""
-    place, load, stiffness = _numbers(states)
     step = np.diff(place)
     jump = np.diff(load) + np.maximum(stiffness[1:], stiffness[:-1]) * step
     return np.asarray(abs(jump * step) / 2)
