@@ -10,10 +10,12 @@ from typing import Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from asperity.aging.ages import Ages, check_strength
 from asperity.aging.frames import Frame
 from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
+from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
@@ -40,6 +42,7 @@ from asperity.results.checkpoint import Keeper, Place, fingerprint_of
 from asperity.results.dataset import Moment, Snapshot, dataset_of, moment_of, snapshot_of
 from asperity.results.history import History
 from asperity.results.pulling import Pull
+from asperity.results.tabor import with_friction
 from asperity.solids import Solid
 from asperity.surfaces import Surface
 
@@ -215,8 +218,8 @@ def age(
         run resumes there, with an identical result. Remove it when the results are safe. The repr of a solver
         of your own must contain all its parameters.
     carried
-        Carried quantities to record at each time: stiffness, resistances, sticking share. Each costs about
-        one press a time.
+        Carried quantities to record at each time: stiffness, resistances, sticking share, each of which costs
+        about one press a time; and friction of a shear strength that may age.
     solver
         Contact solver, by default that of `asperity.press`. Local laws of creep have their own.
     exact
@@ -251,8 +254,10 @@ def age(
     remark(zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))))
     units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
+    ages, strength = None, None
     if carried is not None:
         quantities(checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)"), contact)
+        ages, strength = _ages_of(carried.strength, contact, schedule), carried.strength
     entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
     rows: list[Moment] = []
     snapshots: list[Snapshot] = []
@@ -279,6 +284,7 @@ def age(
             exact=exact,
             resume=resume,
             after_step=keep_place,
+            ages=ages,
         ):
             shown.reached(frame)
             final, parted = frame.contact, frame.parted
@@ -291,6 +297,8 @@ def age(
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
+    if strength is not None:
+        dataset = with_friction(dataset, strength, np.array([row["grown"] for row in rows]))
     if parted:
         dataset.attrs["pulled_off"] = rows[-1]["time"]
         when = f"{rows[-1]['time']:g}{' s' * contact.si}"
@@ -299,6 +307,18 @@ def age(
         slides = f"the bodies slide at {np.count_nonzero(~sticks)} of {sticks.size} recorded times"
         remark(f"{slides}: friction times load is not above the shear force")
     return History(dataset, final)
+
+
+def _ages_of(strength: ShearStrength | None, contact: Contact, schedule: Schedule) -> Ages | None:
+    """Ages of the sites, for a strength that ages; refuses a strength before hours have passed."""
+    if strength is None:
+        return None
+    units.check_units(vars(strength), si=contact.si)
+    strength.at([leg.speed for leg in schedule.legs if leg.speed] or [0.0])
+    if not strength.ages:
+        return None
+    check_strength(strength, schedule, contact.lattice)
+    return Ages(strength, contact)
 
 
 def _schedule(contact: Contact, protocol: Sequence[Leg] | None, hold: Hold | None, times: Field) -> Schedule:

@@ -170,5 +170,5 @@ class FieldSteps(TrBdf2):
         """See `TrBdf2`."""
         self.earlier = [self.point.u, *self.earlier][: self.through - 1]
         self.point = self.tried[-1]
-        self.tried = [self.point]
+        self.u, self.tried = self.point.u, [self.point]
         self.system = self.system.lowered(self.point.u)

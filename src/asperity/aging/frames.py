@@ -16,6 +16,7 @@ from asperity.aging.tr_bdf2 import Origin, State, Steps
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
+from asperity.lattice import Field
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,8 @@ class Frame:
         Whether more shifts follow at the same time.
     parted
         Whether the bodies part just after it, for adhesion bears no more, and the history ends.
+    ages
+        Ages of the sites in contact, for a shear strength that grows with them; see `asperity.aging.ages`.
     """
 
     time: float
@@ -64,6 +67,7 @@ class Frame:
     at_a_shift: bool = False
     passing: bool = False
     parted: bool = False
+    ages: Field | None = None
 
     @property
     def exact(self) -> bool:

@@ -55,6 +55,8 @@ class Tuning:
 
 TUNING = Tuning()
 
+AfterStep = Callable[[Callable[[], Midway], float, Steps], None]
+
 KINDS: Any = {kind.kind: kind for kind in (SeparableSteps, LocalSteps, SpringSteps, FieldSteps)}
 """Kinds of time steps by name; the first that suits is taken."""
 
@@ -70,7 +72,7 @@ def creep(
     exact: bool = True,
     deformation: float = 0.0,
     midway: Midway | None = None,
-    after_step: Callable[[Callable[[], Midway]], None] | None = None,
+    after_step: AfterStep | None = None,
 ) -> Iterator[Frame]:
     """Yield a frame at time 0 and then at exactly each of the times, under one control.
 
@@ -87,7 +89,7 @@ def creep(
     midway
         Go on from here, above the same surface, with all other arguments as at first.
     after_step
-        Called after each step with what makes the state from which to go on.
+        Called after each step with what makes the state from which to go on, the duration and the state.
 
     Raises
     ------
@@ -139,7 +141,7 @@ class _March:
         start: Contact,
         solver: ContactSolver,
         rtol: float,
-        after_step: Callable[[Callable[[], Midway]], None] | None,
+        after_step: AfterStep | None,
     ) -> None:
         self.start, self.solver, self.after_step = start, solver, after_step
         self.rtol, self.controller = rtol, Controller(step_tolerance(rtol))
@@ -293,4 +295,4 @@ class _March:
             self.area.accept(time, contacts, control.at(time).value)
         self.raise_deformation()
         if self.after_step is not None:
-            self.after_step(self.midway)
+            self.after_step(self.midway, time - since, self.now)

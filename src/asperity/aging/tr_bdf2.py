@@ -41,7 +41,7 @@ from asperity.contact.controls import Control
 from asperity.contact.problem import ContactSolver
 from asperity.contact.system import System
 from asperity.errors import ConvergenceError, InputError, PulledOff
-from asperity.lattice import Field
+from asperity.lattice import Field, Mask
 
 DIAGONAL = 1.0 - 1.0 / math.sqrt(2.0)
 WEIGHT = math.sqrt(2.0) / 4.0
@@ -144,6 +144,12 @@ class Steps(ABC):
 
     system: System
     time: float
+    u: Field
+
+    @property
+    def touching(self) -> Mask:
+        """Which sites are in contact."""
+        return self.u <= self.system.heights
 
     @classmethod
     @abstractmethod

@@ -133,19 +133,7 @@ class Carried(Section):
     """Stiffness, resistances, stick and pull-off of the contact on a half-space, recorded at each time."""
 
     section = "carried"
-    keys: ClassVar[Keys] = {
-        "stiffness": Parameter(
-            bool,
-            (
-                Quantity(
-                    "record the normal stiffness",
-                    more=", and the tangential one if the solid has one Poisson's ratio.",
-                ),
-            ),
-            False,
-        ),
-        **keys_of_maker(CarriedQuantities),
-    }
+    keys: ClassVar[Keys] = keys_of_maker(CarriedQuantities)
 
     def check(self) -> None:
         """Refuse a shear force without a coefficient, and the other way round."""

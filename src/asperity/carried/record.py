@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.ask.carried import Carried
+from asperity.ask.strength import ShearStrength
 from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
 from asperity.carried.shear import principal, stiffness_along
@@ -20,6 +21,8 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     InputError
         The solid is no half-space, or a number is out of range.
     """
+    if not carried.responds:
+        return {}
     check_half_space("carried", contact.solid, contact.lattice)
     numbers = {"normal_stiffness": contact.normal_stiffness}
     if carried.poisson is not None:
@@ -33,6 +36,17 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     for stick in maps(carried, contact).values():
         numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
     return numbers
+
+
+def grown(strength: ShearStrength, contact: Contact, ages: Field | None) -> dict[str, float]:
+    """Mean relative growth of the strength of the sites in contact, and their mean age."""
+    if ages is None:
+        return {"grown": 0.0}
+    of_contact = np.nan_to_num(ages[contact.in_contact]) if contact.area else np.full(1, np.nan)
+    return {
+        "grown": float(np.nan_to_num(strength.grown(of_contact)).mean()),
+        "contact_age_mean": float(of_contact.mean()),
+    }
 
 
 def tangential(compliance: Field, carried: Carried) -> dict[str, float]:

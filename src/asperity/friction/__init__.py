@@ -1,6 +1,6 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
-from asperity.analysis.tabor import add_friction
+from asperity.results.tabor import add_friction
 from asperity.ask.strength import ShearStrength
 from asperity.base.calls import answered as _answered
 from asperity.friction import rows as rows  # defines StateLaws.rows

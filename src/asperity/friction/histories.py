@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from asperity.analysis.tabor import add_friction
+from asperity.results.tabor import add_friction
 from asperity.ask.strength import ShearStrength
 from asperity.base import checks
 from asperity.errors import InputError

@@ -30,7 +30,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.analysis.tabor import coming_velocity
+from asperity.results.tabor import coming_velocity
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError

@@ -15,7 +15,7 @@ import xarray as xr
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis.bands import OfScan, draws_of_solid, effective_load, with_bands
 from asperity.analysis.observation import observe
-from asperity.analysis.tabor import add_friction
+from asperity.results.tabor import add_friction
 from asperity.ask.prediction import Predict
 from asperity.ask.question import answers
 from asperity.base import checks

@@ -79,6 +79,8 @@ _AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
 _SLID = "length that the rough surface has slid since the start"
 _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
+_STRENGTH = "shear strength, mean over the sites in contact"
+_RENEWED = "age of the sites in contact, which slip renews"
 _STIFF = "normal contact stiffness, instantaneous, at fixed contacts"
 _STIFF_ACROSS = "tangential contact stiffness, before anything slips"
 _OHMIC = "electrical resistance of the constrictions"
@@ -114,6 +116,9 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
     Quantity("friction_force", "force", _SHEARED, _SOLVED, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _SOLVED, "friction", symbol="μ"),
+    Quantity("friction_by_area", "1", f"{_COEFFICIENT}, without growth with age", _RESULT, "friction"),
+    Quantity("strength_mean", "pressure", _STRENGTH, _RESULT, "friction", label="mean strength"),
+    Quantity("contact_age_mean", "time", f"mean {_RENEWED}", _RESULT, "friction", label="mean contact age"),
     Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
     Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
     Quantity(
@@ -134,6 +139,7 @@ QUANTITIES: tuple[Quantity, ...] = (
     _field("force", "force", "contact force of a site", of="sites", symbol="r = H u + C (u − u⁰), Eq. (2)"),
     _field("pressure", "pressure", "contact pressure", of="continua", symbol="p"),
     _field("stick", "1", "whether the site sticks under shear", of="carried"),
+    _field("site_age", "time", _RENEWED, of="friction", symbol="θ"),
     _field("permanent_indentation", "length", _LOWER, of="yielding"),
     Quantity("anchors", "length", "creeping shape of the elastic surface, by branch", home="contact"),
     Quantity("force", "force", "contact force of a site", of="continua", home="contact"),

@@ -12,7 +12,7 @@ import xarray as xr
 from asperity.aging.legs import check_slides
 from asperity.aging.memory import bytes_a_site
 from asperity.analysis import AgingSummary, aging_summary, observe, with_limit
-from asperity.analysis.tabor import add_friction
+from asperity.results.tabor import add_friction
 from asperity.app.config import MeasuredSurface, RunConfig, to_toml
 from asperity.app.runs import defaults
 from asperity.app.runs.defaults import map_times
