@@ -351,12 +351,20 @@ class RunConfig:
     @property
     def carries(self) -> CarriedQuantities | None:
         """What to record besides load and area, if anything."""
-        facts = arguments_of(CarriedQuantities, self.carried)
+        facts = {name: one for name, one in arguments_of(CarriedQuantities, self.carried).items() if one}
         poisson = getattr(self.solid, "poisson", None)
         ratios = {*poisson} if isinstance(poisson, list) else {poisson} - {None}
         if self.carried.stiffness and len(ratios) == 1:
             facts["poisson"] = ratios.pop()
-        return CarriedQuantities(**facts) if facts or self.carried.stiffness else None
+        return CarriedQuantities(**facts) if facts else None
+
+    @property
+    def recorded(self) -> CarriedQuantities | None:
+        """The same, with friction of a strength whose contacts age; that of others needs no history."""
+        strength = self.friction.strength
+        if strength is None or not strength.ages:
+            return self.carries
+        return replace(self.carries or CarriedQuantities(), strength=strength)
 
     @property
     def end(self) -> float:

@@ -103,6 +103,10 @@ class ShearStrength(Checked):
         """Relative growth of the strength at an age: beta ln(1 + theta / tau)."""
         return np.asarray(self.growth * np.log1p(np.asarray(age) / (self.after or math.inf)))
 
+    def settled(self, velocity: ArrayLike) -> NDArray[np.float64]:
+        """The same in steady sliding, where contacts are as old as D / V."""
+        return self.grown((self.renewal or 0.0) / np.asarray(velocity))
+
     def at(self, velocity: ArrayLike, grown: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Shear strength while the contacts slide at velocities > 0, of any shape, and have ``grown``.
 

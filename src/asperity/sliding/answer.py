@@ -212,7 +212,7 @@ def _dataset(
     table = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     if isinstance(law, ShearStrength):
         area = table.get("contact_area_corrected", table["contact_area"])
-        adhered = law.at(speeds) * area / profile.load
+        adhered = law.at(speeds, law.settled(speeds)) * area / profile.load
         table["friction_coefficient"] = table["hysteresis_friction_coefficient"] + adhered
     unit = {"place / time": "1", **units_of(bodies), "1": "1"}
     unit.setdefault("area", "sites")

@@ -109,10 +109,10 @@ def execute(config: RunConfig, progress: Progress, *, checkpoint: Checkpoint | N
             fields_at=config.output.maps_at or (),
             progress=progress.reached,
             checkpoint=checkpoint,
-            carried=config.carries,
+            carried=config.recorded,
         )
     dataset = _observed(history.dataset, config.output.instrument)
-    if law is not None:
+    if law is not None and not law.ages:
         dataset = add_friction(dataset, law)
     contacts = resolved(dataset, solid, rough.filled) or (
         resolution_of(contact, rough, "at first"),
