@@ -298,7 +298,7 @@ def age(
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
     if strength is not None:
-        dataset = with_friction(dataset, strength, np.array([row["grown"] for row in rows]))
+        dataset = with_friction(dataset, strength, np.array([row.get("grown", 0.0) for row in rows]))
     if parted:
         dataset.attrs["pulled_off"] = rows[-1]["time"]
         when = f"{rows[-1]['time']:g}{' s' * contact.si}"

@@ -9,6 +9,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from asperity.aging.ages import Ages
 from asperity.aging.constant_area import ConstantArea
 from asperity.aging.controller import Controller
 from asperity.aging.separable import SeparableSteps
@@ -16,7 +17,6 @@ from asperity.aging.tr_bdf2 import Origin, State, Steps
 from asperity.contact.contact import Contact
 from asperity.contact.problem import Solution
 from asperity.contact.publish import contact_from
-from asperity.lattice import Field
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Frame:
     parted
         Whether the bodies part just after it, for adhesion bears no more, and the history ends.
     ages
-        Ages of the sites in contact, for a shear strength that grows with them; see `asperity.aging.ages`.
+        Ages of the sites in contact, for a shear strength that grows with them; they age on after it.
     """
 
     time: float
@@ -67,7 +67,7 @@ class Frame:
     at_a_shift: bool = False
     passing: bool = False
     parted: bool = False
-    ages: Field | None = None
+    ages: Ages | None = None
 
     @property
     def exact(self) -> bool:

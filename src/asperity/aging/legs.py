@@ -126,11 +126,7 @@ class _Way:
 
     def __post_init__(self) -> None:
         start, at_rest = self.contact, (Fraction(0),) * self.contact.lattice.dimension
-        self.now = self.aged(Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest))
-
-    def aged(self, frame: Frame) -> Frame:
-        """A frame with the present ages."""
-        return frame if self.ages is None else replace(frame, ages=self.ages.now)
+        self.now = Frame(0.0, start, 0.0, 0, 0, start.iterations, shift=at_rest, ages=self.ages)
 
     def resume(self) -> None:
         """Set a contact above the shifted heights; any will do to resume from."""
@@ -151,7 +147,7 @@ class _Way:
         if self.ages is not None:
             self.ages.slip(self.now.shift, place.shift, slip)
             self.ages.touch(contact.in_contact)
-        self.now = self.aged(replace(place, contact=contact, approach=approach, **spent))
+        self.now = replace(place, contact=contact, approach=approach, **spent)
         return self.now
 
     def slide(
@@ -188,7 +184,7 @@ class _Way:
             begun, control = resume.begun, control.after((resume.begun - begun) * leg.mobility)
             stops = stops[(stops - begun) * leg.mobility >= resume.midway.time]
             if self.ages is not None:
-                self.ages.now = resume.midway.resume_state["ages"]
+                self.ages.begin(resume.midway.resume_state["ages"])
         elif control.course and not now.contact.force.any() and now.contact.has_not_crept:
             begun, control, deformation = yield from self.touch(control, leg, number, begun, stops)
             stops = stops[stops > begun]
@@ -220,15 +216,15 @@ class _Way:
         of_march = dict(zip(((stops - begun) * leg.mobility).tolist(), stops.tolist(), strict=True))
         for frame in frames:  # the last one is between the stops where the bodies part
             time = of_march.get(frame.time, begun + frame.time / leg.mobility)
-            self.now = self.aged(frame)
             self.now = replace(
-                self.now,
+                frame,
                 time=time,
                 approach=approach + frame.approach,
                 leg=number,
                 displacement=now.displacement,
                 velocity=leg.speed,
                 shift=now.shift,
+                ages=self.ages,
                 at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now

@@ -92,12 +92,10 @@ class ShearStrength(Checked):
         """Whether it asks for the ages of contacts."""
         return self.after is not None
 
-    def aged(self, age: ArrayLike, duration: ArrayLike, slip: float = 0.0) -> NDArray[np.float64]:
-        """Ages of contacts a time later, in which they slip so far at a constant velocity; NaN stays NaN."""
-        assert self.renewal is not None
-        x = slip / self.renewal
-        kept = -math.expm1(-x) / x if x else 1.0
-        return np.asarray(math.exp(-x) * np.asarray(age) + kept * np.asarray(duration))
+    def renewed(self, duration: float, slip: float) -> tuple[float, float]:
+        """What is left of an age, 0 to 1, and what comes to it, time, by a slip at a constant velocity."""
+        x = slip / (self.renewal or math.inf)
+        return math.exp(-x), duration * (-math.expm1(-x) / x if x else 1.0)
 
     def grown(self, age: ArrayLike) -> NDArray[np.float64]:
         """Relative growth of the strength at an age: beta ln(1 + theta / tau)."""

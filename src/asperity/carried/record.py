@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from asperity.ask.carried import Carried
-from asperity.ask.strength import ShearStrength
 from asperity.carried.pull_off import pull_off_force
 from asperity.carried.response import check_half_space, sheared
 from asperity.carried.shear import principal, stiffness_along
@@ -36,17 +35,6 @@ def quantities(carried: Carried, contact: Contact) -> dict[str, float]:
     for stick in maps(carried, contact).values():
         numbers["stick_fraction"] = np.count_nonzero(stick) / max(contact.area, 1)
     return numbers
-
-
-def grown(strength: ShearStrength, contact: Contact, ages: Field | None) -> dict[str, float]:
-    """Mean relative growth of the strength of the sites in contact, and their mean age."""
-    if ages is None:
-        return {"grown": 0.0}
-    of_contact = np.nan_to_num(ages[contact.in_contact]) if contact.area else np.full(1, np.nan)
-    return {
-        "grown": float(np.nan_to_num(strength.grown(of_contact)).mean()),
-        "contact_age_mean": float(of_contact.mean()),
-    }
 
 
 def tangential(compliance: Field, carried: Carried) -> dict[str, float]:

@@ -46,8 +46,8 @@ def moment_of(frame: Frame, *, slides: bool = False, carried: Carried | None = N
     }
     if carried is None:
         return row
-    if carried.strength is not None:
-        row |= record.grown(carried.strength, frame.contact, frame.ages)
+    if frame.ages is not None:
+        row |= frame.ages.means(frame.contact)
     return row | record.quantities(carried, frame.contact)
 
 
@@ -56,7 +56,7 @@ def snapshot_of(frame: Frame, carried: Carried | None = None) -> Snapshot:
     contact = frame.contact
     fields = {name: getattr(contact, name) for name in had_by(contact, "field")}
     fields |= {} if carried is None else record.maps(carried, contact)
-    fields |= {} if frame.ages is None else {"site_age": frame.ages}
+    fields |= {} if frame.ages is None else {"site_age": frame.ages.now.copy()}
     return Snapshot(frame.time, fields, frame.leg, [float(sites) for sites in frame.shift])
 
 
