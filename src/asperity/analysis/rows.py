@@ -94,7 +94,8 @@ def friction_rows(dataset: xr.Dataset) -> list[Row]:
         lapse = float(np.log(since[ends[1]] / since[ends[0]]))
         parts = np.diff(mu / s)[0] * s.mean() / lapse, np.diff(s)[0] * (mu / s).mean() / lapse
         times = " to ".join(_time(dataset, float(time)) for time in since[ends])
-        note = f" an e-fold of time: {parts[0]:.3g} by the area, {parts[1]:.3g} by the strength, t = {times}"
+        area, strength = (f"{round(float(part), 6):.3g}" for part in parts)
+        note = f" an e-fold of time: {area} by the area, {strength} by the strength, t = {times}"
         name = "growth of friction" + f", leg {leg.number}" * ("protocol" in dataset.attrs)
         rows.append(Row(name, float(sum(parts)), note=note, digits=3, brief=True))
     return rows
