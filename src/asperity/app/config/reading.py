@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
+from asperity.ask.files import read_tables
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
-from asperity.ask.run import FILES, RunConfig
+from asperity.ask.run import RunConfig
 from asperity.ask.section import KINDS, Section, SectionError, read_keys, unknown_key
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.checks import shown
-from asperity.base.files import content_of, expanded
 from asperity.base.words import tables_to_toml
-from asperity.errors import ConfigError, InputError
+from asperity.errors import InputError
 
 _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
     ("contact", ({"load"}, {"pressure"}, {"separation"})),
@@ -122,34 +120,6 @@ def from_tables(tables: dict[str, Any]) -> RunConfig:
 def to_toml(config: RunConfig) -> str:
     """Write a configuration as `read_config` reads it."""
     return tables_to_toml(to_tables(config))
-
-
-def read_tables(path: str | Path) -> dict[str, Any]:
-    """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
-
-    `ConfigError` if it cannot be read, or is no TOML.
-    """
-    path, text = expanded(path), ""
-    try:
-        text = content_of(path).decode("utf-8-sig")  # editors on Windows write a mark before the first letter
-        tables = tomllib.loads(text)
-    except InputError:
-        raise
-    except UnicodeDecodeError:
-        hint = "; for a surface, try --file"
-        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
-    except (ValueError, RecursionError) as error:  # TOML's own, or a name with NUL
-        clear = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
-        reason = str(error) if clear else "too many digits, or brackets within each other"
-        hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
-        raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
-    except OSError as error:
-        raise ConfigError([f"{path}: {error.strerror}"]) from None
-    for section, key in (*FILES.items(), ("protocol", "file")):
-        table = tables.get(section)
-        if isinstance(table, dict) and isinstance(table.get(key), str):
-            table[key] = str(path.parent / expanded(table[key]))
-    return tables
 
 
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
