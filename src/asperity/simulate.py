@@ -15,7 +15,6 @@ from asperity.aging.frames import Frame
 from asperity.aging.legs import LegMidway, check_slides, follow
 from asperity.aging.limit import relaxed
 from asperity.aging.march import DEFAULT_RTOL, check_rtol
-from asperity.ask.strength import ShearStrength
 from asperity.base import checks, units
 from asperity.base.calls import answered as _answered
 from asperity.base.calls import remark
@@ -254,10 +253,8 @@ def age(
     remark(zone_remark(contact, schedule.switches[-1] if protocol else float(max(stops, default=0.0))))
     units.check_units(asked_times, moments, si=contact.si)
     method = chosen_solver(solver, contact.system())
-    ages, strength = None, None
     if carried is not None:
         quantities(checks.instance("carried", carried, Carried, "asperity.Carried(resistivity=...)"), contact)
-        ages, strength = _ages_of(carried.strength, contact, schedule), carried.strength
     entries = {*recorded.tolist(), *(schedule.switches if protocol else (0.0,))}
     rows: list[Moment] = []
     snapshots: list[Snapshot] = []
@@ -284,7 +281,7 @@ def age(
             exact=exact,
             resume=resume,
             after_step=keep_place,
-            ages=ages,
+            ages=_ages_of(carried, contact, schedule),
         ):
             shown.reached(frame)
             final, parted = frame.contact, frame.parted
@@ -297,8 +294,8 @@ def age(
     control = control_of(contact, hold) if protocol is None else contact.control
     legs = protocol, schedule.switches, hold == "area"
     dataset = dataset_of(contact, control, *legs, rows, snapshots, rtol=tolerance)
-    if strength is not None:
-        dataset = with_friction(dataset, strength, np.array([row.get("grown", 0.0) for row in rows]))
+    if carried is not None and carried.strength is not None:
+        dataset = with_friction(dataset, carried.strength, np.array([row.get("grown", 0.0) for row in rows]))
     if parted:
         dataset.attrs["pulled_off"] = rows[-1]["time"]
         when = f"{rows[-1]['time']:g}{' s' * contact.si}"
@@ -309,9 +306,9 @@ def age(
     return History(dataset, final)
 
 
-def _ages_of(strength: ShearStrength | None, contact: Contact, schedule: Schedule) -> Ages | None:
+def _ages_of(carried: Carried | None, contact: Contact, schedule: Schedule) -> Ages | None:
     """Ages of the sites, for a strength that ages; refuses a strength before hours have passed."""
-    if strength is None:
+    if carried is None or (strength := carried.strength) is None:
         return None
     units.check_units(vars(strength), si=contact.si)
     strength.at([leg.speed for leg in schedule.legs if leg.speed] or [0.0])

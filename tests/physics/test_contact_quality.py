@@ -1,5 +1,7 @@
 """Shear strength that grows with the age of each site in contact, beside the area."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,7 +12,7 @@ from tests.refusals import each_refuses, refuses
 from tests.surfaces import correlated
 
 P = asp.protocols
-S = asp.friction.ShearStrength
+S: Any = asp.friction.ShearStrength
 AGED = S(0.5, growth=0.02, after=0.1, renewal=3.0)
 NEW = S(0.5, growth=0.02, after=1e-7, renewal=3.0)
 """Its state is as good as never far below the onset."""
@@ -38,7 +40,7 @@ def aged(contact, times, law=AGED, **how):
 @pytest.mark.parametrize("solid", [SPRINGS, MAXWELL], ids=["springs", "half-space"])
 def test_without_growth_all_is_what_it_was(solid):
     contact, slide = asp.press(correlated(16), solid, load=5.0), P.Slide(3.0, velocity=2.0)
-    how = {"protocol": [slide, P.Hold(10.0), P.Step(load=4.0), slide]}
+    how: dict[str, Any] = {"protocol": [slide, P.Hold(10.0), P.Step(load=4.0), slide]}
     plain = asp.friction.add_friction(asp.age(contact, [1.0, 5.0], **how).dataset, 0.5)
     for law in (S(0.5), S(0.5, growth=0.0, after=0.1, renewal=3.0)):
         found = aged(contact, [1.0, 5.0], law, **how)
@@ -70,16 +72,29 @@ def test_in_steady_sliding_contacts_are_as_old_as_slip_over_velocity():
     assert (steady[0] - steady[1]) / np.log(10) == pytest.approx(-0.02 * 0.5 * OVER_LOAD, rel=1e-7)
 
 
-LEGS = [P.Slide(60.0, 0.2), P.Slide(30.0, 2.0), P.Slide(60.0, 0.2), P.Hold(1000.0), P.Slide(30.0, 0.2)]
+LEGS: list[Any] = [
+    P.Slide(60.0, 0.2),
+    P.Slide(30.0, 2.0),
+    P.Slide(60.0, 0.2),
+    P.Hold(1000.0),
+    P.Slide(30.0, 0.2),
+]
 
 
 def ages_by_dieterich(times, spans):
     """The age at rising times, of spans (velocity, duration), by an integrator."""
     age, begun, found = 0.0, 0.0, np.full(len(times), np.nan)
     for velocity, duration in spans:
-        equation = lambda _, theta, v=velocity: 1 - v * theta / AGED.renewal  # noqa: E731
-        span = (begun, begun + duration)
-        solved = solve_ivp(equation, span, [age], rtol=1e-11, atol=1e-13, dense_output=True)
+        span, per_age = (begun, begun + duration), velocity / AGED.renewal
+        solved: Any = solve_ivp(
+            lambda _, theta, per_age: 1 - per_age * theta,
+            span,
+            [age],
+            args=(per_age,),
+            rtol=1e-11,
+            atol=1e-13,
+            dense_output=True,
+        )
         inside = (times >= span[0]) & (times <= span[1] * (1 + 1e-12))
         found[inside] = solved.sol(np.minimum(times[inside], span[1]))[0]
         age, begun = solved.y[0, -1], span[1]
@@ -175,7 +190,9 @@ def test_shifts_by_parts_of_a_site_renew_by_parts():
     whole = asp.press(np.zeros((8, 8)), asp.solids.spring_lattice(k0=1.0, k1=3.0), load=10.0)
     legs = [P.Hold(100.0), P.Slide(3.0, 2.0, substeps=4)]
     found = aged(whole, [100.0], protocol=legs)
-    assert found["contact_age_mean"][-1] == pytest.approx(100 * np.exp(-1) + 1.5 * (1 - np.exp(-1)), rel=1e-12)
+    assert found["contact_age_mean"][-1] == pytest.approx(
+        100 * np.exp(-1) + 1.5 * (1 - np.exp(-1)), rel=1e-12
+    )
 
 
 def test_growth_of_friction_is_that_of_the_area_and_that_of_the_strength():
@@ -198,7 +215,7 @@ def test_growth_of_friction_is_that_of_the_area_and_that_of_the_strength():
 
 
 def test_steady_sliding_has_contacts_as_old_as_slip_over_velocity():
-    how = {"load": 5.0, "speeds": [0.1, 1.0]}
+    how: dict[str, Any] = {"load": 5.0, "speeds": [0.1, 1.0]}
     plain, grown = (asp.steady_sliding(MAXWELL, correlated(16), shear_strength=s, **how) for s in (0.5, AGED))
     hysteresis = plain["hysteresis_friction_coefficient"].values
     ratio = (grown["friction_coefficient"] - hysteresis) / (plain["friction_coefficient"] - hysteresis)
@@ -233,6 +250,8 @@ def test_wrong_strengths_are_refused():
         got="0 | -1 | none | none | one that does | '0.5 Pa'",
     )
     with refuses("strength"):
-        asp.law(MAXWELL, correlated(16), pressures=[0.1, 0.2], times=[1.0], carried=asp.Carried(strength=AGED))
+        asp.law(
+            MAXWELL, correlated(16), pressures=[0.1, 0.2], times=[1.0], carried=asp.Carried(strength=AGED)
+        )
     with refuses("strength"):
         asp.predict(MAXWELL, correlated(16), load=1.0, carried=asp.Carried(strength=AGED))

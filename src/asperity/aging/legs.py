@@ -81,7 +81,8 @@ def follow(
     At a step and at a shift there are two, before and after. Times are > 0, strictly increasing, and none is
     after the end of the last leg; ``rtol``, ``solver`` and ``exact`` are those of `asperity.age`. ``resume``
     is where to go on, and ``after_step`` is called after each step with what makes that. Frames have the
-    ``ages``, those of the contact at the start, which age on. Where the bodies part, the last state in contact comes again, and ends the history.
+    ``ages``, which begin as those of the start. Where the bodies part, the last state in contact comes again,
+    and ends the history.
     """
     way = _Way(contact, times, rtol, solver, exact, after_step, ages)
     try:

@@ -22,7 +22,7 @@ from asperity.ask.strength import ShearStrength
 from asperity.ask.surface import SURFACES, SurfaceSection
 from asperity.base.checks import choice, shown
 from asperity.base.files import Format
-from asperity.base.parameters import Parameter, Quantity
+from asperity.base.parameters import Quantity
 from asperity.errors import SHOWN_PROBLEMS, InputError, Name
 from asperity.protocols import Leg
 from asperity.protocols.histories import start_of

@@ -17,9 +17,9 @@ from asperity.errors import LARGEST, InputError, Name
 
 @dataclass(frozen=True)
 class ShearStrength(Checked):
-    """The shear strength of contacts; constant, or growing with the sliding velocity and the age of a contact.
+    """The shear strength of contacts; constant, or growing with the sliding velocity and the age of a site.
 
-        sigma_S = sigma_0 (1 + a ln(V / V_ref) + beta ln(1 + theta / tau)),      d theta / dt = 1 - V theta / D
+        sigma_S = sigma_0 (1 + a ln(V / V_ref) + beta ln(1 + theta / tau)),    d theta / dt = 1 - V theta / D
 
     Each site has an age theta, 0 when it begins to touch: the law of aging of J. H. Dieterich, J. Geophys.
     Res. 84, 2161 (1979), DOI 10.1029/JB084iB05p02161.
@@ -66,7 +66,9 @@ class ShearStrength(Checked):
         float,
         *(Ge(-1), Le(1)),
         Quantity(
-            "relative growth of the shear strength with ln(age of a contact)", usual=None, more=". By default 0."
+            "relative growth of the shear strength with ln(age of a contact)",
+            usual=None,
+            more=". By default 0.",
         ),
     ] = 0.0
     after: Annotated[
@@ -82,7 +84,12 @@ class ShearStrength(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        needs = {"rate_coefficient": "reference_velocity", "growth": "after", "after": "renewal", "renewal": "after"}
+        needs = {
+            "rate_coefficient": "reference_velocity",
+            "growth": "after",
+            "after": "renewal",
+            "renewal": "after",
+        }
         for name, other in needs.items():
             if getattr(self, name) and getattr(self, other) is None:
                 raise InputError(name, expected=(Name(other), " beside it"), got="none")
@@ -103,32 +110,30 @@ class ShearStrength(Checked):
 
     def settled(self, velocity: ArrayLike) -> NDArray[np.float64]:
         """The same in steady sliding, where contacts are as old as D / V."""
-        return self.grown((self.renewal or 0.0) / np.asarray(velocity))
+        return self.grown(np.asarray((self.renewal or 0.0) / np.asarray(velocity)))
 
     def at(self, velocity: ArrayLike, grown: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Shear strength while the contacts slide at velocities > 0, of any shape, and have ``grown``.
 
-        `InputError` if the strength depends on a velocity that is infinite, or so low that the strength would
-        not be above 0.
+        `InputError` if the strength depends on a velocity that is infinite, or would not be above 0.
         """
-        speeds = checks.floats("velocity", velocity)
-        if not self.rate_coefficient:
-            return np.full(speeds.shape, self.strength) * (1 + np.asarray(grown))
-        if not (np.isfinite(speeds).all() and (speeds > 0).all()):
+        speeds, rate = checks.floats("velocity", velocity), np.zeros(())
+        if self.rate_coefficient and not (np.isfinite(speeds).all() and (speeds > 0).all()):
             raise InputError(
                 "velocity",
                 expected="finite velocities > 0, where the shear strength depends on them",
                 got="a contact that does not slide, or slides at once",
                 advice="Slide(..., velocity=1.0), or rate_coefficient=0.0",
             )
-        assert self.reference_velocity is not None
-        rate = self.rate_coefficient * np.log(speeds / self.reference_velocity)
-        strength = self.strength * (1 + rate + np.asarray(grown))
+        if self.rate_coefficient:
+            assert self.reference_velocity is not None
+            rate = self.rate_coefficient * np.log(speeds / self.reference_velocity)
+        strength = np.broadcast_to(self.strength * (1 + rate + np.asarray(grown)), speeds.shape)
         if not (strength > 0).all():
             raise InputError(
-                "rate_coefficient",
+                "rate_coefficient" if self.rate_coefficient else "growth",
                 expected="a shear strength > 0 at every velocity",
                 got=f"{float(strength.min()):g} at {float(speeds.min()):g}",
-                advice="a reference_velocity nearer to those of the slides",
+                advice="a reference_velocity nearer to those of the slides" * bool(self.rate_coefficient),
             )
-        return np.asarray(strength)
+        return strength

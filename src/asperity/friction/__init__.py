@@ -1,6 +1,5 @@
 """Friction of contacts that age and slide: from their real area to the force, and to laws of friction."""
 
-from asperity.results.tabor import add_friction
 from asperity.ask.strength import ShearStrength
 from asperity.base.calls import answered as _answered
 from asperity.friction import rows as rows  # defines StateLaws.rows
@@ -15,6 +14,7 @@ from asperity.friction.laws import RateAndState
 from asperity.friction.parameters import MachineFit, RateAndStateFit
 from asperity.friction.reading import read_record
 from asperity.friction.records import Record
+from asperity.results.tabor import add_friction
 
 __all__ = [
     "Event",

@@ -30,10 +30,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.results.tabor import coming_velocity
 from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.errors import InputError
+from asperity.results.tabor import coming_velocity
 
 StateLaw = Literal["aging", "slip"]
 STATE_LAWS: tuple[StateLaw, ...] = ("aging", "slip")

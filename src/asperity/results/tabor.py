@@ -4,8 +4,8 @@
 
 (F. P. Bowden, D. Tabor, *The Friction and Lubrication of Solids*, Oxford, 1950). The shear strength is
 constant, or grows with the logarithm of the sliding velocity, as at interfaces that creep under shear (T.
-Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186), or of the age of each site in contact: see
-`ShearStrength`.
+Baumberger, C. Caroli, Adv. Phys. 55, 279 (2006), DOI 10.1080/00018730600732186), or of the age of each site
+in contact: see `ShearStrength`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ def add_friction(dataset: xr.Dataset, shear_strength: ShearStrength | float | st
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     law = shear_strength if isinstance(shear_strength, ShearStrength) else ShearStrength(shear_strength)  # type: ignore[arg-type]
     if law.growth:
-        expected, got = "a strength that does not age: ages are known only while a history runs", "one that does"
+        expected, got = (
+            "a strength that does not age: ages are known only while a history runs",
+            "one that does",
+        )
         advice = "asperity.age(..., carried=asperity.Carried(strength=...))"
         raise InputError("shear_strength", expected=expected, got=got, advice=advice)
     return with_friction(dataset, law)
