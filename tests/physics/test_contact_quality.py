@@ -249,6 +249,8 @@ def test_wrong_strengths_are_refused():
         ("units", aged, FLAT, [1.0], S("0.5 Pa", growth=0.02, after="0.1 s", renewal="3 um")),
         got="0 | -1 | none | none | one that does | '0.5 Pa'",
     )
+    with refuses("strength", got="float"):
+        asp.Carried(strength=0.5)  # type: ignore[arg-type]
     with refuses("strength"):
         asp.law(
             MAXWELL, correlated(16), pressures=[0.1, 0.2], times=[1.0], carried=asp.Carried(strength=AGED)

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from annotated_types import Gt, Len
 
 from asperity.ask.strength import ShearStrength
+from asperity.base import checks
 from asperity.base.parameters import Quantity
 from asperity.errors import InputError
 
@@ -50,7 +51,7 @@ class Carried:
     Raises
     ------
     InputError
-        Only one of shear and friction is given.
+        Only one of shear and friction is given, or the strength is none.
     """
 
     strength: ShearStrength | None = None
@@ -100,6 +101,10 @@ class Carried:
     ] = None
 
     def __post_init__(self) -> None:
+        if self.strength is not None:
+            checks.instance(
+                "strength", self.strength, ShearStrength, "asperity.friction.ShearStrength('50 MPa')"
+            )
         if (self.shear is None) != (self.friction is None):
             got = "friction" if self.shear is None else "shear"
             raise InputError("shear and friction", expected="both or none of them", got=f"{got} alone")
