@@ -213,9 +213,9 @@ def check_phrase(phrase, names):
 
 
 def test_the_example_scan_is_the_one_that_its_script_makes():
-    scan = ROOT / "docs" / "data" / "scan.txt"
+    scan = ROOT / "docs" / "data" / "scan.txt"  # in nm, with a digit behind the point
     made = runpy.run_path(str(scan.with_suffix(".py")))
-    np.testing.assert_allclose(np.loadtxt(scan), made["heights"](), atol=0.051)  # nm; a digit behind the point
+    np.testing.assert_allclose(np.loadtxt(scan), made["heights"](), atol=0.051)
     read = asperity.surfaces.read(scan, tilt="none")
     assert (read.unit, read.length_unit) == ("nm", "um")
     assert read.pixel_size == pytest.approx([made["PIXEL"]] * 2)
