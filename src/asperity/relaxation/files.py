@@ -81,7 +81,7 @@ def read(
     stress
         The constant stress of a table of strain against time, Pa or with a unit. Without it, such a table
         gives the compliance up to a factor only; likewise that of a force or a stress at a constant
-        deformation the modulus. See `Measured.absolute`.
+        deformation the modulus. It is not `absolute` then.
     noise
         Largest relative change in the wrong direction that counts as noise.
 
