@@ -1,5 +1,6 @@
 """Shear strength that grows with the age of each site in contact, beside the area."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -257,3 +258,28 @@ def test_wrong_strengths_are_refused():
         )
     with refuses("strength"):
         asp.predict(MAXWELL, correlated(16), load=1.0, carried=asp.Carried(strength=AGED))
+
+
+@pytest.mark.slow
+def test_at_a_constant_area_friction_grows_by_the_falling_load_and_by_the_strength():
+    """The numbers of docs/experiments.md, beside T. Pilvelait et al. (2020)."""
+    table = Path(__file__).parents[2] / "docs/data/pmma_like_relaxation.csv"
+    pmma = asp.relaxation.material(table, poisson=0.38).solid
+    heights = asp.surfaces.spectral((64, 64), hurst=0.8, roll_off=32.0, cutoff=8.0, rms_height=1.0, seed=0)
+    scan = asp.surfaces.Surface(heights, unit="um", pixel_size=(10.0, 10.0), length_unit="um")
+    contact = asp.press(scan, pmma, pressure="5 MPa")
+    legs, times = [P.Hold(1.0), P.Hold(2999.0, hold="area")], np.geomspace(1, 3e3, 9)
+    grown = {}
+    for growth in (0.0, 0.01):
+        found = aged(
+            contact, times, S("100 MPa", growth=growth, after="0.1 s", renewal="1 um"), protocol=legs
+        )
+        late = found.isel(time=found["time"] >= 10)
+        assert np.ptp(found["area"].values[1:]) <= 0.005 * found["area"].values[1]
+        for name in ("friction", "friction_force"):
+            slope = np.polyfit(np.log(late["time"]), late[name], 1)[0]
+            grown[growth, name] = float(slope / late[name][0])
+    assert grown[0.0, "friction"] == pytest.approx(0.028, abs=0.0005)
+    assert grown[0.01, "friction"] == pytest.approx(0.039, abs=0.0005)
+    assert grown[0.0, "friction_force"] == pytest.approx(0.0, abs=0.0005)
+    assert grown[0.01, "friction_force"] == pytest.approx(0.010, abs=0.0005)
