@@ -287,7 +287,8 @@ class _March:
 
     def take(self, time: float) -> None:
         """Accept the step that was tried and ends at a time."""
-        since, control, contacts = self.now.time, self.now.system.control, self.now.contacts_tried()
+        since, control = self.now.time, self.now.system.control
+        contacts = self.now.contacts_tried() if self.area else 0
         self.counts.steps += 1
         self.now.accept(time)
         self.origin.passed(control, since, time)  # after the step, as a rejected one passes nothing

@@ -10,6 +10,8 @@ in contact: see `ShearStrength`.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -63,11 +65,12 @@ def with_friction(dataset: xr.Dataset, law: ShearStrength, grown: Floats | None 
         by_area = static_friction(touching, carried, law.at(speeds))
         series |= {"friction_by_area": by_area, "strength_mean": strength}
     named = units_named({name: dataset[name].attrs["units"] for name in ("time", "load")})
+    columns: dict[str, Any] = {}
     for name, values in series.items():
         quantity = select("series", of=("friction",))[name]
         facts = {"long_name": quantity.long_name, "units": named.get(quantity.dimension, quantity.dimension)}
-        dataset = dataset.assign({name: (load.dims, values, facts)})
-    return dataset.assign_attrs(
+        columns[name] = load.dims, values, facts
+    return dataset.assign(columns).assign_attrs(
         shear_strength=law.strength,
         **{name: x for name, x in vars(law).items() if name != "strength" and x is not None},
     )
