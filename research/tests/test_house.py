@@ -19,7 +19,7 @@ FOR_COMMANDS = {  # stated in asperity.app.cli.command
     "asperity.app.config": {"RunConfig", "config_from"},
     "asperity.base.calls": {"showing"},
     "asperity.base.checks": {"instance"},
-    "asperity.base.rows": {"aligned"},
+    "asperity.base.rows": {"Row", "aligned", "words_of"},
     "asperity.base.words": {"counted", "data_size", "duration", "power", "thousands"},
 }
 

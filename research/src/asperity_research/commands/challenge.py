@@ -58,22 +58,13 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
 
 def _blocks(found: Score) -> Iterator[list[tuple[str, ...]]]:
     """A table for each quantity, and the verdicts."""
-    verdicts: list[tuple[str, ...]] = []
-    for one in found.quantities:
-        names = (found.problem.abscissa.heading, one.heading, "certified", "error bar", "in bars", "percent")
-        columns = (one.abscissa, one.given, one.certified, one.bar, one.in_bars, 100 * one.relative)
-        numbers = np.transpose(columns)
-        formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
-        yield [names, *(tuple(map(str.format, formats, row)) for row in numbers)]
-        x, *_, in_bars, percent = numbers[np.argmax(np.abs(one.in_bars))]
-        worst = f"worst at {x:.6g}: {in_bars:+.3g} bars, {percent:+.2g} %"
-        tolerance = f"tolerance {100 * one.column.tolerance:g} %"
-        verdicts.append((one.column.heading, one.verdict, f"{worst}; {tolerance}"))
-    verdicts += [(name, "not given", "") for name in found.missing]
-    good = sum(one.verdict != "off" for one in found.quantities)
-    total = f"{good} of {counted(len(found.problem.asked), 'quantity', 'quantities')} agree"
-    total += f" at {found.rows} of {found.asked} places"
-    yield [*verdicts, (found.problem.name, "agrees" if found.agrees else "does not agree", total)]
+    formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
+    for heading, part in found.table().groupby("quantity", sort=False):
+        words = {"given": str(heading), "error_bar": "error bar", "in_bars": "in bars"}
+        numbers = part.drop(columns="quantity").rename(columns=words)
+        cells = (tuple(map(str.format, formats, row)) for row in numbers.itertuples(index=False))
+        yield [tuple(map(str, numbers)), *cells]
+    yield [(row.name, str(row.value), row.note.removeprefix("; ")) for row in found.rows()]
 
 
 @contextmanager
