@@ -290,8 +290,8 @@ def namespace(array: object) -> Any:
     """The array's library in the dialect of the standard, which numpy speaks itself."""
     if isinstance(array, np.ndarray):
         return np
-    from array_api_compat import array_namespace
-
+    with checks.extra("arrays", "arrays of another library"):
+        from array_api_compat import array_namespace
     return array_namespace(array)
 
 

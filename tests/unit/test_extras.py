@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.metadata as metadata
+import json
 import os
 import re
 import subprocess
@@ -10,12 +11,14 @@ import textwrap
 import tomllib
 from pathlib import Path
 from unittest.mock import Mock, call
+from urllib.parse import quote
 
 import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from asperity.app.cli.app import answer
+from asperity.base import checks
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -83,7 +86,7 @@ def test_a_campaign_says_which_extra_it_needs_and_writes_nothing(without_extras,
     done = python(without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", folder=tmp_path)
     assert done.returncode != 0
     assert done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.endswith("try pip install 'asperity[campaign]'\n")
+    assert done.stderr.endswith(f"try pip install '{checks.installed_from()}[campaign]'\n")
     assert not (tmp_path / "study").exists()
     planned = python(
         without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", "--dry-run", folder=tmp_path
@@ -98,6 +101,19 @@ def test_the_hints_name_extras_that_there_are():
         for extra in re.findall(r'checks\.extra\("(\w+)"', file.read_text(encoding="utf-8"))
     }
     assert {"campaign", "instruments"} <= hints <= set(PROJECT["optional-dependencies"])
+
+
+@pytest.mark.parametrize(
+    "url", ["", "https://host.org/asperity.whl", "file://{clone}", "file://{clone}/missing"]
+)
+def test_advice_on_what_to_install_names_the_clone_if_there_is_one(url, tmp_path, monkeypatch):
+    (tmp_path / "a clone" / "research").mkdir(parents=True)
+    clone = str(tmp_path / "a clone")
+    written = json.dumps({"url": url.format(clone=quote(clone))}) if url else None
+    monkeypatch.setattr(metadata, "distribution", lambda _: Mock(read_text=lambda _: written))
+    found = checks.installed_from(), checks.installed_from("asperity-research")
+    is_clone = url.endswith("{clone}")
+    assert found == ((clone, f"{clone}/research") if is_clone else ("asperity", "asperity-research"))
 
 
 def test_what_is_slow_or_optional_is_imported_late():
