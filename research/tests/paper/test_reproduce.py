@@ -15,7 +15,7 @@ from asperity.errors import InputError
 from asperity_research.commands import study as working
 from asperity_research.paper import reproduce as reproducing
 from asperity_research.paper.claims import ledger
-from asperity_research.paper.studies import FULL, QUICK, studies
+from asperity_research.paper.studies import QUICK, studies
 from asperity_research.studies import STUDIES as OTHERS
 from asperity_research.studies import conclude
 from asperity_research.studies.campaigns import run_campaigns
@@ -110,16 +110,6 @@ def test_another_seed_is_of_other_surfaces(tmp_path, monkeypatch, words):
 def test_seeds_that_are_a_list_are_not_taken_for_other_seeds():
     with refuses("seeds of sketch", "[0]"):
         next(one for one in studies(QUICK) if one.name == "sketch").seeded(0).seeded(3)
-
-
-def test_full_holds_all_of_quick():
-    # The full reproduction goes on from the quick one: its ensembles contain the smaller ones.
-    for small, large in zip(studies(QUICK), studies(FULL), strict=True):
-        assert small.name == large.name
-        for key in ("seeds", "load"):
-            if key in small.tables["sweep"]:
-                few, many = (one.seeded(0).tables["sweep"][key] for one in (small, large))
-                assert set(few) <= set(many)
 
 
 def test_an_unfinished_study_is_not_judged(tmp_path):

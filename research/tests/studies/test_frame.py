@@ -122,7 +122,7 @@ def test_an_unknown_study_in_python(study):
         studies.named("unload")
 
 
-@pytest.mark.parametrize("study", studies.STUDIES.values(), ids=lambda study: study.name)
+@pytest.mark.parametrize("study", [*studies.STUDIES.values(), PAPER], ids=lambda study: study.name)
 def test_campaigns_are_sound_and_the_full_ones_hold_the_quick(study, tmp_path):
     runs = {}
     for effort in ("quick", "full"):
