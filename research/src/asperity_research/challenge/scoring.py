@@ -113,19 +113,11 @@ class Score:
 
     def table(self) -> pd.DataFrame:
         """What was given and certified, with error bar and deviation: a row for each quantity and place."""
-        place = self.problem.abscissa.heading
-        tables = [
-            {
-                "quantity": one.heading,
-                place: one.abscissa,
-                "given": one.given,
-                "certified": one.certified,
-                "error_bar": one.bar,
-                "in_bars": one.in_bars,
-                "percent": 100 * one.relative,
-            }
+        place, names = self.problem.abscissa.heading, ("given", "certified", "bar", "in_bars", "relative")
+        tables = (
+            {"quantity": one.heading, place: one.abscissa, **{name: getattr(one, name) for name in names}}
             for one in self.quantities
-        ]
+        )
         return pd.concat(map(pd.DataFrame, tables), ignore_index=True)
 
 

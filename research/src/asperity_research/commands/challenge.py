@@ -61,9 +61,9 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
 def _blocks(found: Score) -> Iterator[list[tuple[str, ...]]]:
     """A table for each quantity, and the verdicts."""
     formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
-    for heading, part in found.table().groupby("quantity", sort=False):
-        words = {"given": str(heading), "error_bar": "error bar", "in_bars": "in bars"}
-        numbers = part.drop(columns="quantity").rename(columns=words)
+    table = found.table().rename(columns={"bar": "error bar", "in_bars": "in bars", "relative": "percent"})
+    for heading, part in table.assign(percent=100 * table["percent"]).groupby("quantity", sort=False):
+        numbers = part.drop(columns="quantity").rename(columns={"given": str(heading)})
         cells = (tuple(map(str.format, formats, row)) for row in numbers.itertuples(index=False))
         yield [tuple(map(str, numbers)), *cells]
     yield [(row.name, str(row.value), row.note.removeprefix("; ")) for row in found.rows()]

@@ -68,13 +68,10 @@ def _say_estimate(one: Inquiry, out: Path, ensembles: Ensembles) -> None:
     one.home.check(out)
     asked: dict[str, Any] = vars(ensembles)
     with tempfile.TemporaryDirectory() as nowhere, one.prepared_in(nowhere, **asked) as prepared:
-        judged = [
-            campaign.estimate(each.plan, out / one.home.inside / each.campaign.name) for each in prepared
-        ]
-        rows = [
-            (each.campaign.name, *_total([it]), each.campaign.purpose)
-            for each, it in zip(prepared, judged, strict=True)
-        ]
+        rows, judged = list[tuple[str, ...]](), list[campaign.Estimate]()
+        for each in prepared:
+            judged.append(campaign.estimate(each.plan, out / one.home.inside / each.campaign.name))
+            rows.append((each.campaign.name, *_total(judged[-1:]), each.campaign.purpose))
         sys.stdout.write(f"{aligned([*rows, ('all', *_total(judged), 'every campaign')])}\n")
 
 

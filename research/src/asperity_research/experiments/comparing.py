@@ -10,7 +10,6 @@ from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
 from asperity_research.experiments import fracture_2018, p655, pmma_2018, printed_2017, ptfe_2009
-from asperity_research.experiments.record import names
 from asperity_research.studies.evidence import Evidence
 from asperity_research.studies.ledger import Outcome
 from asperity_research.studies.report import About, write_table
@@ -47,7 +46,6 @@ def _with_verdicts(study: Study, folder: Path, evidence: Evidence, outcome: Outc
 
 
 def _study_of(name: str, scans: Sequence[Path], record: Path | None) -> Study:
-    doors.named("experiment", name, dict.fromkeys(names()))
     study = doors.named("experiment", name, COMPARISONS)
     if name == p655.P655.name and not scans:
         return p655.of_record(record)

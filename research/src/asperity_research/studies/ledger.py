@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -189,7 +190,5 @@ def proportion(count: int, runs: int) -> Estimate:
 
 def estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
     """Return an estimate of these numbers."""
-    central, error, least, most = (
-        np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high)
-    )
-    return Estimate(central, error, least, most, runs)
+    number: Any = np.float64
+    return Estimate(number(value), number(stderr), number(low), number(high), runs)

@@ -80,6 +80,9 @@ class Words:
         return Finding(key, words["place"], *sentences, note=note.format(**facts))
 
 
+Report = Callable[[Any, Path, Evidence, Outcome, About], Path]  # Writes; returns the page to read
+
+
 @dataclass(frozen=True, kw_only=True)
 class Inquiry:
     """Campaigns, and what is concluded from them: a study, a comparison, or the reproduction of the paper.
@@ -93,7 +96,7 @@ class Inquiry:
     analyse
         Computes the outcome from the finished campaigns.
     report
-        Writes into a folder, and returns the page to read.
+        Writes what was found.
     owner
         Whose folder it is, such as ``"a reproduction"``. [default: the study of the name]
     takes
@@ -106,7 +109,7 @@ class Inquiry:
     quick: tuple[Campaign, ...]
     full: tuple[Campaign, ...]
     analyse: Callable[[Evidence], Outcome]
-    report: Callable[[Any, Path, Evidence, Outcome, About], Path]
+    report: Report
     owner: str = ""
     takes: str = ""
     brief: bool = False
@@ -166,7 +169,7 @@ class Study(Inquiry):
     caption: str
     page: str
     draw: Callable[[Mapping[str, pd.DataFrame]], Figure]
-    report: Callable[[Any, Path, Evidence, Outcome, About], Path] = write_page
+    report: Report = write_page
 
 
 @dataclass(frozen=True, eq=False)
