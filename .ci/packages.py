@@ -2,7 +2,7 @@
 
     python .ci/packages.py [STEP ...]
 
-Steps: contents, 3.11, 3.12, 3.13, 3.14, 3.15, oldest, tool; without arguments all, and before them the build.
+Steps: contents, 3.11, 3.12, 3.13, 3.14, oldest, tool; without arguments all, and before them the build.
 Each environment holds the wheel of the library, its dependencies and nothing else; its packages cannot be
 written to, and there is no home. In it run the lines of the README and the command line; then, with the
 wheel of asperity-research beside it, the commands of that. ``oldest`` takes the oldest release of each
@@ -32,7 +32,7 @@ DIST = ROOT / "dist"
 PACKAGES = {"asperity": ".", "asperity_research": "research"}
 """What is built, and the folder of each."""
 
-PYTHONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
 UV = [sys.executable, "-m", "uv", "--quiet"]
 UNPRIVILEGED = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"]
 """A prefix with which even root cannot write where nobody may."""

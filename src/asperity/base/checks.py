@@ -385,8 +385,7 @@ def extra(name: str, purpose: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(
-            f"{purpose}: expected the packages of the extra {name}, got: {error}; "
-            f"try pip install '{installed_from()}[{name}]'"
+            f"{purpose} needs the extra {name}: {error}; try pip install '{installed_from()}[{name}]'"
         ) from error
 
 
