@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.stats import chi2
@@ -98,9 +99,9 @@ def conclude(
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:
         if sampling is None:
             return from_curvature(problem, least(problem, at[np.newaxis])[1][0], _DRAWS, seed)
-        how = {"walkers": 200, "effective": 200, "steps": 20, "draws": 250}
+        how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
         try:
-            return sample(problem, seed=seed, agreement=1.05, **how).flat
+            return sample(problem, seed=seed, **how).flat
         except ConvergenceError:
             return None
 

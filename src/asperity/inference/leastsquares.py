@@ -1,11 +1,11 @@
 """Least squares from many starts at once: best fits, profile likelihoods, and draws from the curvature.
 
-Searches are by Levenberg's and Marquardt's method in the coordinates of the priors, within their bounds. What a
-model does not allow is a large misfit. The profile of a parameter is the least sum of squares over all others; with
-normal errors it is -2 ln of the profile likelihood. It is followed from the best fit toward either end of the prior
-until it passes the level of a 95 % interval. Draws follow from the curvature at the best fit, and each is brought
-back to where the curve, and not its linear part, changes by as much (Y. Chen, D. S. Oliver, Math. Geosci. 44, 1
-(2012), doi:10.1007/s11004-011-9376-z).
+Searches are by Levenberg's and Marquardt's method in the coordinates of the priors, within their bounds. What
+a model does not allow is a large misfit. The profile of a parameter is the least sum of squares over all
+others: -2 ln of the profile likelihood, up to a constant. It is followed from the best fit toward either end
+of the prior, until it passes the level of a 95 % interval. Draws are of the normal distribution with the
+curvature at the best fit, and each is then moved to where the curve, in place of its linear part, changes by
+as much (Y. Chen, D. S. Oliver, Math. Geosci. 44, 1 (2012), doi:10.1007/s11004-011-9376-z).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _RANGE = 12.0
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """Profile of one parameter: its points z, shape (k, parameters), in order, and squares above the least."""
+    """Profile of one parameter: points z, shape (k, parameters), in order, and squares above the least."""
 
     place: int
     z: Floats
@@ -87,7 +87,7 @@ def least(
     Priors of `Problem.informative` parameters count as data. ``target`` is a misfit to come to, (m, n).
     """
     used = np.isin(np.arange(z.shape[1]), problem.used)
-    free = np.broadcast_to(used, z.shape) & (True if held is None else ~held)
+    free: NDArray[np.bool_] = np.broadcast_to(used, z.shape) & ~(np.zeros(1, bool) if held is None else held)
     wider = np.array([-2.0, 2.0]) * (np.zeros(1) if beyond is None else beyond)[..., None]
     low, high = np.moveaxis(np.broadcast_to(problem.reach + wider, (*z.shape, 2)), -1, 0)
     z = np.where(free, np.clip(z, low, high), z)
@@ -99,7 +99,8 @@ def least(
         if not active.size:
             break
         at, aims = z[active], target[active]
-        slopes = _slopes(problem, at, residual[active], aims, free[active].any(0), high[active])
+        places = np.flatnonzero(free[active].any(0))
+        slopes = _slopes(problem, at, residual[active], aims, places, high[active])
         gradient = (slopes @ residual[active][..., None])[..., 0]
         stuck = (
             ((at <= low[active]) & (gradient > 0)) | ((at >= high[active]) & (gradient < 0)) | ~free[active]
@@ -127,11 +128,10 @@ def _residual(problem: Problem, z: Floats, target: Floats) -> Floats:
 
 
 def _slopes(
-    problem: Problem, z: Floats, residual: Floats, target: Floats, free: NDArray[np.bool_], high: Floats
+    problem: Problem, z: Floats, residual: Floats, target: Floats, places: NDArray[np.intp], high: Floats
 ) -> Floats:
     """Change of the residual with each coordinate, shape (m, parameters, rows); 0 for those that stay."""
     slopes = np.zeros((*z.shape, residual.shape[-1]))
-    places = np.flatnonzero(free)
     steps = np.where(z + _STEP > high, -_STEP, _STEP)[:, places]
     moved = np.repeat(z[:, None], places.size, axis=1)
     moved[:, np.arange(places.size), places] += steps
@@ -169,9 +169,9 @@ def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Flo
 def slopes_at(problem: Problem, z: Floats) -> Floats:
     """Change of the residual with each coordinate at z, shape (parameters, rows); 0 for unused ones."""
     target = np.zeros((1, problem.time.size))
-    used = np.isin(np.arange(z.size), problem.used)
-    at = z[None]
-    return _slopes(problem, at, _residual(problem, at, target), target, used, problem.reach[None, :, 1])[0]
+    at, used = z[None], np.array(problem.used)
+    slopes = _slopes(problem, at, _residual(problem, at, target), target, used, problem.reach[None, :, 1])
+    return np.asarray(slopes[0])
 
 
 def covariance(problem: Problem, z: Floats) -> Floats:
@@ -183,7 +183,7 @@ def covariance(problem: Problem, z: Floats) -> Floats:
 
 
 def profiles(problem: Problem, best: Floats) -> tuple[Floats, dict[int, Profile]]:
-    """Profiles by place of each used parameter, from the best fit, which is found anew if they pass a better one."""
+    """Best fit, the better one if profiles pass it, and the profile of each used parameter by its place."""
     while True:
         march = _March(problem, best)
         march.follow()
@@ -210,7 +210,7 @@ class _March:
             aims = {task: at for task in self.points if (at := self._next(task)) is not None}
             if not aims or self.passed is not None:
                 break
-            self._solve([(task, at) for task, at in aims.items()])
+            self._solve(list(aims.items()))
         if self.passed is None:
             self._solve([(task, at) for task in self.points for at in self._between(task)])
 
@@ -286,7 +286,7 @@ class _March:
 
 
 def from_curvature(problem: Problem, best: Floats, count: int, seed: int) -> Floats:
-    """Draws of all parameters about the best fit, shape (count, parameters); unused ones are of their prior."""
+    """Draws of all parameters about the best fit, shape (count, parameters); of the prior if unused."""
     random = np.random.default_rng(seed)
     z = problem.of_prior(random, count)
     spread, used = covariance(problem, best), problem.used

@@ -1,17 +1,20 @@
-"""Data with errors, and a model of them: what every way of inference needs, and nothing else.
+"""Data with errors, and a model of them: all that a fit or a sampler must know.
 
-A `Problem` is data, their errors and a `Model`. A model gives
+A model, see `Model`, gives
 
-- ``priors``: a `Prior` for each parameter by name: its range, its unit, and its transform. Searches and walkers
-  see only the coordinate z of a prior (0 to 1 between the ends of a range, in the logarithm for ``log_uniform``;
-  standard deviations for ``normal``); `Prior.at` makes values of it.
-- ``curve(time, values)``: the prediction, shape (m, n), for n times and m sets of parameters at once, as a
-  mapping of names to arrays of shape (m,). It must be finite, also where parameters are not allowed.
-- ``excess(values)``: by how much sets of parameters leave what the model allows, shape (m, ...), at most 0 inside.
+- ``priors``: by name of each parameter a `Prior`, which is its range, its unit and its transform: searches
+  and walkers see the coordinate z of a prior only (from 0 to 1 between the ends of a range, in the logarithm
+  for ``log_uniform``; in standard deviations for ``normal``), and `Prior.at` gives the value.
+- ``curve(time, values)``: the prediction at n times for m sets of parameters at once, shape (m, n); values
+  are arrays of shape (m,) by name. It is finite, also where parameters are not allowed. A model of a record
+  with another variable (depth of a ball) holds this and interpolates it in time.
+- ``excess(values)``: by how much parameters leave what is allowed, shape (m, ...), at most 0 inside.
+- ``solid(numbers)``: the section ``[solid]`` of a configuration, if it has one.
 
-The data are ``value`` at ``time``, shape (n,), of any sign. ``error`` are standard errors; if these are not known,
-the shape of the noise, such as the values for a relative and ones for an absolute noise: `Problem.scatter` then
-measures its size, and the correlation of neighboring rows.
+Data are ``value`` at ``time``, shape (n,), of any sign. ``error`` are their standard errors. If these are
+not known (``informed=False``), it is the shape of the noise: the values for a relative noise, ones for an absolute
+one. `Problem.scatter` then measures its size, and the correlation of neighboring rows.
+`asperity.inference.concluding.conclude` takes problems, and answers an `Inference`.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ class Rival(views.Brief):
 def side_by_side(family: Sequence[Plan], others: Sequence[Plan]) -> list[Rival]:
     """Fit a family of models, of which AICc chooses the first, and others for comparison.
 
-    Rows whose misfits correlate count less. `InputError` if the points are too few for the first of the family.
+    Rows whose misfits correlate count less. `InputError` for too few points.
     """
     for _, _, problem in family:
         if not problem.used:

@@ -123,7 +123,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Coordinates z of draws of the posterior, shape (n, parameters), the best fit, and the profiles by place.
+    """Coordinates z of draws of the posterior, shape (n, parameters), best fit, and profiles by place.
 
     Intervals are those of the draws if they are ``sampled``, else of the profiles.
     """
@@ -155,18 +155,18 @@ class Posterior:
         for place, (name, prior) in enumerate(self.problem.model.priors.items()):
             ends = excluded.get(place, (False, False))
             value = np.median(self.z[:, place]) if self.sampled else self.best[place]
-            low, high = (float(prior.at(at)) for at in self._interval(place, prior, ends))
+            low, value, high = prior.at(np.insert(self._interval(place, prior, ends), 1, value)).tolist()
             one = self.followed.get(place)
-            both = [-math.inf, math.inf] if one is None else [one.end(side, LIMIT) for side in (-1, 1)]
-            profile = [float(prior.at(at)) if math.isfinite(at) else at for at in both]
-            verdict = Verdict(name, prior.unit, WORD[ends], low, high, float(prior.at(value)), (*profile,))
+            both = np.array([side * math.inf if one is None else one.end(side, LIMIT) for side in (-1, 1)])
+            profile = np.where(np.isfinite(both), prior.at(both), both)
+            verdict = Verdict(name, prior.unit, WORD[ends], low, high, value, (*profile.tolist(),))
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
                 verdict = replace(verdict, verdict="determined")
             verdicts[name] = verdict
         return verdicts
 
-    def _interval(self, place: int, prior: Prior, excluded: tuple[bool, bool]) -> list[Floats]:
-        """Coordinates of the ends of the 95 % interval; that of a range goes to an end that is not excluded."""
+    def _interval(self, place: int, prior: Prior, excluded: tuple[bool, bool]) -> Floats:
+        """Coordinates of the ends of the 95 % interval; it goes to an end of a range that is not excluded."""
         lone, bounds = excluded[0] != excluded[1], prior.reach if prior.bounded else (-_NORMAL, _NORMAL)
         if self.sampled:
             tail = (1 - LEVEL) / (1 if lone else 2)
@@ -177,13 +177,13 @@ class Posterior:
             )
         else:
             ends = np.array(bounds)
-        return list(np.where(np.array(excluded) | (not prior.bounded), ends, bounds))
+        return np.where(np.array(excluded) | (not prior.bounded), ends, bounds)
 
     def _excluded(self) -> dict[int, tuple[bool, bool]]:
         """Which ends of each prior the data exclude, without those that follow from ranges of other priors.
 
-        An end follows from the data if these exclude a value one interval beyond it while the ranges, of a decade
-        or more, of the other priors are five times as wide.
+        An end follows from the data if these exclude a value one interval beyond it while the ranges, of a
+        decade or more, of the other priors are five times as wide.
         """
         priors, reach = list(self.problem.model.priors.values()), self.problem.reach
         wide = np.array([prior.kind == "log_uniform" and prior.second > 10 * prior.first for prior in priors])
@@ -204,11 +204,8 @@ class Posterior:
             z[rows, places] = first + share * (np.array(aims) - first)
             squares, z = least(self.problem, z, held=held, beyond=wide & ~held)
         (lowest,), _ = least(self.problem, self.best[np.newaxis])
-        alone = dict(zip(tasks, squares >= lowest + LIMIT, strict=True))
-        return {
-            place: (bool(alone.get((place, -1), False)), bool(alone.get((place, 1), False)))
-            for place in found
-        }
+        alone = {task for task, far in zip(tasks, squares >= lowest + LIMIT, strict=True) if far}
+        return {place: ((place, -1) in alone, (place, 1) in alone) for place in found}
 
     def combinations(self) -> tuple[Combination, ...]:
         """Find products, ratios and sums that the data determine better than their members; best first."""
