@@ -34,8 +34,8 @@ _FALLS = 2.0
 _CORRELATED = 0.7
 """Largest correlation of neighboring misfits that is scatter."""
 
-_DRAWS = 400
-"""Draws from the curvature."""
+_DRAWS = 512
+"""Draws from the curvature, a power of 2."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import ndtri
+from scipy.stats import chi2, qmc
 
 from asperity.base.checks import Floats
 from asperity.fits.result import SURE
@@ -84,32 +85,29 @@ def least(
     """Least squares from starts z, shape (m, parameters): squares (m,), and coordinates.
 
     Parameters that are ``held``, (m, parameters), stay; ranges of those ``beyond`` are five times as wide.
-    Priors of `Problem.informative` parameters count as data. ``target`` is a misfit to come to, (m, n).
+    Priors of `Problem.informative` parameters count as data. ``target`` are misfits to come to.
     """
     used = np.isin(np.arange(z.shape[1]), problem.used)
     free: NDArray[np.bool_] = np.broadcast_to(used, z.shape) & ~(np.zeros(1, bool) if held is None else held)
     wider = np.array([-2.0, 2.0]) * (np.zeros(1) if beyond is None else beyond)[..., None]
     low, high = np.moveaxis(np.broadcast_to(problem.reach + wider, (*z.shape, 2)), -1, 0)
     z = np.where(free, np.clip(z, low, high), z)
-    target = np.broadcast_to(target, (len(z), problem.time.size))
-    residual = _residual(problem, z, target)
-    squares = (residual**2).sum(-1)
+    residual = _residual(problem, z)
+    target = np.broadcast_to(target, residual.shape)
+    squares = ((residual - target) ** 2).sum(-1)
     damping, active = np.full(len(z), 1e-2), np.arange(len(z))
     for _ in range(rounds):
         if not active.size:
             break
-        at, aims = z[active], target[active]
-        places = np.flatnonzero(free[active].any(0))
-        slopes = _slopes(problem, at, residual[active], aims, places, high[active])
-        gradient = (slopes @ residual[active][..., None])[..., 0]
-        stuck = (
-            ((at <= low[active]) & (gradient > 0)) | ((at >= high[active]) & (gradient < 0)) | ~free[active]
-        )
+        at, places = z[active], np.flatnonzero(free[active].any(0))
+        slopes = _slopes(problem, at, residual[active], places, high[active])
+        gradient = (slopes @ (residual - target)[active][..., None])[..., 0]
+        outward = np.where(gradient > 0, at <= low[active], at >= high[active])
+        stuck = outward | ~free[active]
         step = _step(slopes, gradient, stuck, damping[active])
-        tried = np.clip(at + step, low[active], high[active])
-        tried = np.where(stuck, at, tried)
-        left = _residual(problem, tried, aims)
-        sums = (left**2).sum(-1)
+        tried = np.where(stuck, at, np.clip(at + step, low[active], high[active]))
+        left = _residual(problem, tried)
+        sums = ((left - target[active]) ** 2).sum(-1)
         fell = squares[active] - sums
         better = fell > 0
         done = (better & (fell <= _SETTLED * squares[active])) | (damping[active] > _PATIENCE)
@@ -120,23 +118,21 @@ def least(
     return squares, z
 
 
-def _residual(problem: Problem, z: Floats, target: Floats) -> Floats:
+def _residual(problem: Problem, z: Floats) -> Floats:
     """Misfits, priors that count as data, and what is not allowed: shape (m, rows)."""
     forbidden = _FORBIDDEN * problem.excess(z)
-    rows = np.concatenate([problem.misfit(z) - target, z[:, problem.informative], forbidden], axis=-1)
+    rows = np.concatenate([problem.misfit(z), z[:, problem.informative], forbidden], axis=-1)
     return np.clip(np.where(np.isnan(rows), _FAR, rows), -_FAR, _FAR)
 
 
-def _slopes(
-    problem: Problem, z: Floats, residual: Floats, target: Floats, places: NDArray[np.intp], high: Floats
-) -> Floats:
+def _slopes(problem: Problem, z: Floats, residual: Floats, places: NDArray[np.intp], high: Floats) -> Floats:
     """Change of the residual with each coordinate, shape (m, parameters, rows); 0 for those that stay."""
     slopes = np.zeros((*z.shape, residual.shape[-1]))
     steps = np.where(z + _STEP > high, -_STEP, _STEP)[:, places]
     moved = np.repeat(z[:, None], places.size, axis=1)
     moved[:, np.arange(places.size), places] += steps
-    rows = _residual(problem, moved.reshape(-1, z.shape[1]), np.repeat(target, places.size, axis=0))
-    slopes[:, places] = (rows.reshape(len(z), places.size, -1) - residual[:, None]) / steps[..., None]
+    rows = _residual(problem, moved.reshape(-1, z.shape[1])).reshape(len(z), places.size, -1)
+    slopes[:, places] = (rows - residual[:, None]) / steps[..., None]
     return slopes
 
 
@@ -168,10 +164,8 @@ def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Flo
 
 def slopes_at(problem: Problem, z: Floats) -> Floats:
     """Change of the residual with each coordinate at z, shape (parameters, rows); 0 for unused ones."""
-    target = np.zeros((1, problem.time.size))
     at, used = z[None], np.array(problem.used)
-    slopes = _slopes(problem, at, _residual(problem, at, target), target, used, problem.reach[None, :, 1])
-    return np.asarray(slopes[0])
+    return np.asarray(_slopes(problem, at, _residual(problem, at), used, problem.reach[None, :, 1])[0])
 
 
 def covariance(problem: Problem, z: Floats) -> Floats:
@@ -291,11 +285,12 @@ def from_curvature(problem: Problem, best: Floats, count: int, seed: int) -> Flo
     z = problem.of_prior(random, count)
     spread, used = covariance(problem, best), problem.used
     root = np.linalg.cholesky(spread[np.ix_(used, used)])
-    z[:, used] = best[used] + random.standard_normal((count, len(used))) @ root.T
+    even = ndtri(qmc.Sobol(len(used), rng=random).random(count))  # their moments are nearly exact
+    z[:, used] = best[used] + even @ root.T
     low, high = problem.reach.T
     folded = np.abs((z - low) % (2 * (high - low)))
-    bounded = np.isfinite(low) & np.array([prior.bounded for prior in problem.model.priors.values()])
+    bounded = np.array([prior.bounded for prior in problem.model.priors.values()])
     z = np.where(bounded, low + np.minimum(folded, 2 * (high - low) - folded), z)
-    slopes = slopes_at(problem, best)[:, : problem.time.size]
-    target = problem.misfit(best[None]) + (z - best) @ slopes
+    target = _residual(problem, best[None]) + (z - best) @ slopes_at(problem, best)
+    target[:, problem.time.size + len(problem.informative) :] = 0.0  # all draws are allowed
     return least(problem, z, target=target, rounds=_MARCHES)[1]

@@ -12,8 +12,8 @@ A model, see `Model`, gives
 - ``solid(numbers)``: the section ``[solid]`` of a configuration, if it has one.
 
 Data are ``value`` at ``time``, shape (n,), of any sign. ``error`` are their standard errors. If these are
-not known (``informed=False``), it is the shape of the noise: the values for a relative noise, ones for an absolute
-one. `Problem.scatter` then measures its size, and the correlation of neighboring rows.
+not known (``informed=False``), it is the shape of the noise: the values for a relative noise, ones for an
+absolute one. `Problem.scatter` then measures its size, and the correlation of neighboring rows.
 `asperity.inference.concluding.conclude` takes problems, and answers an `Inference`.
 """
 
