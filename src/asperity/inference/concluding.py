@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import neighbors
 from asperity.fits.result import rms, student
 from asperity.inference.found import Inference
-from asperity.inference.leastsquares import best_fit, from_curvature, least, profiles
+from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES, Model
 from asperity.inference.problem import Problem
 from asperity.inference.rivals import ACCEPTED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
@@ -35,7 +35,7 @@ _CORRELATED = 0.7
 """Largest correlation of neighboring misfits that is scatter."""
 
 _DRAWS = 512
-"""Draws from the curvature, a power of 2."""
+"""Draws along profiles."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +93,12 @@ def conclude(
     first, remarks = _judged(rivals, stated(rivals[0]))
     say("following the profile of each parameter")
     best, followed = profiles(first.problem, first.at)
-    draws = _drawn(first.problem, best, seed, sampling, say)
+    draws = _drawn(first.problem, followed, seed, sampling, say)
     first = replace(first, at=best, z=draws.flat)
 
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:
         if sampling is None:
-            return from_curvature(problem, least(problem, at[np.newaxis])[1][0], _DRAWS, seed)
+            return drawn(problem, profiles(problem, at)[1], _DRAWS, seed)[0]
         how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
         try:
             return sample(problem, seed=seed, **how).flat
@@ -130,11 +130,16 @@ def conclude(
 
 
 def _drawn(
-    problem: Problem, best: Floats, seed: int, sampling: Sampling | None, say: Callable[[str], object]
+    problem: Problem,
+    followed: Mapping[int, Profile],
+    seed: int,
+    sampling: Sampling | None,
+    say: Callable[[str], object],
 ) -> Draws:
-    """Samples of the posterior, or draws from the curvature."""
+    """Samples of the posterior, or draws along profiles."""
     if sampling is None:
-        return Draws(from_curvature(problem, best, _DRAWS, seed)[np.newaxis], math.nan, math.nan)
+        z, worth = drawn(problem, followed, _DRAWS, seed)
+        return Draws(z[np.newaxis], math.nan, worth)
     say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {4 * sampling.walkers:,} walkers")
     return sample(problem, seed=seed, report=say, **vars(sampling))
 

@@ -98,7 +98,7 @@ class Inference(views.Brief, views.Pictured):
 
     @property
     def sampled(self) -> bool:
-        """Whether the draws are samples of the posterior, and not from the curvature at the best fit."""
+        """Whether the draws are samples of walkers, and not along profiles."""
         return math.isfinite(self.draws.r_hat)
 
     @functools.cached_property
