@@ -19,7 +19,7 @@ from asperity.inference.found import Inference
 from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES, Model
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import ACCEPTED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
+from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
 from asperity.inference.sampling import Draws, sample
 from asperity.inference.verdicts import Posterior
 from asperity.progress import Progress
@@ -30,9 +30,6 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 
 _FALLS = 2.0
 """Least fall of AICc at the most branches for which more are likely."""
-
-_CORRELATED = 0.7
-"""Largest correlation of neighboring misfits that is scatter."""
 
 _DRAWS = 512
 """Draws along profiles."""
@@ -169,14 +166,18 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         scatter, rho = problem.scatter(at)
         # For few points Student's t widens the intervals.
         scatter *= student(free) / student(math.inf)
+        counted = max(1.0, n * min(1.0, (1 - rho) / (1 + rho)))
+        noise = rho <= CORRELATED  # else the model misses; its errors are those of means
+        wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
         error = max(scatter, LEAST_ERROR) * problem.error
+        size = f"{100 * np.median(error / np.abs(problem.value)):.2g} % of the values, by the median"
         misfit = misfit * problem.error / error
-        relative = np.array_equal(problem.error, problem.value)
-        size = f"{100 * scatter:.2g} % of each value" if relative else f"{np.median(error):.2g}"
-        problem = replace(problem, error=error, rho=rho, informed=True)
+        problem = replace(
+            problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
+        )
         remarks.append(
             f"no errors were given: they are taken as {size}, from the scatter about the best fit, whose "
-            f"neighbors correlate by {rho:.2f}; so {n} points count as {problem.counted:.0f}"
+            f"neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
         )
     before, at = best_fit(problem, at[np.newaxis])
     if stated is not None:
@@ -192,7 +193,7 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
     def fails(misfit: Floats) -> bool:
         if informed:
             return bool(chi2.sf(misfit @ misfit, free) < _MISFIT)
-        return neighbors(misfit)[0] > max(_CORRELATED, 2 / math.sqrt(n))
+        return neighbors(misfit)[0] > max(CORRELATED, 2 / math.sqrt(n))
 
     if fails(misfit):
         how = f"by {rms(misfit):.3g} standard errors, rms" if informed else "by more than a scatter"

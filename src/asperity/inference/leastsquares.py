@@ -156,13 +156,14 @@ def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Flo
     if starts is None:
         z = problem.of_prior(np.random.default_rng(0), _TRIED)
         starts = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
-    squares, z = least(problem, starts)
+    used = np.isin(np.arange(starts.shape[1]), problem.used)
+    squares, z = least(problem, np.where(used, starts, problem.reach.mean(1)))
     first = int(np.argmin(squares))
     return float(squares[first]), z[first]
 
 
 def covariances(problem: Problem, z: Floats) -> Floats:
-    """Covariance of the used coordinates by the curvature at each z, and the width of ranges: (m, used, used)."""
+    """Covariance of used coordinates by curvature at each z, and the width of ranges: (m, used, used)."""
     used, priors = np.array(problem.used), list(problem.model.priors.values())
     high = np.broadcast_to(problem.reach[:, 1], z.shape)
     slopes = _slopes(problem, z, _residual(problem, z), used, high)[:, used]
