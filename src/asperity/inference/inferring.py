@@ -24,7 +24,7 @@ from asperity.inference.found import Inference
 from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Plan, Rival
+from asperity.inference.rivals import Plan, Rival, drift_in
 from asperity.inference.sampling import libraries
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
@@ -161,6 +161,7 @@ def infer(
             quantity=measured,
             listening=listening,
         )
+    remarks += [] if callable(model) or model == "held" else drift_in(found.rivals[0])
     return replace(found, remarks=(*remarks, *found.remarks))
 
 
