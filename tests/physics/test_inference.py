@@ -14,6 +14,7 @@ from scipy.stats import chisquare
 import asperity as asp
 from asperity.base.rows import words_of
 from asperity.errors import CheckpointError, ConvergenceError, Remark
+from asperity.fits.curve import Series
 from asperity.fits.result import student
 from asperity.inference import Prior, concluding, inferring, leastsquares, rivals, sampling, verdicts
 from asperity.inference.models import of_name
@@ -247,7 +248,9 @@ def test_a_checkpoint_of_the_last_round_has_the_draws_and_a_damaged_one_is_refus
 
 def test_of_very_many_points_some_are_taken_evenly_in_the_logarithm_of_time():
     t = np.concatenate([[0.0, 0.0], np.arange(1, 200_001) * 0.1])
-    some = t[inferring._chosen(t)]
+    series, remarks = inferring._some(Series(t, t, None), 1000)
+    some = series.x
+    assert remarks[0].startswith(f"took {some.size} of 200,002 points")
     assert some[0] == 0.0 < some[1] == 0.1
     assert (some.size <= 1000, some[-1]) == (True, t[-1])
     late = some[some > 50]

@@ -165,8 +165,8 @@ def drift_in(first: Rival) -> list[str]:
         return []
     rate = 300 * (end - middle) / (last * start)
     return [
-        f"the curve still rises steadily at its end, by {rate:.2g} % of its first value per s: a drift of the "
-        "instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
+        f"the curve still rises steadily at its end, by {rate:.2g} % of its first value per s: a drift of "
+        "the instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
         "solid and subtracted, or a second load shows that the rate depends on it"
     ]
 
