@@ -44,11 +44,11 @@ _BEFORE = 0.1  # relaxation time of this continuation, over the first time
 class _Data(views.Brief):
     """Data against times or frequencies: this column, those of the quantities, and options.
 
-    `measured` is the modulus, "young", "shear" or "contact", if that is known; `source` names file and
-    columns.
+    `measured` is the modulus, "young", "shear" or "contact", if that is known, or "force" for a relaxation up
+    to a factor; `source` names file and columns.
     """
 
-    measured: Modulus | None = field(default=None, kw_only=True)
+    measured: Modulus | Literal["force"] | None = field(default=None, kw_only=True)
     source: str = field(default="", kw_only=True, repr=False)
     falls: ClassVar[bool] = False
     """Whether the first quantity falls along the data, or rises."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 
 from asperity.base import checks
+from asperity.base import units as si
 from asperity.errors import InputError
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
 from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
@@ -22,13 +24,14 @@ _ROLES = (
         "",
         "",
         r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform"
-        r"|force|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+        r"|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
     Role("loss", "Pa", r"loss|verlust|perte|''|double.?prime|imag|visc|visk|visq"),
     Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
     Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
+    Role("force", "N", r"force|kraft"),
     Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel"),
 )
 _MODULI: dict[Modulus, str] = {
@@ -48,6 +51,8 @@ def read(
     units: Units | None = None,
     modulus: Modulus | None = None,
     noise: float = 0.05,
+    ball_radius: float | str | None = None,
+    ball_depth: float | str | None = None,
 ) -> Measured:
     """Read measured data from a table in a text file, and convert them to s and Pa.
 
@@ -72,6 +77,10 @@ def read(
         "contact", E*. The data keep it without conversion.
     noise
         Largest relative change in the wrong direction that counts as noise.
+    ball_radius, ball_depth
+        Of a ball and its held depth, m, if the table has its force F(t) in place of a modulus: E* = 3
+        F/(4 sqrt(R d^3)) (Hertz; E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960),
+        doi:10.1115/1.3644020). Without them it is a relaxation up to a factor, `measured` as "force".
 
     Raises
     ------
@@ -83,14 +92,19 @@ def read(
         checks.choice(name, value, (None, *get_args(choice)))
     reading = Columns(path, _ROLES, columns, units)
     chosen, places = _chosen(reading, kind, ordered=columns is not None)
-    meant = _modulus(reading, places[1:], modulus)
+    is_force = chosen == "relaxation" and reading.roles[places[1]] == "force"
+    meant = "force" if is_force else _modulus(reading, places[1:], modulus)
+    per_force = _per_force(ball_radius, ball_depth, is_force, reading.table.name)
     which = "Young's " if meant == "young" else f"{meant} " if meant else ""
     names = {"storage": "storage modulus", "loss": "loss modulus"}
     check_one_series(reading.table, places[0])
     numbers: list[Any] = []
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
         called = role if at == places[0] else which + names.get(role, role)
-        numbers.append(reading.values(role, at, bare=False, called=called))
+        of = "force" if is_force and role == "modulus" else role
+        numbers.append(reading.values(of, at, bare=False, called="force" if of == "force" else called))
+    if per_force is not None:
+        numbers[1], meant = per_force * numbers[1], "contact"
     source, rows = reading.read, np.diff(numbers[0], prepend=np.nan) != 0
     if not rows.all():
         starts = np.flatnonzero(rows)
@@ -126,12 +140,32 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
             expected = f"{count} different ones: {', '.join(wanted[chosen])}"
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
+    wanted |= {"relaxation": ("time", "force")} if "relaxation" in wanted and "modulus" not in roles else {}
     fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
     if len(fitting) != 1:
         header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
         choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
         raise _unclear(columns, choice if any(table.names) else f"a first line such as {header}")
     return fitting[0], [roles.index(role) for role in wanted[fitting[0]]]
+
+
+def _per_force(
+    radius: float | str | None, depth: float | str | None, is_force: bool, table: str
+) -> float | None:
+    """Contact modulus over the force of a ball at a held depth; None if neither is given."""
+    given = {"ball_radius": radius, "ball_depth": depth}
+    lengths = [si.number(name, value, "m", above=0) for name, value in given.items() if value is not None]
+    if lengths and not is_force:
+        expected = "none, for only a force at a held depth needs it"
+        raise InputError(
+            next(name for name in given if given[name] is not None), expected=expected, got=table
+        )
+    if len(lengths) == 1:
+        lacking = next(name for name in given if given[name] is None)
+        raise InputError(
+            lacking, expected="radius of the ball and its depth", got="none", cure={lacking: "1 um"}
+        )
+    return 0.75 / math.sqrt(lengths[0] * lengths[1] ** 3) if lengths else None
 
 
 def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modulus | None:

@@ -31,7 +31,10 @@ from asperity.solids.arguments import POISSON
 from asperity.solids.branches import check_branches
 from asperity.solids.continua import checked_poisson
 
-_READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
+_READING, _FITTING = (
+    ("kind", "columns", "units", "noise", "ball_radius", "ball_depth"),
+    ("branches", "per_decade", "extrapolate"),
+)
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
 _ELASTIC, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
@@ -108,6 +111,17 @@ _Noise = Annotated[
         swept=False,
     ),
 ]
+_Radius = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity(
+        "radius of the ball whose force at a held depth the table has",
+        "m",
+        more=", such as 10um: with the depth it gives the modulus.",
+        swept=False,
+    ),
+]
+_Depth = Annotated[float | str | None, Gt(0), Quantity("held depth of this ball", "m", swept=False)]
 _Branches = Annotated[
     int | None,
     Ge(1),
@@ -169,6 +183,8 @@ def material(
     columns: _Columns = None,
     units: _Units = None,
     noise: _Noise = None,
+    ball_radius: _Radius = None,
+    ball_depth: _Depth = None,
     branches: _Branches = None,
     per_decade: _PerDecade = None,
     extrapolate: _Extrapolate = None,
@@ -191,7 +207,7 @@ def material(
         A relaxation table: a file for `read`, or its result. Or a series; a half-space from
         `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
         an inference. None: an elastic half-space of `young` or `modulus`.
-    kind, columns, units, noise
+    kind, columns, units, noise, ball_radius, ball_depth
         Options of `read`.
     branches, per_decade, extrapolate
         Options of `fit`. With "model" the branches of an inference also count beyond its data.
@@ -314,6 +330,13 @@ def _instantaneous(
         raise InputError("modulus", expected=expected, got=checks.shown(word))
     if moduli or series is None:
         return moduli | ({"poisson": ratio} if "young" in moduli else {}), "shares"
+    if measured == "force":
+        expected = (
+            "the instantaneous modulus, or radius and held depth of the ball, beside a table of its force"
+        )
+        raise InputError(
+            "young", expected=expected, got="none", cure={"ball_radius": "10 um", "ball_depth": "1 um"}
+        )
     if measured == "contact":
         return {"modulus": series.modulus}, measured
     factor = 2 * (1 + ratio) if measured == "shear" else 1
