@@ -104,6 +104,18 @@ def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, ta
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
+def test_the_area_of_a_ball_has_the_unit_of_its_column(asperity):
+    area = 2.0 * EXACT ** (2 / 3) * (1 + 0.01 * np.random.default_rng(1).standard_normal(T.size))
+    pd.DataFrame({"time_s": T, "contact area (um^2)": area}).to_csv("ball.csv", index=False)
+    words = ("infer", "ball.csv", "--model", "ball", "--branches", "1")
+    assert asperity(*words, "--out", "F")[0] == 0
+    found = verdicts("F")
+    assert found.loc["share_1", "low"] < 0.3 < found.loc["share_1", "high"]
+    assert list(found.index[:3]) == ["load", "modulus", "radius"]  # areas in m^2 know a combination of them
+    status, _, error = asperity(*words, "--quantity", "depth", "--out", "G")
+    assert (status, "contact area" in error, "--unit-area" in error) == (2, True, False)
+
+
 def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity):
     law = asp.friction.RateAndState(a=0.005, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = list(np.geomspace(10, 1e5, 8))
