@@ -127,6 +127,7 @@ def test_a_linear_model_has_its_closed_posterior(sampled):
         np.testing.assert_allclose((one.low, one.high), expected, atol=0.2 * sigma[place])
 
 
+@pytest.mark.slow
 def test_the_profile_of_a_curved_model_is_that_of_an_independent_search():
     """At both ends the misfit is 3.84 above the least, of all that scipy finds from ten starts."""
     value, error = two_times(3.0)
@@ -557,7 +558,7 @@ def test_a_drift_is_remarked_as_it_may_be_a_fluid(rate):
     """Of 0.1 nm/s on 1 um; a curve of creep that slows down has no such remark."""
     time = np.linspace(0.1, 100, 300)
     depth = 1e-6 + rate * time if rate else 1e-6 * (1 + (time / 1e3) ** 0.3)
-    how: dict[str, Any] = {"model": "ball", "quantity": "depth", "absolute": True}
+    how: dict[str, Any] = {"model": "ball", "quantity": "depth", "absolute": True, "branches": 1}
     found = asp.infer(time, noisy(depth, 1.6e-3), **how)
     assert any("drift" in remark for remark in found.remarks) == bool(rate)
 
