@@ -270,7 +270,7 @@ def oscillates(time, place, friction):
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
     assert record.drive is not None
     try:
-        refuse_oscillation(record, record.drive)
+        refuse_oscillation(record, record.drive, record.drive.edges(time))
     except InputError as error:
         return str(error)
     return ""

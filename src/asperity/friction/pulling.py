@@ -18,6 +18,7 @@ from asperity.friction.events import rows_of
 from asperity.friction.laws import StateLaw
 from asperity.friction.loading import Drive, drive_of_slip, variance
 from asperity.friction.machine import Machine
+from asperity.friction.normal_stress import NormalStress
 from asperity.friction.parameters import MachineFit, described
 from asperity.friction.records import Record
 from asperity.friction.searching import solve
@@ -77,19 +78,24 @@ def pulled_fit(
         raise InputError("record", expected=expected, got="the strength at rest")
     rows, drive = record.time.size, record.drive
     if drive is None:
-        drive, _ = drive_of_slip(record.time, record.displacement, record.friction)
+        force = record.friction if record.normal is None else record.friction * record.normal
+        drive, _ = drive_of_slip(record.time, record.displacement, force)
         record = replace(record, slip=record.displacement, drive=drive, velocity=drive.per_row(record.time))
     if drive.velocity[0] == 0 and drive.kinks.size:  # steady from the middle of the first slide on
         record = record.between(float(drive.edges(record.time)[1:3].mean()))
         drive = drive.between(record.time[0], math.inf)
     used, time, friction, slip = rows_of(record, events), record.time, record.friction, record.slip
-    refuse_oscillation(record, drive)
+    normal = None if record.normal is None else NormalStress.of(time, record.normal, friction, drive.kinks)
+    edges = drive.edges(time)
+    refuse_oscillation(record, drive, edges if normal is None else normal.edges(edges))
     if a is None:
         a = record.a
     fixed = None if a is None or a == "fitted" else checks.number("a", a, above=0.0)
     noise = math.sqrt(variance(time, friction)), 1.0 if slip is None else math.sqrt(variance(time, slip))
     measured = np.full(drive.kinks.size, record.load_point is not None)
-    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise)
+    machine = Machine(law, time, friction, slip, drive, used, measured, fixed, k, noise, normal)
+    if record.presses_anew:
+        machine = replace(machine, alpha=None)
     try:
         solution = solve(machine)
     except RunsAwayError:
@@ -97,12 +103,11 @@ def pulled_fit(
     return _result(record, *solution, rows - time.size, V_0)
 
 
-def refuse_oscillation(record: Record, drive: Drive) -> None:
-    """Refuse oscillations of one period that do not die out at a constant velocity of the load point."""
+def refuse_oscillation(record: Record, drive: Drive, edges: Floats) -> None:
+    """Refuse oscillations of one period that do not die out while nothing of the machine changes."""
     time, friction, second = record.time, record.friction, record.scales[0]
     least = max(_LIKE_NOISE * math.sqrt(variance(time, friction)), _LARGE * float(np.ptp(friction)))
-    edges = drive.edges(time)
-    for n, speed in enumerate(drive.velocity):
+    for n, speed in enumerate(drive.along(edges)):
         rows = (time >= edges[n]) & (time <= edges[n + 1])
         if speed > 0 and (cycles := _cycles(friction[rows], least)) is not None:
             peaks, height = cycles
@@ -169,7 +174,10 @@ def _result(
 ) -> MachineFit:
     """The fit in units of the record, with mu_0 at the reference velocity."""
     shape, start = machine.shape(point), float(machine.drive.velocity[0])
-    a, b, D_c, k = shape
+    a, b, D_c, k, _ = shape
+    changes = point[len(machine.names) :]
+    if machine.normal is not None:
+        k, changes = k / float(machine.normal.value.max()), np.append(changes, machine.normal.kinks)
     if k * D_c < b - a:
         unit, length = record.units[1], record.scales[1]
         lost = (b - a) / D_c * length
@@ -213,9 +221,9 @@ def _result(
         stiffness_at_edge="k" in at_edge,
         kinks=point[len(machine.names) :],
         released=released,
-        noise=_steady_noise(record, float(point[len(machine.names) :].min())),
+        noise=_steady_noise(record, float(changes.min())),
         tried=tried,
         friction=whole_course(mu_0 + drift * place + elastic),
-        slip=whole_course(place - elastic / k),
+        slip=whole_course(place - course.stretch(shape)),
         state=whole_course(np.exp(course.states[:, 1]) * D_c / start),
     )

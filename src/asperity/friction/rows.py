@@ -19,7 +19,14 @@ from asperity.friction.records import Record
 _OPEN = 100.0
 """Relative standard error above which a parameter is not determined."""
 
-_NAMES = (("mu_0", "mu_0"), ("a", "a"), ("b", "b"), ("D_c", "D_c"), ("a - b", "a_minus_b"))
+_NAMES = (
+    ("mu_0", "mu_0"),
+    ("a", "a"),
+    ("b", "b"),
+    ("D_c", "D_c"),
+    ("a - b", "a_minus_b"),
+    ("alpha", "alpha"),
+)
 
 
 @views.defines(StateLaws.rows)
@@ -116,6 +123,8 @@ def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
     record, fit = laws.record, laws.fits[law]
     rows = [Row(f"{law} law", "mu = mu_0 + a ln(V/V_0) + b ln(V_0 theta/D_c)")]
     for text, name in _NAMES:
+        if name not in laws.estimates[law]:
+            continue
         estimate = laws.estimates[law][name]
         value, stderr, low, high = (
             float(part) for part in (estimate.value, estimate.stderr, estimate.low, estimate.high)
