@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.integrate import odeint
 from scipy.signal import lfilter
@@ -16,7 +17,7 @@ from asperity.friction.loading import Drive, drive_of
 from asperity.friction.pulling import refuse_oscillation, stiffness_of
 from asperity.friction.slider import Shape, follow
 from tests import CASES
-from tests.refusals import each_refuses
+from tests.refusals import each_refuses, refuses
 
 F = asp.friction
 UM = 1e-6
@@ -257,6 +258,38 @@ def test_records_of_another_laboratory(name, a, a_minus_b):
     fit = F.rate_and_state(F.read_record(RAW / name), law="slip")
     assert a[0] < fit.a < a[1]
     assert fit.a_minus_b == pytest.approx(a_minus_b, abs=0.0015)
+
+
+@P655
+def test_events_are_drawn_as_published_fits_are():
+    """Twelve steps of p4309 (Leeman et al., 2016): D_c falls from 27 to 5 um, and a - b changes its sign."""
+    known = pd.read_csv(RAW / "leeman_p4309_slip_law_fits.csv", comment="#")
+    table = {"displacement": known["row"]}
+    for name, error in (("a", "a_error"), ("b", "b_error"), ("D_c", "D_c_error_um"), ("a_minus_b", None)):
+        value = known[name + "_um" * (name == "D_c")]
+        spread = np.hypot(known["a_error"], known["b_error"]) if error is None else known[error]
+        table |= {name: value, f"{name}_low": value - 1.96 * spread, f"{name}_high": value + 1.96 * spread}
+    ours = F.events_table(F.fit_events(GOOD, law="aging"), GOOD)
+    assert {str(name).removesuffix("_m") for name in ours} > set(table)
+    above, middle, below = F.events_figure(pd.DataFrame(table)).axes
+    of_D_c = np.array(below.lines[0].get_ydata())
+    assert of_D_c[[0, -1]] == pytest.approx([27, 5], abs=0.3)
+    assert middle.get_ylim()[0] < 0 < middle.get_ylim()[1]
+    assert [label.get_text() for label in above.get_legend().get_texts()] == ["$a$", "$b$"]
+
+
+def test_a_table_that_is_none_of_events_is_refused():
+    with refuses("table", "none of D_c"):
+        F.events_figure(pd.DataFrame({"displacement": [1.0]}))
+
+
+def test_no_law_is_preferred_that_does_not_describe_the_record():
+    """With a third of the stiffness both laws miss the noise."""
+    record = F.Record.of_machine(TIME, FRICTION + 2e-4 * np.sin(TIME**2), load_point=PLACE)
+    laws = F.compare_state_laws(record, stiffness="0.003 / um")
+    assert laws.verdict == "undecided"
+    assert laws.doubt.startswith("neither law")
+    assert any(laws.doubt in str(row.value) for row in laws.rows())
 
 
 # -- Stick-slip ----------------------------------------------------------------------------------------------

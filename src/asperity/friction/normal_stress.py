@@ -46,10 +46,8 @@ class NormalStress:
                 open_ += [(first, at), (at, last)]
         places = time[sorted(nodes)]
         hats = np.column_stack([np.interp(time, places, hat) for hat in np.eye(places.size)])
-        steady = time <= min(places[1], *kinks)
-        return cls(
-            places, np.asarray(np.linalg.lstsq(hats, values)[0], float), float(friction[steady].mean())
-        )
+        steady = friction[time <= np.append(kinks, places[1]).min()]
+        return cls(places, np.asarray(np.linalg.lstsq(hats, values)[0], float), float(steady.mean()))
 
     def at(self, time: Floats) -> Floats:
         """Value at each time, shape (n,)."""

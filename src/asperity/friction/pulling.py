@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,10 @@ _CYCLES, _SMOOTHED = 3, 3
 
 _BAND, _PERIODIC, _LASTS = 1.3, 0.7, 0.8
 """Ratio of frequencies about a period, least share of the power there, and of the first rises in the last."""
+
+_ABRUPT, _SHARP, _RECOVERS = 2.5, 4.0, 0.7
+"""Stick-slip of two cycles: least height over that of many; rows of a rise over those of a fall; least rise over
+the fall before."""
 
 _STEADY, _FINE = 10, 1e-3
 """Least number of rows of steady sliding that show the noise; least noise, over the range of friction."""
@@ -122,10 +127,15 @@ def refuse_oscillation(record: Record, drive: Drive, edges: Floats) -> None:
 def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | None:
     """Peaks of oscillations that last, and the rise of the last but one; None for noise.
 
+    Two are enough if friction falls much faster than it rises, and recovers.
+
     Noise, of which rows may correlate, is less after a mean over a quarter of a period, and has no period:
     less of its power is at that of its peaks.
     """
     smooth, period = friction, 1
+    peaks, about = find_peaks(friction, prominence=_ABRUPT * least)
+    if peaks.size > 1 and _sticks(friction, peaks):
+        return peaks, float(about["prominences"][-2])
     for _ in range(_SMOOTHED):
         peaks, about = find_peaks(smooth, prominence=least)
         if peaks.size <= _CYCLES:
@@ -140,6 +150,23 @@ def _cycles(friction: Floats, least: float) -> tuple[NDArray[np.intp], float] | 
         float(np.median(part)) for part in (heights[: peaks.size // 2], heights[peaks.size // 2 :])
     )
     return (peaks, float(heights[-2])) if share > _PERIODIC and late > _LASTS * early else None
+
+
+def _sticks(friction: Floats, peaks: NDArray[np.intp]) -> bool:
+    """Whether friction falls much faster than it rises between some peaks, and recovers."""
+    falls, rises = [], []
+    for first, last in pairwise(peaks.tolist()):
+        low = first + int(friction[first : last + 1].argmin())
+        falls.append(_middle(friction[first : low + 1]))
+        rises.append(_middle(friction[low : last + 1]))
+    recovered = (friction[last] - friction[low]) / (friction[first] - friction[low])
+    return bool(_SHARP * np.median(falls) < np.median(rises) and recovered > _RECOVERS)
+
+
+def _middle(friction: Floats) -> int:
+    """Number of rows in the middle half of a rise or a fall."""
+    part = (friction - friction.min()) / np.ptp(friction)
+    return max(1, int(np.count_nonzero((part > 0.25) & (part < 0.75))))
 
 
 def _stick_slip(text: str) -> InputError:

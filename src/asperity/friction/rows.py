@@ -147,7 +147,7 @@ def _verdict(laws: StateLaws) -> str:
         preference = f"the surfaces prefer the {laws.verdict} law"
         return f"{preference if laws.verdict != 'undecided' else 'undecided between the laws'} ({scatter})"
     if laws.verdict == "undecided":
-        return "undecided: these data do not tell the aging law from the slip law"
+        return f"undecided: {laws.doubt or 'these data do not tell the aging law from the slip law'}"
     other = "slip" if laws.verdict == "aging" else "aging"
     odds = f"{laws.relative_likelihood:.1g}" if laws.relative_likelihood > 1e-6 else "less than 1e-6"
     return f"the data prefer the {laws.verdict} law: the {other} law is {odds} times as likely"
