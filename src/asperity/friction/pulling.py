@@ -38,8 +38,8 @@ _BAND, _PERIODIC, _LASTS = 1.3, 0.7, 0.8
 """Ratio of frequencies about a period, least share of the power there, and of the first rises in the last."""
 
 _ABRUPT, _SHARP, _RECOVERS = 2.5, 4.0, 0.7
-"""Stick-slip of two cycles: least height over that of many; rows of a rise over those of a fall; least rise over
-the fall before."""
+"""Of stick-slip of two cycles: least height over that of many, rows of a rise over those of a fall, and rise
+over the fall before."""
 
 _STEADY, _FINE = 10, 1e-3
 """Least number of rows of steady sliding that show the noise; least noise, over the range of friction."""
