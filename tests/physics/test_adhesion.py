@@ -197,18 +197,18 @@ def test_the_pull_off_force_is_that_of_many_more_states():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("edges", "error"), [("free", 0.01), ("periodic", 0.03)])
-def test_the_energy_lost_is_that_of_many_more_states(edges, error):
+@pytest.mark.parametrize("edges", ["free", "periodic"])
+def test_the_energy_lost_is_that_of_many_more_states(edges):
     contact = rough(edges)
     pulled, coarse = asp.pull(contact), asp.pull(contact, steps=5)
     assert coarse.force == pytest.approx(pulled.force, rel=1e-3)
-    assert coarse.energy_lost == pytest.approx(pulled.energy_lost, rel=0.02)
+    assert coarse.energy_lost == pytest.approx(pulled.energy_lost, rel=0.01)
     places = np.linspace(contact.separation, float(pulled.curve["separation"].max()), 600)
     states = followed(contact, [*places[1:], *places[-2::-1]])
     loads = [state.load for state in states]
     assert loads[599] == 0
     lost = np.trapezoid(loads, -np.array([state.separation for state in states]))
-    assert pulled.energy_lost == pytest.approx(lost, rel=error)
+    assert pulled.energy_lost == pytest.approx(lost, rel=0.01)
 
 
 @pytest.mark.parametrize("edges", ["free", pytest.param("periodic", marks=pytest.mark.slow)])

@@ -133,7 +133,7 @@ def _law(laws: StateLaws, law: StateLaw) -> list[Row]:
         row = Row(f"  {text}", value, unit, (low, high), error=stderr)
         if name == "a" and fit.a_stderr == 0:
             row = Row(f"  {text}", value, note=", as given")
-        elif (name == "D_c" and not fit.determined) or stderr > _OPEN * abs(value):
+        elif (name in ("D_c", "alpha") and not fit.determined) or stderr > _OPEN * abs(value):
             row = Row(f"  {text}", "not determined by this record")
         rows.append(row)
     V_0 = written(fit.V_0, "m/s" if record.si else "1")
