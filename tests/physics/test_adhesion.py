@@ -167,9 +167,12 @@ def test_a_wavy_line_is_that_of_johnson(n, zone, alpha, top):
     assert found[0] > (0.96 if n > 2048 else 0.93) * known
 
 
-def rough(edges):
+def rough(edges, sites=24, seed=3):
     """A rough contact on which forces go up and down like a saw."""
-    heights = asp.surfaces.spectral((24, 24), hurst=0.8, roll_off=12.0, cutoff=6.0, seed=3, rms_slope=0.12)
+    shape, roll_off = (sites, sites), sites / 2
+    heights = asp.surfaces.spectral(
+        shape, hurst=0.8, roll_off=roll_off, cutoff=6.0, seed=seed, rms_slope=0.12
+    )
     apparatus = None if edges == "free" else math.inf
     solid = half_space(modulus=1.0, adhesion=Dugdale(work=0.004, range=0.2), apparatus=apparatus)
     return asp.press(Surface(heights, edges=edges), solid, load=1.0)
@@ -209,6 +212,22 @@ def test_the_energy_lost_is_that_of_many_more_states(edges):
     assert loads[599] == 0
     lost = np.trapezoid(loads, -np.array([state.separation for state in states]))
     assert pulled.energy_lost == pytest.approx(lost, rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("edges", "seed"),
+    [
+        *zip(["free"] * 3, (1, 2, 4), strict=True),
+        *zip(["periodic", "reflecting"] * 2, (5, 6, 7, 8), strict=True),
+    ],
+)
+def test_force_and_energy_hardly_depend_on_the_steps(edges, seed):
+    """Where edges are not free, sites that change together would lift others."""
+    contact = rough(edges, 16, seed)
+    coarse, fine = (asp.pull(contact, steps=steps) for steps in (5, 100))
+    assert coarse.force == pytest.approx(fine.force, rel=1e-3)
+    assert coarse.energy_lost == pytest.approx(fine.energy_lost, rel=1e-2)
 
 
 @pytest.mark.parametrize("edges", ["free", pytest.param("periodic", marks=pytest.mark.slow)])

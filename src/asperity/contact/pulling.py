@@ -35,7 +35,7 @@ class Tuning:
     peak: float = 1e-3
     """Share of the largest tension that states may miss."""
 
-    lost: float = 1e-2
+    lost: float = 5e-3
     """Share of the energy lost that states may miss, rms."""
 
     work: float = 1e-4
