@@ -337,6 +337,57 @@ def test_a_slider_that_sticks_and_slips_is_refused_with_its_period():
         assert float(text.split("with a period of ")[1].split(" s,")[0]) == pytest.approx(period, rel=0.2)
 
 
+def sticking(seed):
+    """A step of the velocity of a slider at random below (b - a)/D_c, with two cycles or more."""
+    rng = np.random.default_rng(seed)
+    a, fall, D_c, part = (
+        10 ** rng.uniform(*ends) for ends in ((-2.3, -1.8), (-2.7, -2), (0.3, 1.5), (-0.7, -0.07))
+    )
+    law, first = LAWS[seed % 2], 10 ** rng.uniform(-0.5, 0.7)
+    speeds = [first, first * 10 ** (rng.choice([-1, 1]) * rng.uniform(0.3, 1.0))]
+    k, damping = part * fall / D_c, fall / first / 10 ** rng.uniform(2.5, 4.0)
+    slides = rng.uniform(8, 25, 2) * 4 * fall / k
+
+    def rate(y, _, pulled):
+        v = np.exp(y[0])
+        grown = np.exp(-y[1]) - v / D_c if law == "aging" else -v / D_c * (y[0] + y[1] - np.log(D_c))
+        return [(k * (pulled - v) - (a + fall) * grown) / (a + damping * v), grown]
+
+    step = sum(slides / speeds) / rng.uniform(600, 3000)
+    y, states = [np.log(first) + 0.3, np.log(D_c / first)], []
+    for speed, slide in zip([first, *speeds], [2 * slides[0], *slides], strict=True):
+        course = odeint(
+            rate, y, np.arange(0, slide / speed, step), (speed,), rtol=1e-8, atol=1e-8, mxstep=200000
+        )
+        states, y = [*states, course[:-1]], course[-1]
+    mu = np.concatenate(states[1:]) @ [a, a + fall]
+    lasts = [len(state) * step for state in states[1:]]
+    time = step * np.arange(mu.size)
+    place = np.interp(time, [0, lasts[0], sum(lasts)], np.append(0, np.cumsum(np.multiply(speeds, lasts))))
+    place = place + 0.03 * D_c * rng.standard_normal(mu.size)
+    return time, UM * place, 0.6 + mu - mu.mean() + 3e-4 * correlated(rng, mu.size), law
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_no_law_is_fitted_to_stick_slip(seed):
+    time, place, friction, law = sticking(seed)
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    with pytest.raises(InputError, match="stable sliding"):
+        F.rate_and_state(record, law=law)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_a_step_without_change_of_steady_friction_is_fitted(seed):
+    shape = TRUTH._replace(b=TRUTH.a + 2e-4 * (seed % 5 - 2))
+    time, place, _, friction = exact([1.0, 10.0], [100.0, 20.0], law=LAWS[seed % 2], shape=shape)
+    friction = friction + 5e-4 * correlated(np.random.default_rng(seed), time.size)
+    record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
+    fit = F.rate_and_state(record, law=LAWS[seed % 2])
+    assert abs(fit.a_minus_b + shape.b - shape.a) < 4 * fit.a_minus_b_stderr
+
+
 # -- Bad input -----------------------------------------------------------------------------------------------
 
 TIME, PLACE, SLIP, FRICTION = exact(*STEPS)
