@@ -3,6 +3,7 @@
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -337,7 +338,7 @@ def test_a_slider_that_sticks_and_slips_is_refused_with_its_period():
         assert float(text.split("with a period of ")[1].split(" s,")[0]) == pytest.approx(period, rel=0.2)
 
 
-def sticking(seed):
+def sticking(seed: int) -> Any:
     """A step of the velocity of a slider at random below (b - a)/D_c, with two cycles or more."""
     rng = np.random.default_rng(seed)
     a, fall, D_c, part = (
@@ -354,7 +355,7 @@ def sticking(seed):
         return [(k * (pulled - v) - (a + fall) * grown) / (a + damping * v), grown]
 
     step = sum(slides / speeds) / rng.uniform(600, 3000)
-    y, states = [np.log(first) + 0.3, np.log(D_c / first)], []
+    y, states = np.log([first, D_c / first]) + [0.3, 0.0], list[np.ndarray]()
     for speed, slide in zip([first, *speeds], [2 * slides[0], *slides], strict=True):
         course = odeint(
             rate, y, np.arange(0, slide / speed, step), (speed,), rtol=1e-8, atol=1e-8, mxstep=200000
@@ -384,7 +385,8 @@ def test_a_step_without_change_of_steady_friction_is_fitted(seed):
     time, place, _, friction = exact([1.0, 10.0], [100.0, 20.0], law=LAWS[seed % 2], shape=shape)
     friction = friction + 5e-4 * correlated(np.random.default_rng(seed), time.size)
     record = F.Record.of_machine(time, friction, load_point=place, units=("s", "um"))
-    fit = F.rate_and_state(record, law=LAWS[seed % 2])
+    law: Any = LAWS[seed % 2]
+    fit = F.rate_and_state(record, law=law)
     assert abs(fit.a_minus_b + shape.b - shape.a) < 4 * fit.a_minus_b_stderr
 
 
