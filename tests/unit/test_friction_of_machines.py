@@ -355,7 +355,7 @@ def sticking(seed: int) -> Any:
         return [(k * (pulled - v) - (a + fall) * grown) / (a + damping * v), grown]
 
     step = sum(slides / speeds) / rng.uniform(600, 3000)
-    y, states = np.log([first, D_c / first]) + [0.3, 0.0], list[np.ndarray]()
+    y, states = np.array([np.log(first) + 0.3, np.log(D_c / first)]), list[np.ndarray]()
     for speed, slide in zip([first, *speeds], [2 * slides[0], *slides], strict=True):
         course = odeint(
             rate, y, np.arange(0, slide / speed, step), (speed,), rtol=1e-8, atol=1e-8, mxstep=200000
