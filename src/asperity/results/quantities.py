@@ -121,11 +121,16 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("contact_age_mean", "time", f"mean {_RENEWED}", _RESULT, "friction", label="mean contact age"),
     Quantity("normal_stiffness", "stiffness", _STIFF, _ALL, "carried", symbol="kₙ"),
     Quantity("tangential_stiffness", "stiffness", _STIFF_ACROSS, _ALL, "carried", symbol="kₜ"),
-    Quantity(
-        "tangential_stiffness_soft", "stiffness", f"{_STIFF_ACROSS}, softest direction", _ALL, "carried"
-    ),
-    Quantity(
-        "tangential_stiffness_stiff", "stiffness", f"{_STIFF_ACROSS}, stiffest direction", _ALL, "carried"
+    *(
+        Quantity(
+            f"tangential_stiffness_{kind}",
+            "stiffness",
+            f"{_STIFF_ACROSS}, {kind}est direction",
+            _ALL,
+            "carried",
+            label=f"tangential stiffness, {kind}est direction",
+        )
+        for kind in ("soft", "stiff")
     ),
     Quantity("resistance", "ohm", _OHMIC, _ALL, "carried", symbol="R_c"),
     Quantity("thermal_resistance", "K/W", "thermal resistance of the constrictions", _ALL, "carried"),
