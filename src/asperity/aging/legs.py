@@ -196,6 +196,7 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
+            fading=shifts > 0,
             midway=None if resume is None else resume.midway,
             after_step=keep,
         )
