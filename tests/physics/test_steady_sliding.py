@@ -359,24 +359,46 @@ def test_a_cylinder_is_that_of_hunter(speed):
 def test_a_slide_that_is_marched_in_time_comes_to_the_same_friction():
     sites, length = 32, 32e-6
     right = asp.steady_sliding(surface=wave(sites), pressure="10 kPa", **WAVE)
-    q = 2 * np.pi * np.fft.fftfreq(sites, length / sites) * (np.arange(sites) != sites // 2)
-    off = []
+    right = right["hysteresis_friction_coefficient"].item()
+    off, work = [], []
     for substeps in (1, 4):
-        rows: list[tuple[float, float]] = []
-
-        def reached(frame, rows=rows):
-            slope = np.fft.ifft(1j * q * np.fft.fft(frame.contact.heights)).real
-            rows.append((frame.time, -float((frame.contact.pressure * slope).mean())))
-
         leg = asp.protocols.Slide(3 * length, 1e-5, substeps=substeps)
         start = asp.press(wave(sites), WAVE["solid"], pressure="10 kPa")
-        asp.age(start, [0.0], protocol=leg, progress=reached)
-        when, friction = np.array(rows).T
-        last = when > 2 * length / 1e-5
-        mean = np.trapezoid(friction[last], when[last]) / np.ptp(when[last])
-        off.append(mean / 1e4 / right["hysteresis_friction_coefficient"].item() - 1)
+        data = asp.age(start, [0.0], protocol=leg).dataset
+        spent = shifted_by(data)[0][-sites * substeps :].sum()
+        work.append(spent / length / data["load"].values[0] / right - 1)
+        data = data.isel(time=data["displacement"].values > 2 * length)
+        friction, time = data["hysteresis_friction_coefficient"].values, data["time"].values
+        off.append(np.trapezoid(friction, time) / np.ptp(time) / right - 1)
     assert abs(off[0]) < 0.012
     assert abs(off[1]) < 0.001
+    assert np.abs(work).max() < 0.003
+
+
+def shifted_by(data):
+    """Work of each shift, beside that of the load; and mean friction times length."""
+    way, friction, energy, load, approach = (
+        data[name].values for name in ("displacement", "hysteresis_friction", "energy", "load", "approach")
+    )
+    after = np.flatnonzero(np.diff(way, prepend=way[0]) > 0)
+    before = after - 1
+    work = energy[after] - energy[before] - load[after] * (approach[after] - approach[before])
+    return work, (friction[after] + friction[before]) / 2 * (way[after] - way[before])
+
+
+@pytest.mark.parametrize("direction", ["x", "-y"])
+@pytest.mark.parametrize(
+    ("solid", "load", "error"), [(SOFT, 300.0, (np.pi / 32) ** 2 / 12), (LATTICE, 40.0, 0.01)]
+)
+def test_the_energy_that_a_shift_adds_is_friction_times_its_length(solid, load, error, direction):
+    heights = asp.surfaces.spectral((24, 24), roll_off=24.0, cutoff=8.0, rms_slope=0.2, seed=1)
+    surface = Surface(heights, pixel_size=SPACING) if solid is SOFT else heights
+    leg = asp.protocols.Slide(4.0, 0.1, direction, substeps=8)
+    data = asp.age(asp.press(surface, solid, load=load), [0.0], protocol=leg).dataset
+    work, friction = shifted_by(data)
+    assert work.sum() > 0
+    np.testing.assert_allclose(work[8:], friction[8:], rtol=error)
+    assert (data["contact_fraction"].values == 1).all() == (solid is SOFT)
 
 
 def test_the_mirrored_surface_slides_as_the_other_direction():

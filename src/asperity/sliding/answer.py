@@ -23,6 +23,7 @@ from asperity.base.version import __version__
 from asperity.contact.bodies import Bodies, bodies_of, control_by
 from asperity.contact.remarks import remarks_on_bodies
 from asperity.contact.rim import RIM, rim_sides
+from asperity.contact.waves import unit_vector, waves_along
 from asperity.errors import InputError
 from asperity.lattice import Field, Lattice
 from asperity.progress import listener
@@ -31,7 +32,7 @@ from asperity.relaxation import Material
 from asperity.relaxation import material as material_of
 from asperity.results.dataset import attributes_of_solid, coordinates_of
 from asperity.results.quantities import units_of
-from asperity.sliding.problem import Sliding, State, waves_along
+from asperity.sliding.problem import Sliding, State
 from asperity.sliding.solver import solved
 from asperity.solids import Solid
 from asperity.surfaces import Surface, read
@@ -119,10 +120,8 @@ class Profile:
         if lattice.reflecting:
             heights = make_periodic(heights, "mirror")
             lattice = Lattice(heights.shape, lattice.spacing)
-        steps = zip(sites_along(direction, lattice.dimension), lattice.spacing, strict=True)
-        vector = np.array([sites * step for sites, step in steps])
-        heights = heights - heights.max()
-        return cls(bodies, lattice, heights, tuple((vector / np.linalg.norm(vector)).tolist()), load)
+        way = unit_vector(lattice, sites_along(direction, lattice.dimension))
+        return cls(bodies, lattice, heights - heights.max(), way, load)
 
     @property
     def copies(self) -> float:
