@@ -10,7 +10,9 @@ from scipy.special import ive, kve
 
 import asperity as asp
 from asperity.relaxation import Material, PronySeries, wlf
+from asperity.sliding.bands import draws_of_solid
 from asperity.sliding.problem import Sliding
+from asperity.sliding.profile import Profile
 from asperity.sliding.solver import solved
 from asperity.surfaces import Surface
 from tests.refusals import refuses
@@ -27,7 +29,7 @@ AREA = ROUGH.heights.size * math.prod(SPACING)
 
 def states(solid, surface, load, speeds, direction="x"):
     """The states themselves, each started from the one before, and the profile."""
-    profile = asp.sliding.answer.Profile.of(asp.contact.bodies.bodies_of(surface, solid), direction, load)
+    profile = Profile.of(asp.contact.bodies.bodies_of(surface, solid), direction, load)
     found: list[Any] = []
     for speed in speeds:
         found.append(solved(profile.at(speed), found[-1] if found else None))
@@ -438,6 +440,8 @@ def test_reflecting_edges_are_mirror_images_and_a_line_is_a_surface_of_ridges():
     edges = Surface(ROUGH.heights, pixel_size=SPACING, edges="reflecting")
     part = asp.steady_sliding(SOFT, edges, load=0.05 * AREA, **how)
     for name in part.data_vars:
+        if str(name).endswith(("_low", "_high")):  # of the tiles of the scan
+            continue
         copies = 4 if "area" in str(name) else 1
         expected = whole[name][..., :12, :16] if name == "pressure" else whole[name] / copies
         np.testing.assert_allclose(part[name], expected, rtol=1e-7, atol=1e-9)
@@ -527,3 +531,45 @@ def test_bad_input_is_refused(change, name, got):
 def test_a_line_of_a_fluid_keeps_its_shape():
     answer = asp.steady_sliding(FLUID, LINE, speeds=[0.01, 0.1, 1.0], pressure=0.05)
     assert (np.diff(answer["contact_fraction"]) < 0).all()
+
+
+@pytest.mark.parametrize("edges", ["periodic", "reflecting"])
+def test_friction_of_tiles_adds_up(edges):
+    surface = Surface(ROUGH.heights, pixel_size=SPACING, edges=edges)
+    found, profile = states(SOFT, surface, 0.05 * AREA, [0.01, 1.0])
+    for state in found:
+        sums = {name: part.sum() for name, part in profile.tiles(state).items()}
+        assert sums["friction"] == pytest.approx(state.friction, rel=1e-9)
+        assert sums["load"] == pytest.approx(state.problem.load)
+        assert sums["area"] == np.count_nonzero(state.in_contact)
+        assert sums["sites"] == state.in_contact.size
+
+
+def test_few_draws_of_the_solid_tell_what_all_give():
+    random = np.random.default_rng(0)
+    draws = [
+        [(g * (1 + 0.01 * random.normal()), t * math.exp(0.1 * random.normal())) for g, t in BRANCHES]
+        for _ in range(20)
+    ]
+    solid = asp.solids.half_space(modulus="2 Pa", branches=BRANCHES)
+    meters, speeds = Surface(ROUGH.heights, "m", SPACING, "m"), np.geomspace(1e-3, 1e2, 6)
+    names = ["hysteresis_friction_coefficient", "contact_area"]
+    computed = []
+
+    def curves(solid, stage=""):
+        computed.append(stage)
+        found = asp.steady_sliding(solid, meters, speeds=speeds, pressure=0.05)
+        return {name: found[name].values for name in names}
+
+    middle, material = curves(solid), asp.relaxation.material(solid, draws=draws)
+    waves = 2 * np.pi / 8, 2 * np.pi
+    frequencies = waves[0] * speeds[0], waves[1] * speeds[-1]
+    factors = draws_of_solid(material, middle, frequencies, curves)
+    assert len(computed) <= 7
+    for name in names:
+        of_all = [curves(asp.solids.half_space(modulus="2 Pa", branches=each))[name] for each in draws]
+        right = np.log(of_all) - np.log(middle[name])
+        missed = np.sqrt(np.mean((np.log(factors[name]) - right) ** 2, axis=0))
+        site = 1 / (middle["contact_area"] / math.prod(SPACING)).min()
+        assert (missed < 0.25 * right.std(axis=0) + site * (name == "contact_area")).all()
+        assert np.ptp(right, axis=0).max() > 0.05

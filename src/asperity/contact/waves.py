@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from fractions import Fraction
 
 import numpy as np
 
@@ -15,7 +16,7 @@ Vector = tuple[float, ...]
 _ACROSS = 1e-12  # part of the largest component below which rounding hides that a wave stands still
 
 
-def unit_vector(lattice: Lattice, sites: Sequence[float]) -> Vector:
+def unit_vector(lattice: Lattice, sites: Sequence[Fraction | int]) -> Vector:
     """Direction of a vector of sites."""
     vector = [float(n) * length for n, length in zip(sites, lattice.spacing, strict=True)]
     return tuple((np.array(vector) / np.linalg.norm(vector)).tolist())

@@ -99,6 +99,11 @@ class Sliding:
         rhs = self.lattice.flat_modes(-self.load / self.lattice.sites)
         return SpectralProblem(self.lattice, self.heights, storage, rhs)
 
+    @property
+    def loss(self) -> Spectrum:
+        """The loss compliance, with the sign of the wave vector."""
+        return self.compliance.imag
+
     def displacement(self, force: Field) -> Field:
         """C p, whose mean is 0."""
         return self.lattice.apply(self.compliance, force)
@@ -131,7 +136,7 @@ class State:
         """Dissipation over the speed in each wave; the sum is -sum p du/dx. Shape of a spectrum."""
         problem, lattice = self.problem, self.problem.lattice
         power = np.abs(lattice.forward(self.force)) ** 2 * lattice.multiplicity / lattice.sites
-        return np.asarray(problem.slope * problem.compliance.imag * power)
+        return np.asarray(problem.slope * problem.loss * power)
 
     @property
     def friction(self) -> float:
@@ -143,10 +148,3 @@ class State:
         """The same as -sum p dh/dx, which the discretization makes another."""
         problem = self.problem
         return friction_of_slopes(problem.lattice, problem.slope, problem.heights, self.u, self.force)
-
-    @property
-    def share_of_last_octave(self) -> float:
-        """Share of the friction of waves shorter than four sites."""
-        shortest = [np.abs(angle) > np.pi / 2 for angle in self.problem.lattice.angles]
-        last = np.logical_or.reduce(np.broadcast_arrays(*shortest))
-        return float(self.dissipation[last].sum()) / (self.friction or 1.0)
