@@ -129,11 +129,17 @@ def check_sliding(dataset: xr.Dataset) -> None:
 
 def _checked(solid: Solid) -> Solid:
     """Refuse a solid whose response to a wave is not linear."""
-    laws = {"adhesion": solid.adhesion, "hardness": solid.yields or None, "creep": solid.creep}
+    laws = {
+        "adhesion": solid.adhesion,
+        "hardness": solid.hardness if solid.yields else None,
+        "creep": solid.creep,
+    }
     for name, law in laws.items():
         if law is not None:
-            expected, got = f"a solid without {name}, whose response is linear", f"one with {name}"
-            raise InputError("solid", expected=expected, got=got, advice="a slide in time, asperity.slide")
+            expected = "none for steady sliding, whose solid responds linearly"
+            got = f"{law:g}" if isinstance(law, float) else type(law).__name__
+            advice, path = "a slide in time, which is a leg of a history", ("solid", name)
+            raise InputError(name, expected=expected, got=got, advice=advice, path=path)
     return solid
 
 
