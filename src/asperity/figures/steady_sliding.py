@@ -40,8 +40,8 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
         if name in dataset:
             axes.plot(speed, factor * dataset[name].values, "o-", color=color, label=label, **look)
         if f"{name}_low" in dataset:
-            ends = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
-            axes.fill_between(speed, *ends, color=color, alpha=0.2, lw=0)
+            low, high = (factor * dataset[f"{name}_{end}"].values for end in ("low", "high"))
+            axes.fill_between(speed, low, high, color=color, alpha=0.2, lw=0)
     above.set_ylabel("friction coefficient")
     below.set_ylabel("contact [%]")
     below.set_xlabel(style.with_unit("sliding speed", unit))
