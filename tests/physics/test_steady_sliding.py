@@ -478,6 +478,18 @@ def test_the_last_octave_is_remarked():
     assert 0 <= share.item() < 0.05
 
 
+def test_in_full_contact_the_last_octave_is_the_share_of_its_waves():
+    answer = asp.steady_sliding(SOFT, ROUGH, speeds=[0.01, 1.0], pressure=30.0)
+    assert (answer["contact_fraction"] == 1).all()
+    qy, qx = waves(ROUGH.heights.shape, SPACING)
+    nyquist = np.isclose(np.abs(qx), np.abs(qx).max())
+    q, power = np.hypot(qy, qx), np.abs(np.fft.fft2(ROUGH.heights)) ** 2
+    short = 2 * np.pi / np.where(q > 0, q, 1.0) < 4 * max(SPACING) * (1 - 1e-9)
+    for speed, share in zip([0.01, 1.0], answer["last_octave"].values, strict=True):
+        parts = np.where(nyquist, 0.0, q * qx * relaxation(speed * qx, BRANCHES).imag * power)
+        assert share == pytest.approx(parts[short].sum() / parts.sum(), rel=1e-6)
+
+
 def test_an_elastic_solid_has_no_friction():
     answer = asp.steady_sliding(asp.solids.half_space(modulus=2.0), ROUGH, speeds=1.0, pressure=0.05)
     assert answer["hysteresis_friction_coefficient"].item() == 0

@@ -34,7 +34,8 @@ def with_bands(
     sums = {name: np.array([each[name] for each in tiles]) for name in tiles[0]}
     with np.errstate(divide="ignore", invalid="ignore"):
         logs = {name: np.log(without_each(part)) for name, part in sums.items()}
-        borne = bearing(sums["load"])
+        borne = {AREA: bearing(sums["load"])}
+        borne[HYSTERESIS] = borne[WHOLE] = np.minimum(borne[AREA], bearing(sums["friction"]))
     # Near full contact area and friction grow less than the load.
     full = saturation(dataset["contact_fraction"].values)[:, np.newaxis]
     moved = full * (logs["load"] - logs["sites"]) - logs["load"]
@@ -49,7 +50,7 @@ def with_bands(
     for name in (HYSTERESIS, WHOLE, *_LIKE):
         if name in dataset:
             base = _LIKE.get(name, name)
-            factors = np.exp(student(without[base], borne))
+            factors = np.exp(student(without[base], borne[base]))
             factors *= np.resize(draws.get(base, [[1.0]]), factors.shape)
             columns |= band_of(dataset[name], factors)
     return dataset.assign(columns)
