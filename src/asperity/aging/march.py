@@ -93,7 +93,7 @@ def creep(
     deformation
         What errors are relative to at least, length.
     fading
-        Whether an error counts only by what is left of it at the next of the times.
+        Whether an error counts by what is left of it at the next of the times, as long as a solid forgets.
     midway
         Go on from here, above the same surface, with all other arguments as at first.
     after_step
@@ -115,6 +115,7 @@ def creep(
     if keep_area and contact.area < (fewest := constant_area.TUNING.fewest_sites) and midway is None:
         expected = f"at least {fewest} sites in contact to keep the area"
         raise InputError("hold", expected=expected, got=contact.area, advice="a larger surface or more load")
+    fading = fading and not (system.yields or system.sticks)  # these remember for good
     march = _March(contact, chosen_solver(solver, system), rtol, fading, after_step)
     if midway is None:
         march.begin(system, exact, keep_area, deformation)
