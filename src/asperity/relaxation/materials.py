@@ -16,7 +16,7 @@ from asperity.base import units as si
 from asperity.base.files import content_of, expanded
 from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
-from asperity.errors import InputError, printable
+from asperity.errors import InputError, Name, printable
 from asperity.relaxation.data import Extrapolate, Measured, Modulus
 from asperity.relaxation.files import Kind, read
 from asperity.relaxation.fitting import Fit, fit
@@ -29,7 +29,10 @@ from asperity.solids.arguments import POISSON
 from asperity.solids.branches import check_branches
 from asperity.solids.continua import checked_poisson
 
-_READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
+_READING, _FITTING = (
+    ("kind", "columns", "units", "stress", "noise"),
+    ("branches", "per_decade", "extrapolate"),
+)
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
 _ELASTIC, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
@@ -106,6 +109,11 @@ _Noise = Annotated[
         swept=False,
     ),
 ]
+_Stress = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity("constant stress of a table of strain against time", "Pa", swept=False),
+]
 _Branches = Annotated[
     int | None,
     Ge(1),
@@ -172,6 +180,7 @@ def material(
     kind: _Kind = None,
     columns: _Columns = None,
     units: _Units = None,
+    stress: _Stress = None,
     noise: _Noise = None,
     branches: _Branches = None,
     per_decade: _PerDecade = None,
@@ -195,8 +204,8 @@ def material(
         A relaxation table: a file for `read`, or its result. Or a series; a half-space from
         `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
         an inference. None: an elastic half-space of `young` or `modulus`.
-    kind, columns, units, noise
-        Options of `read`.
+    kind, columns, units, stress, noise
+        Options of `read`. A table that gives the modulus up to a factor needs `young` or `modulus`.
     branches, per_decade, extrapolate
         Options of `fit`. With "model" the branches of an inference also count beyond its data.
     modulus
@@ -244,7 +253,11 @@ def material(
         how = {name: arguments[name] for name in _READING if name in arguments}
         table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
         options = {name: arguments[name] for name in _FITTING if name in arguments}
-        fitted = fit(table.shifted(factor), **options)
+        table = table.shifted(factor)
+        fitted = fit(table, **options)
+        if not table.absolute:
+            known, measured = _known(arguments)
+            fitted = fit(table.scaled(known / fitted.series.modulus), **options)
         series, measured = fitted.series, measured or fitted.data.measured
     modulus_arguments, of = _instantaneous(series, measured, arguments)
     solid = half_space(**modulus_arguments, branches=series.branches if series else (), hardness=hardness)
@@ -317,6 +330,17 @@ def _instantaneous(
         return {"modulus": series.modulus}, measured
     factor = 2 * (1 + ratio) if measured == "shear" else 1
     return {"young": series.modulus * factor, "poisson": ratio}, measured or "young"
+
+
+def _known(arguments: dict[str, Any]) -> tuple[float, Modulus]:
+    """Take the number of the modulus, which a table gives up to a factor, and which modulus it is."""
+    which: dict[str, Modulus] = {"young": "young", "modulus": "contact"}
+    for name in which:
+        if name in arguments and arguments[name] not in _WORDS:
+            return checks.number(name, si.quantity(arguments.pop(name), "Pa", name), above=0), which[name]
+    expected = "the instantaneous modulus beside a table that gives it up to a factor"
+    advice = Name("young"), ", or ", Name("stress"), " of a table of strain"
+    raise InputError("young", expected=expected, got="none", advice=advice)
 
 
 def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
