@@ -18,7 +18,7 @@ from asperity.relaxation import Material
 from asperity.solids import Solid
 
 HYSTERESIS, WHOLE, AREA = "hysteresis_friction_coefficient", "friction_coefficient", "contact_area"
-_LIKE = {"contact_area_corrected": AREA, "contact_fraction": AREA, AREA: AREA}
+_LIKE = {AREA: AREA, "contact_area_corrected": AREA, "contact_fraction": AREA}
 
 _LAGS = 60
 """Times at which the compliances of draws are compared."""
