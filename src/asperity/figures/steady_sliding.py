@@ -53,5 +53,7 @@ def steady_sliding_figure(dataset: xr.Dataset) -> style.Drawing:
     area = float(dataset.attrs["nominal_area"])
     pressure = float(dataset.attrs["load"]) / area
     shown = written(pressure, "Pa") if unit == "m/s" else f"{pressure:.4g}"
-    figure.suptitle(f"Steady sliding under {shown}, direction {json.loads(dataset.attrs['direction'])}")
+    banded = ", 95 % bands" * ("contact_fraction_low" in dataset)
+    direction = json.loads(dataset.attrs["direction"])
+    figure.suptitle(f"Steady sliding under {shown}, direction {direction}{banded}")
     return figure
