@@ -36,10 +36,11 @@ def with_bands(
         logs = {name: np.log(without_each(part)) for name, part in sums.items()}
         borne = {AREA: bearing(sums["load"])}
         borne[HYSTERESIS] = borne[WHOLE] = np.minimum(borne[AREA], bearing(sums["friction"]))
-    # Near full contact area and friction grow less than the load.
-    full = saturation(dataset["contact_fraction"].values)[:, np.newaxis]
-    moved = full * (logs["load"] - logs["sites"]) - logs["load"]
-    without = {AREA: (logs["area"] + moved).T, HYSTERESIS: (logs["friction"] + moved).T}
+        # Near full contact area and friction grow less than the load.
+        full = saturation(dataset["contact_fraction"].values)[:, np.newaxis]
+        moved = full * (logs["load"] - logs["sites"]) - logs["load"]
+        without = {AREA: (logs["area"] + moved).T, HYSTERESIS: (logs["friction"] + moved).T}
+        without = {name: np.where(np.isfinite(part), part, np.nan) for name, part in without.items()}
     draws = dict(solid)
     if WHOLE in dataset:
         share = (dataset[HYSTERESIS] / dataset[WHOLE]).values
