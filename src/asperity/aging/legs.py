@@ -61,7 +61,8 @@ def check_slides(legs: Iterable[Leg], lattice: Lattice, solid: Solid) -> None:
 def _moved(place: Frame, shifts: Shifts, count: int) -> Frame:
     """Where a number of shifts leads from a place."""
     shift = tuple(old + count * new for old, new in zip(place.shift, shifts.sites, strict=True))
-    return replace(place, displacement=place.displacement + count * shifts.length, shift=shift)
+    moved = place.displacement + count * shifts.length
+    return replace(place, displacement=moved, shift=shift, way=shifts.sites)
 
 
 def follow(
@@ -93,12 +94,15 @@ def follow(
 
 def _through(way: _Way, schedule: Schedule, resume: LegMidway | None) -> Iterator[Frame]:
     """Yield the frames of all legs; see `follow`."""
+    lattice = way.contact.lattice
+    first = next((shifts.sites for leg in schedule.legs if (shifts := leg.shifts(lattice))), ())
+    way.now = replace(way.now, way=first)
     if resume is None:
         yield way.now
     for number, leg in enumerate(schedule.legs):
         span = schedule.switches[number], schedule.switches[number + 1]
         resumed = resume if resume is not None and number == resume.leg else None
-        shifts = leg.shifts(way.contact.lattice)
+        shifts = leg.shifts(lattice)
         if resume is not None and number < resume.leg:
             if shifts is not None:
                 way.now = _moved(way.now, shifts, shifts.count)
@@ -209,6 +213,7 @@ class _Way:
             solver=self.solver,
             exact=self.exact,
             deformation=deformation,
+            fading=shifts > 0,
             midway=None if resume is None else resume.midway,
             after_step=keep,
         )
@@ -226,6 +231,7 @@ class _Way:
                 velocity=leg.speed,
                 shift=now.shift,
                 ages=self.ages,
+                way=now.way,
                 at_a_shift=shifts > 0 and time == end and shifts % leg.every == 0,
             )
             yield self.now

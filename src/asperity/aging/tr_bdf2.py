@@ -70,11 +70,15 @@ class Attempt:
 
 
 class Aim(NamedTuple):
-    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation."""
+    """Tolerances of both contact problems of a step, errors of u0 allowed instead, and the deformation.
+
+    Errors count after they have faded for a time ``left``, where the kind of steps can tell.
+    """
 
     tolerances: tuple[float, float]
     allowed_errors: tuple[float, float]
     deformation: float = math.nan
+    left: float = 0.0
 
 
 class Stage(NamedTuple):
@@ -141,6 +145,8 @@ class Steps(ABC):
 
     kind: ClassVar[str]
     """What checkpoints and frames call it."""
+    fades: ClassVar[bool] = False
+    """Whether it can tell how errors fade."""
 
     system: System
     time: float
@@ -227,6 +233,7 @@ class TrBdf2(Steps):
         tau, evenly, origin = DIAGONAL * duration, WEIGHT * duration, self.origin or duration
         logs, spent = [math.log(time + origin) for time in self.times], 0
         stages = (2 * tau, (tau,)), (duration, (evenly, evenly))
+        self.left = aim.left
         self.prepare(tau)
         try:
             for (ahead, creeps), *accuracy in zip(stages, aim.tolerances, aim.allowed_errors, strict=True):

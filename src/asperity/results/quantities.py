@@ -77,6 +77,7 @@ _SCALE = "mean contact force, or where the load has died out the smallest that t
 _REJECTED = "time steps repeated with a smaller length since the previous entry"
 _AT_HARDNESS = "number of sites in contact whose pressure is the hardness"
 _SLID = "length that the rough surface has slid since the start"
+_SLOPES = "force of the slopes of the rough surface against its motion"
 _SHEARED = "friction force, shear strength times real contact area"
 _COEFFICIENT = "friction coefficient, friction force over load"
 _STRENGTH = "shear strength, mean over the sites in contact"
@@ -114,6 +115,8 @@ QUANTITIES: tuple[Quantity, ...] = (
     Quantity("yielding_area", "sites", _AT_HARDNESS, _SHOWN, "yielding", label="yielding sites", whole=True),
     Quantity("displacement", "place", _SLID, _SHOWN, "sliding"),
     Quantity("velocity", "place / time", "sliding velocity", _RESULT, "sliding", symbol="V"),
+    Quantity("hysteresis_friction", "energy / place", _SLOPES, _RESULT, "sliding"),
+    Quantity("hysteresis_friction_coefficient", "1", f"{_SLOPES}, over load", _SHOWN, "sliding"),
     Quantity("friction_force", "force", _SHEARED, _SOLVED, "friction", symbol="F"),
     Quantity("friction", "1", _COEFFICIENT, _SOLVED, "friction", symbol="μ"),
     Quantity("friction_by_area", "1", f"{_COEFFICIENT}, without growth with age", _RESULT, "friction"),
@@ -217,6 +220,7 @@ _SYSTEMS = {
     "area": ("", "length unit^2", "m^2"),
     "force": ("stiffness unit * height unit", "force unit", "N"),
     "energy": ("stiffness unit * height unit^2", "force unit * length unit", "J"),
+    "energy / place": ("stiffness unit * height unit^2 / lattice spacing", "force unit", "N"),
     "energy / area": ("", "force unit / length unit", "J/m^2"),
     "pressure": ("stiffness unit * height unit / site", "force unit / length unit^2", "Pa"),
     "stress": ("stiffness unit * height unit", "force unit / length unit^2", "Pa"),
@@ -232,7 +236,7 @@ _SITES, _OWN, _SI = (
     {dimension: units[system] for dimension, units in _SYSTEMS.items() if units[system]}
     for system in range(3)
 )
-_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "stiffness": "N/m^2"}
+_SI_OF_A_LINE = {"area": "m", "force": "N/m", "energy": "J/m", "energy / place": "N/m", "stiffness": "N/m^2"}
 """Of a profile, which stands for a surface of ridges: for each metre of their length."""
 
 
