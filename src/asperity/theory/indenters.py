@@ -36,7 +36,7 @@ from asperity.errors import InputError
 
 Shape = Literal["ball", "cone", "punch"]
 
-_NODES = 24
+_NODES, _FEWEST = 24, 8
 _MEMORY = 40.0
 """Relaxation times after which exp(-t/tau) is below the rounding."""
 _NEWTON = 8
@@ -136,8 +136,8 @@ def ting(
     shape = tip_of(tip, radius, angle)
     times = np.array([time for _, time in series.branches])
     shares = np.array([series.permanent, *(share for share, _ in series.branches)])
-    force = shape.factor * series.modulus * forces(t, d, shares, times, shape.exponent, last)
-    return np.asarray(force)
+    force = forces(t, d[None], shares[None], times[None], shape.exponent, last)
+    return np.asarray(shape.factor * series.modulus * force[0])
 
 
 def _last_approach(t: Floats, d: Floats, retraction: float | None) -> int:
@@ -155,36 +155,25 @@ def _last_approach(t: Floats, d: Floats, retraction: float | None) -> int:
 
 
 def forces(t: Floats, d: Floats, shares: Floats, times: Floats, exponent: float, last: int) -> Floats:
-    """Force over factor and modulus, shape (n,), of shares (permanent, ...) with relaxation times, shape (m,).
+    """Force over factor and modulus, shape (m, n), of m solids at once; nothing is checked.
 
-    The retraction begins after the place `last`. Nothing is checked.
+    Depths have shape (m, n) or (1, n), relaxation times (m, k), and shares (m, k + 1), the permanent one
+    first. The retraction begins after the place `last`.
     """
-    if not (d[: last + 1] > 0).any():
-        return np.zeros(t.size)
-    place, t, d, last = _from_contact(t, d, last)
-    memory = np.append(math.inf, times)  # the permanent share never forgets
-    step, up = np.diff(t), np.maximum(d[: last + 1], 0.0)
-    decay = np.exp(-step[:, None] / memory)
-    gained = _gain(up[:-1], up[1:], step[:last], memory, exponent, np.ones(last))
-    pressed = _accumulated(decay[:last], gained)  # integral of exp(-(t - s)/tau) d(d^p)
-    moved = _accumulated(decay, np.diff(d)[:, None] * _mean_decay(step[:, None] / memory))  # and of dd
-    force = np.zeros(t.size)
-    force[: last + 1] = pressed @ shares
+    t = np.concatenate([t[:1], t])
+    d = np.concatenate([np.minimum(d[:, :1], 0.0), d], axis=1)
+    last += 1
+    memory = np.concatenate([np.full((len(times), 1), math.inf), times], axis=1)[:, None]
+    step = np.diff(t)[:, None] / memory
+    decay = np.exp(-step)
+    gained = _gain(d[:, :last], d[:, 1 : last + 1], step[:, :last], exponent, np.ones(last))
+    pressed = _accumulated(decay[:, :last], gained)  # integral of exp(-(t - s)/tau) d(d^p)
+    force = (pressed @ shares[..., None])[..., 0]
     if t.size > last + 1:
-        force[last + 1 :] = _withdrawn(t, d, shares, memory, exponent, last, pressed, moved)
-    whole = np.zeros(place.size)
-    whole[place] = np.maximum(force, 0.0)[1:]
-    return whole
-
-
-def _from_contact(t: Floats, d: Floats, last: int) -> tuple[NDArray[np.bool_], Floats, Floats, int]:
-    """Which times are after the first contact; times and depths from there on, and the place of the last."""
-    first = int(np.argmax(d > 0))
-    start = t[first]
-    if first:
-        start -= (t[first] - t[first - 1]) * d[first] / (d[first] - d[first - 1])
-    inside = np.arange(t.size) >= first
-    return inside, np.append(start, t[first:]), np.append(0.0, d[first:]), last - first + 1
+        moved = _accumulated(decay, np.diff(d)[..., None] * _mean_decay(step))  # and of dd
+        withdrawn = _withdrawn(t, d, shares, memory, exponent, last, pressed, moved)
+        force = np.concatenate([force, withdrawn], axis=1)
+    return np.maximum(force[:, 1:], 0.0)
 
 
 def _mean_decay(x: Floats) -> Floats:
@@ -192,30 +181,33 @@ def _mean_decay(x: Floats) -> Floats:
     return np.where(x > 1e-8, -np.expm1(-x) / np.maximum(x, 1e-8), 1 - x / 2)
 
 
-def _gain(begin: Floats, end: Floats, step: Floats, memory: Floats, exponent: float, part: Floats) -> Floats:
-    """Integral of exp(-(s1 - s)/tau) d(d^p) over parts of steps that end at s1, shape (n, m + 1).
+def _gain(begin: Floats, end: Floats, step: Floats, exponent: float, part: Floats) -> Floats:
+    """Integral of exp(-(s1 - s)/tau) d(d^p) over parts of steps, up to s1: shape (m, n, k + 1).
 
-    In sqrt(d) the integrand is smooth at the first contact. Nodes stand where the memory reaches.
+    The steps are over relaxation times. In sqrt(d) the integrand is smooth at the first contact. Nodes stand
+    where the memory reaches.
     """
-    node, weight = np.polynomial.legendre.leggauss(_NODES)
-    stop = (begin + part * (end - begin))[:, None]
-    x = (part * step)[:, None] / memory
-    low = np.sqrt(stop - (stop - begin[:, None]) * np.minimum(1.0, _MEMORY / np.maximum(x, 1e-300)))
+    few = _FEWEST + int(np.max(step, initial=0.0)) if np.max(step, initial=0.0) < _NODES else _NODES
+    node, weight = np.polynomial.legendre.leggauss(min(few, _NODES))
+    change = np.where(end == begin, 1.0, end - begin)[..., None]
+    stop = np.maximum(begin + part * (end - begin), 0.0)[..., None]
+    back = np.minimum(part[..., None], _MEMORY / np.maximum(step, 1e-300))
+    low = np.sqrt(np.maximum(begin[..., None] + (part[..., None] - back) * (end - begin)[..., None], 0.0))
     half = (np.sqrt(stop) - low) / 2
     root = low[..., None] + half[..., None] * (1 + node)
-    change = np.where(stop == begin[:, None], 1.0, stop - begin[:, None])[..., None]
-    before = (stop[..., None] - root**2) / change * x[..., None]
-    return np.asarray((weight * np.exp(-before) * root ** (2 * exponent - 1)).sum(-1) * half * 2 * exponent)
+    before = (stop[..., None] - root**2) * (step / change)[..., None]
+    return np.asarray((np.exp(-before) * root ** (2 * exponent - 1)) @ weight * half * 2 * exponent)
 
 
 def _accumulated(decay: Floats, gained: Floats) -> Floats:
-    """Solve x[j + 1] = decay[j] x[j] + gained[j] from x[0] = 0, in log2(n) passes; shape (n + 1, m)."""
-    factor, value, ahead = decay.copy(), gained.copy(), 1
-    while ahead < len(value):
-        value[ahead:] += factor[ahead:] * value[:-ahead]
-        factor[ahead:] = factor[ahead:] * factor[:-ahead]
+    """Solve x[j + 1] = decay[j] x[j] + gained[j], x[0] = 0, in log2(n) passes: shape (m, n + 1, k + 1)."""
+    shape = np.broadcast_shapes(decay.shape, gained.shape)
+    factor, value, ahead = np.broadcast_to(decay, shape).copy(), np.broadcast_to(gained, shape).copy(), 1
+    while ahead < shape[1]:
+        value[:, ahead:] += factor[:, ahead:] * value[:, :-ahead]
+        factor[:, ahead:] = factor[:, ahead:] * factor[:, :-ahead]
         ahead *= 2
-    return np.vstack([np.zeros((1, value.shape[1])), value])
+    return np.concatenate([np.zeros_like(value[:, :1]), value], axis=1)
 
 
 def _withdrawn(
@@ -229,31 +221,37 @@ def _withdrawn(
     moved: Floats,
 ) -> Floats:
     """Force during the retraction, by the time t1 of the approach with the same contact."""
-    now, after = moved[last + 1 :], t[last + 1 :]
+    after = t[last + 1 :]
+
+    def at(values: Floats, place: NDArray[np.intp]) -> Floats:
+        """Values of the knots, shape (m or 1, n, ...), at places of shape (m, after)."""
+        return np.asarray(values[np.arange(len(values))[:, None] if len(values) > 1 else 0, place])
+
+    def total(parts: Floats) -> Floats:
+        return np.asarray((parts @ shares[..., None])[..., 0])
 
     def excess(place: NDArray[np.intp]) -> Floats:
         """Integral of E* dd from a knot to each time, over the modulus."""
-        kept = np.exp(-(after - t[place])[:, None] / memory)
-        return np.asarray((now - kept * moved[place]) @ shares)
+        kept = np.exp(-(after - t[place])[..., None] / memory)
+        return total(moved[:, last + 1 :] - kept * at(moved, place))
 
-    low, high = np.zeros(after.size, np.intp), np.full(after.size, last)
-    lost = excess(low) <= 0
-    for _ in range(max(last, 1).bit_length()):
+    low = np.zeros((len(moved), after.size), np.intp)
+    high = np.full(low.shape, last)
+    for _ in range(last.bit_length()):
         middle = (low + high) // 2
         above = excess(middle) > 0
         low, high = np.where(above, middle, low), np.where(above, high, middle)
-    high = np.minimum(low + 1, last)
-    low = high - 1
-    begin, end, step = d[low], d[high], t[high] - t[low]
-    rise, missing = end - begin, excess(high)
-    kept = np.exp(-(after - t[high])[:, None] / memory)
-    part = np.ones(after.size)
+    low = np.minimum(low, last - 1)
+    high = low + 1
+    begin, rise, step = at(d, low), at(d, high) - at(d, low), (t[high] - t[low])[..., None] / memory
+    missing, kept = excess(high), np.exp(-(after - t[high])[..., None] / memory)
+    part = np.ones(low.shape)
     for _ in range(_NEWTON):  # concave in the part: from its end, Newton's steps approach from one side
-        back = (step * (1 - part))[:, None] / memory
-        value = missing + rise * (1 - part) * ((kept * _mean_decay(back)) @ shares)
-        slope = rise * ((kept * np.exp(-back)) @ shares)
+        back = step * (1 - part)[..., None]
+        value = missing + rise * (1 - part) * total(kept * _mean_decay(back))
+        slope = rise * total(kept * np.exp(-back))
         part = np.clip(part + np.where(slope > 0, value / np.where(slope > 0, slope, 1.0), 0.0), 0.0, 1.0)
-    gained = _gain(np.maximum(begin, 0.0), np.maximum(end, 0.0), step, memory, exponent, part)
-    at = np.exp(-(part * step)[:, None] / memory) * pressed[low] + gained
-    elapsed = after - (t[low] + part * step)
-    return np.where(lost, 0.0, (np.exp(-elapsed[:, None] / memory) * at) @ shares)
+    reached = np.exp(-part[..., None] * step) * at(pressed, low)
+    reached = reached + _gain(begin, begin + rise, step, exponent, part)
+    elapsed = after - (t[low] + part * (t[high] - t[low]))
+    return total(np.exp(-elapsed[..., None] / memory) * reached)
