@@ -15,9 +15,10 @@ import asperity as asp
 from asperity.base.rows import words_of
 from asperity.errors import CheckpointError, ConvergenceError, Remark
 from asperity.fits.result import student
-from asperity.inference import Prior, inferring, rivals, sampling, verdicts
+from asperity.inference import Prior, concluding, inferring, leastsquares, rivals, sampling, verdicts
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 from tests.refusals import refuses
 
 T = np.geomspace(1, 1e4, 25)

@@ -13,8 +13,8 @@ from asperity.base import checks
 from asperity.base.checks import Floats
 from asperity.figures import style
 from asperity.figures.page import Picture, pictures_of, written_page
-from asperity.inference.inferring import Inference
-from asperity.inference.verdicts import EXCLUDED
+from asperity.inference.found import Inference
+from asperity.inference.leastsquares import LIMIT
 
 _COLUMNS = 3
 _BINS = 41
@@ -83,7 +83,7 @@ def parameters_figure(inference: Inference) -> style.Drawing:
             axes.stairs(counts / counts.max(), steps, label=label, **look)
         at, deviance = inference.profiles[name]
         axes.plot(at, np.exp(-deviance / 2), color=style.VERMILION, linewidth=1.3, label="profile likelihood")
-        axes.axhline(EXCLUDED, color=style.VERMILION, linewidth=0.6, linestyle=":")
+        axes.axhline(np.exp(-LIMIT / 2), color=style.VERMILION, linewidth=0.6, linestyle=":")
         unit = f" [{verdict.unit}]" if verdict.unit else ""
         axes.set_title(f"{name}{unit}\n{verdict.verdict}")
         axes.set_yticks([])

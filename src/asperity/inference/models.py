@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import RectBivariateSpline
 from scipy.ndimage import map_coordinates
 
@@ -58,6 +58,10 @@ _RATIOS, _TIMES = (1e-2, 1e2), (1e-8, 1e16)
 """Ranges of k1/k0 and of k0 R t in which the lattice's compliance is tabulated."""
 
 
+def _nothing(_: Values) -> float:
+    return 0.0
+
+
 @dataclass(frozen=True)
 class Model:
     """A curve, and its parameters with their priors.
@@ -69,8 +73,8 @@ class Model:
         the radius of its contact.
     size
         The value before any growth, in absolute units; or None.
-    allowed
-        Whether sets of parameters are allowed.
+    excess
+        By how much sets of parameters leave what is allowed, shape (m, ...); at most 0 inside.
     held
         Load at a held displacement over its first value; None without a closed form.
     solid
@@ -85,7 +89,7 @@ class Model:
     growth: Curve
     priors: dict[str, Prior]
     size: Callable[[Values], Floats] | None = None
-    allowed: Callable[[Values], bool | NDArray[np.bool_]] = bool
+    excess: Callable[[Values], Floats | float] = _nothing
     held: Curve | None = None
     solid: Callable[[Mapping[str, float]], dict[str, object]] | None = None
     ramp: float = 0.0
@@ -205,7 +209,7 @@ def relaxation(first: float, last: float, branches: int) -> Model:
     numbers = range(1, branches + 1)
     priors = _BODY | {f"share_{n}": Prior("uniform", 0.0, 1.0) for n in numbers}
     priors |= {f"time_{n}": Prior("log_uniform", first / 100, 100 * last, "s") for n in numbers}
-    return Model("relaxation", _maxwell, priors, _of_body, _rising, _maxwell_held, _maxwell_solid)
+    return Model("relaxation", _maxwell, priors, _of_body, _beyond, _maxwell_held, _maxwell_solid)
 
 
 def _branches(p: Values) -> tuple[Floats, Floats]:
@@ -215,9 +219,10 @@ def _branches(p: Values) -> tuple[Floats, Floats]:
     return np.stack(shares, -1), np.stack(times, -1)
 
 
-def _rising(p: Values) -> NDArray[np.bool_]:
+def _beyond(p: Values) -> Floats:
+    """By how much shares sum to more than 1, and times fall, in ln."""
     shares, times = _branches(p)
-    return np.asarray((np.diff(times) > 0).all(-1) & (shares.sum(-1) <= 1))
+    return np.column_stack([shares.sum(-1) - 1, -np.diff(np.log(times))])
 
 
 def _maxwell(time: Floats, p: Values) -> Floats:
@@ -243,6 +248,7 @@ def _maxwell_held(time: Floats, p: Values) -> Floats:
 
 def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
     shares, times = _branches({name: np.array(value) for name, value in p.items()})
+    shares = shares / max(shares.sum(), 1.0)  # a search exceeds 1 a little
     return _half_space(p, branches=_rounded(zip(shares.tolist(), times.tolist(), strict=True)))
 
 
@@ -330,18 +336,20 @@ def eyring(first: float, last: float, _: int) -> Model:
         at(_eyring, first=first),
         priors,
         at(_of_flow, first=first),
-        allowed=at(_flows, last=last),
+        excess=at(_held_up, last=last),
         solid=_eyring_solid,
     )
 
 
 def _pressure(time: Floats | float, p: Values) -> Floats:
     """Pressure of the contacts over the stress of Eyring's law."""
-    return np.asarray(np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time))
+    pressure = np.log(2 * p["length"] / p["rate"])[:, None] - np.log(time)
+    return np.asarray(np.where(pressure < 1, np.exp(np.minimum(pressure, 1) - 1), pressure))  # finite below
 
 
-def _flows(p: Values, *, last: float) -> NDArray[np.bool_]:
-    return _pressure(last, p)[:, 0] > 1
+def _held_up(p: Values, *, last: float) -> Floats:
+    """By how much the pressure is below the stress of the law, over this."""
+    return 1 - _pressure(last, p)[:, 0]
 
 
 def _of_flow(p: Values, *, first: float) -> Floats:
