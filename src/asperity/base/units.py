@@ -26,7 +26,7 @@ _FACTOR = r"\(?(?:1(?=[ /])|[A-Za-zµμΩÅ°%]+(?:\^-?\d)?)\)?"
 _UNIT = re.compile(rf"{_FACTOR}(?:(?: ?[*/] ?| ){_FACTOR}){{0,5}}")
 _EXPONENT = re.compile(r"(?<=[A-Za-zΩÅ])(?:\*\*)?(-?\d)")
 _TIMES = "s ms us µs μs ns min h d Hz mHz kHz MHz rad deg rpm"
-_USUAL = f"{_TIMES} Pa kPa MPa GPa bar psi ksi N mN kN MN kgf m cm mm um µm μm nm".split()
+_USUAL = f"{_TIMES} Pa kPa MPa GPa bar psi ksi N mN uN µN μN nN pN kN MN kgf m cm mm um µm μm nm".split()
 _IN_WORDS = {
     "s": r"secs?|seconds?|sek|sekunden?|secondes?",
     "min": r"mins|minutes?|minuten",
