@@ -112,11 +112,13 @@ class IndentedSolid(Inference):
     def forces(self) -> pd.DataFrame:
         """Measured and predicted forces of the whole record, N: best fit, and 95 % band.
 
-        The solid is of the approach and the hold alone: beyond them, the force is predicted.
+        The solid is of the approach and the hold alone: the retraction is predicted. To this the force out of
+        contact after it is added, since the drag of a liquid changes its sign with the velocity.
         """
         record, _ = self.record.thinned(2 * _MOST)
         best = self.problem.values(self.rivals[0].at[np.newaxis])
-        whole = [_force(p, record, self.tip) for p in (best, self._drawn)]
+        drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
+        whole = [_force(p, record, self.tip) + drag for p in (best, self._drawn)]
         low, high = np.quantile(whole[1], (0.025, 0.975), axis=0)
         names = [name for name, *_ in record.segments]
         starts = np.array([first for _, first, _ in record.segments])
@@ -130,7 +132,8 @@ class IndentedSolid(Inference):
     def deviation(self) -> float:
         """Rms deviation of the retraction in contact from its prediction, over the largest force; or NaN."""
         rows = self.forces[self.forces["segment"] == "retraction"]
-        touching = (rows["force_N"] > _TOUCHING * self.record.largest) | (rows["predicted_N"] > 0)
+        most = np.maximum(rows["force_N"], rows["predicted_N"]) - (self._rest_after or 0.0)
+        touching = most > _TOUCHING * self.record.largest
         away = (rows["force_N"] - rows["predicted_N"])[touching]
         return float(np.sqrt((away**2).mean()) / self.record.largest) if away.size > 2 else math.nan
 
