@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,10 @@ from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import neighbors
 from asperity.fits.result import rms, student
 from asperity.inference.found import Inference
-from asperity.inference.leastsquares import best_fit, from_curvature, least, profiles
+from asperity.inference.leastsquares import Profile, best_fit, drawn, least, profiles
 from asperity.inference.models import MOST_BRANCHES, Model
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import ACCEPTED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
+from asperity.inference.rivals import ACCEPTED, CORRELATED, LEAST_ERROR, Plan, Rival, side_by_side, with_draws
 from asperity.inference.sampling import Draws, sample
 from asperity.inference.verdicts import Posterior
 from asperity.progress import Progress
@@ -31,11 +31,8 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 _FALLS = 2.0
 """Least fall of AICc at the most branches for which more are likely."""
 
-_CORRELATED = 0.7
-"""Largest correlation of neighboring misfits that is scatter."""
-
 _DRAWS = 512
-"""Draws from the curvature, a power of 2."""
+"""Draws along profiles."""
 
 
 @dataclass(frozen=True)
@@ -93,12 +90,12 @@ def conclude(
     first, remarks = _judged(rivals, stated(rivals[0]))
     say("following the profile of each parameter")
     best, followed = profiles(first.problem, first.at)
-    draws = _drawn(first.problem, best, seed, sampling, say)
+    draws = _drawn(first.problem, followed, seed, sampling, say)
     first = replace(first, at=best, z=draws.flat)
 
     def drawn_of(problem: Problem, at: Floats) -> Floats | None:
         if sampling is None:
-            return from_curvature(problem, least(problem, at[np.newaxis])[1][0], _DRAWS, seed)
+            return drawn(problem, profiles(problem, at)[1], _DRAWS, seed)[0]
         how: Any = {"walkers": 200, "effective": 200, "agreement": 1.05, "steps": 20, "draws": 250}
         try:
             return sample(problem, seed=seed, **how).flat
@@ -130,11 +127,16 @@ def conclude(
 
 
 def _drawn(
-    problem: Problem, best: Floats, seed: int, sampling: Sampling | None, say: Callable[[str], object]
+    problem: Problem,
+    followed: Mapping[int, Profile],
+    seed: int,
+    sampling: Sampling | None,
+    say: Callable[[str], object],
 ) -> Draws:
-    """Samples of the posterior, or draws from the curvature."""
+    """Samples of the posterior, or draws along profiles."""
     if sampling is None:
-        return Draws(from_curvature(problem, best, _DRAWS, seed)[np.newaxis], math.nan, math.nan)
+        z, worth = drawn(problem, followed, _DRAWS, seed)
+        return Draws(z[np.newaxis], math.nan, worth)
     say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {4 * sampling.walkers:,} walkers")
     return sample(problem, seed=seed, report=say, **vars(sampling))
 
@@ -164,14 +166,18 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         scatter, rho = problem.scatter(at)
         # For few points Student's t widens the intervals.
         scatter *= student(free) / student(math.inf)
+        counted = max(1.0, n * min(1.0, (1 - rho) / (1 + rho)))
+        noise = rho <= CORRELATED  # else the model misses; its errors are those of means
+        wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
         error = max(scatter, LEAST_ERROR) * problem.error
+        size = f"{100 * np.median(error / np.abs(problem.value)):.2g} % of the values, by the median"
         misfit = misfit * problem.error / error
-        relative = np.array_equal(problem.error, problem.value)
-        size = f"{100 * scatter:.2g} % of each value" if relative else f"{np.median(error):.2g}"
-        problem = replace(problem, error=error, rho=rho, informed=True)
+        problem = replace(
+            problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
+        )
         remarks.append(
             f"no errors were given: they are taken as {size}, from the scatter about the best fit, whose "
-            f"neighbors correlate by {rho:.2f}; so {n} points count as {problem.counted:.0f}"
+            f"neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
         )
     before, at = best_fit(problem, at[np.newaxis])
     if stated is not None:
@@ -187,7 +193,7 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
     def fails(misfit: Floats) -> bool:
         if informed:
             return bool(chi2.sf(misfit @ misfit, free) < _MISFIT)
-        return neighbors(misfit)[0] > max(_CORRELATED, 2 / math.sqrt(n))
+        return neighbors(misfit)[0] > max(CORRELATED, 2 / math.sqrt(n))
 
     if fails(misfit):
         how = f"by {rms(misfit):.3g} standard errors, rms" if informed else "by more than a scatter"

@@ -105,7 +105,7 @@ def corner_figure(inference: Inference) -> style.Drawing:
     side, shares = max(len(drawn), 2), np.array([0.025, 0.5, 0.975])
     figure = style.Drawing(figsize=2 * (min(1.8 * side, style.PAGE),))
     figure.table = {"quantile": shares} | {name: np.quantile(x, shares) for name, x in drawn.items()}
-    figure.elsewhere = "the samples in posterior.nc"
+    figure.elsewhere = "the samples in posterior.nc" if inference.sampled else "draws along profiles"
     panels = figure.subplots(len(drawn), len(drawn), sharex="col", squeeze=False)
     for row, (name, values) in enumerate(drawn.items()):
         for column, (other, across) in enumerate(drawn.items()):
@@ -128,10 +128,10 @@ def inference_pictures(found: Inference) -> dict[str, Picture]:
     checks.instance("found", found, Inference, "asperity.infer(time, area, error)")
     captions = {
         "curve": "The data, and the curve to ten times the last of them.",
-        "parameters": "Each parameter: its prior (gray), its posterior (blue), and its profile likelihood, "
-        "which falls below the dotted line outside of a 95 % interval. Where the blue fills the gray, the "
-        "data tell nothing.",
-        "corner": "Samples of the posterior: every pair of parameters that the curve contains.",
+        "parameters": "Each parameter: its prior (gray), draws of its posterior (blue), and its profile "
+        "likelihood, which falls below the dotted line outside of a 95 % interval. Where the blue fills the "
+        "gray, the data tell nothing.",
+        "corner": "Draws of the posterior: every pair of parameters that the curve contains.",
     }
     makers = {"curve": curve_figure, "parameters": parameters_figure, "corner": corner_figure}
     return pictures_of({name: (captions[name], partial(make, found)) for name, make in makers.items()})

@@ -83,11 +83,11 @@ class Inference(views.Brief, views.Pictured):
         findings = {f"{word[:1].upper()}{word[1:]}: {of}" for word, of in self.findings}
         rows += [Row("", sentence) for sentence in self.sentences if sentence not in findings]
         rows += [Row(*finding) for finding in self.findings]
+        if math.isfinite(self.problem.counted):
+            count = f"{self.time.size} points as {self.problem.counted:.0f} independent ones"
+            rows.append(Row("counted", count))
         if not self.sampled:
-            return [
-                *rows,
-                Row("counted", f"{self.time.size} rows as {self.problem.counted:.0f} independent ones"),
-            ]
+            return rows
         samples = f"R-hat {self.draws.r_hat:.4f}, {self.draws.effective:.0f} effective samples"
         return [*rows, Row("agreement", samples)]
 
@@ -98,7 +98,7 @@ class Inference(views.Brief, views.Pictured):
 
     @property
     def sampled(self) -> bool:
-        """Whether the draws are samples of the posterior, and not from the curvature at the best fit."""
+        """Whether the draws are samples of walkers, and not along profiles."""
         return math.isfinite(self.draws.r_hat)
 
     @functools.cached_property

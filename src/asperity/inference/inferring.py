@@ -21,7 +21,7 @@ from asperity.fits.curve import Series, refuse_decline
 from asperity.friction import Record, hold_peaks
 from asperity.inference.concluding import Sampling, conclude
 from asperity.inference.found import Inference
-from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, Model, of_name
+from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
 from asperity.inference.rivals import Plan, Rival
@@ -42,7 +42,7 @@ def infer(
     error: ArrayLike | None = None,
     *,
     model: str | Callable[..., ArrayLike] = "relaxation",
-    quantity: Literal["depth", "radius"] | None = None,
+    quantity: Literal["depth", "radius", "area"] | None = None,
     priors: Mapping[str, Given] | None = None,
     branches: int | None = None,
     absolute: bool = False,
@@ -56,7 +56,7 @@ def infer(
     progress: Progress | bool | None = None,
     checkpoint: str | Path | Checkpoint | None = None,
 ) -> Inference:
-    """Infer the parameters of a model from a curve of area or friction, with a verdict on each.
+    """Infer the parameters of a model from a curve of area, friction or force, with a verdict on each.
 
     Parameters
     ----------
@@ -64,16 +64,17 @@ def infer(
         Times not below 0, s, shape (n,), in any order; or a record of sliding with holds, for the model
         ``"healing"``.
     area
-        Areas, or static friction, above 0, shape (n,): in any unit, such as A(t)/A(0), unless they are
-        `absolute`.
+        Areas, static friction or forces above 0, shape (n,), in any unit, such as A(t)/A(0), unless they
+        are `absolute`.
     error
         Standard errors, one or shape (n,). By default the scatter about the best fit, whose neighbors
         may correlate; see `asperity.inference.problem`.
     model
-        ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"`` or
-        ``"ball"``, see `asperity.inference.models`; or a function of the times, and of parameters by name.
+        ``"relaxation"``, ``"power"``, ``"logarithm"``, ``"lattice"``, ``"eyring"``, ``"healing"``,
+        ``"ball"`` or ``"held"``, see `asperity.inference.models`; or a function of the times, and of
+        parameters by name.
     quantity
-        For a ball, the measured quantity: its depth, or the radius of its contact.
+        For a ball, the measured quantity: its depth, or the radius or area of its contact.
     priors
         Priors by parameter: the ends of a range, uniform in ln, a table such as ``{"kind": "normal", "mean":
         "100 N", "deviation": "1 N"}``, or a `Prior`. Other parameters have broad ones; see `Inference.model`.
@@ -108,29 +109,30 @@ def infer(
     t, v, errors = series.x, series.y, series.stderr
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
+    noise = _per_time(t, v) if model == "held" else v
     seed = checks.seed(seed, rng)
     checks.integer("walkers", walkers, least=50)
     checks.integer("effective", effective, least=1)
     if branches is not None:
         checks.integer("branches", branches, least=1, most=MOST_BRANCHES)
-        if model not in ("relaxation", "ball"):
-            expected = "model 'relaxation' or 'ball' beside it"
+        if model not in OF_BRANCHES:
+            expected = "model 'relaxation', 'ball' or 'held' beside it"
             raise InputError("branches", expected=expected, got=checks.shown(model))
     if callable(model) and workers > 1:
         _check_importable(model)
     ranges = checks.instance("priors", {} if priors is None else priors, dict, "{'time_1': (1, 1e6)}")
-    model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=measured)
+    model_of = functools.partial(of_name, time=t, value=v, ramp=loading, quantity=quantity)
     model_with_priors = functools.partial(model_of, model, priors=ranges, absolute=absolute)
     least = max([branches or 1, *(int(key[-1]) for key in ranges if _NUMBERED.fullmatch(key))])
-    most = MOST_BRANCHES if branches is None and model in ("relaxation", "ball") else least
+    most = MOST_BRANCHES if branches is None and model in OF_BRANCHES else least
     model_with_priors(branches=least)  # mistakes in priors first
 
     def plan(name: object, branches: int, *, chosen: bool) -> Plan:
         """A model with default priors, for errors and comparisons without those of the user."""
         kept = ranges if chosen and callable(model) else None
         made = model_of(name, branches=branches, priors=kept, absolute=absolute and chosen)
-        problem = Problem(t, v, v if errors is None else errors, made, informed=errors is not None)
-        several = name in ("relaxation", "ball")
+        problem = Problem(t, v, noise if errors is None else errors, made, informed=errors is not None)
+        several = name in OF_BRANCHES
         return (
             (counted(branches, "relaxation time"), branches, problem) if several else (made.name, 0, problem)
         )
@@ -143,7 +145,11 @@ def infer(
     tried = [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
     taken = {("relaxation" if model == "ball" else model, n) for n in range(least, most + 1)}
     taken |= {("logarithm", 1)} if model == "healing" else set()  # the same curve
-    others = [] if callable(model) else [plan(*key, chosen=False) for key in tried if key not in taken]
+    others = (
+        []
+        if callable(model) or model == "held"
+        else [plan(*key, chosen=False) for key in tried if key not in taken]
+    )
     sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
     with listener(progress) as listening:
         found = conclude(
@@ -168,9 +174,10 @@ def _data(
         peaks = hold_peaks(time)
         time, area = peaks.duration, peaks.peak
     if (quantity in OF_BALL) != (model == "ball") or (quantity is not None and model != "ball"):
-        expected = "depth or radius for the model 'ball', and none for others"
+        expected = "depth, radius or area for the model 'ball', and none for others"
         raise InputError("quantity", expected=expected, got=checks.shown(quantity))
-    measured = str(quantity or ("friction" if model == "healing" else "area"))
+    of_models = {"healing": "friction", "held": "force"}
+    measured = str(quantity or of_models.get(str(model), "area"))
     if error is not None and (errors := checks.positive("error", error)).ndim == 0:
         error = np.full(np.shape(area), errors)  # type: ignore[arg-type]
     series = Series.checked(time, area, error, ("time", measured, "error"))
@@ -180,12 +187,18 @@ def _data(
     if t[-1] > LARGEST:
         raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if not callable(model):
-        refuse_decline(series, measured)
+        refuse_decline(series, measured, falls=model == "held")
     if (many := t.size) <= _MOST_POINTS:
         return series, measured, []
     chosen = _chosen(t)
     remark = f"took {chosen.size:,} of {many:,} points, at even distances in ln t: means of the others over "
     return series.where(chosen), measured, [f"{remark}short times would narrow the intervals"]
+
+
+def _per_time(t: Floats, v: Floats) -> Floats:
+    """Shape of the noise of a force: a row is the mean over the time around it."""
+    width = np.gradient(t) / np.ptp(t)
+    return np.asarray(v.mean() / np.sqrt(np.maximum(width, 1e-3 * width.mean())))
 
 
 def _check_importable(model: object) -> None:

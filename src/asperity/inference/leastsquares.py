@@ -3,20 +3,20 @@
 Searches are by Levenberg's and Marquardt's method in the coordinates of the priors, within their bounds. What
 a model does not allow is a large misfit. The profile of a parameter is the least sum of squares over all
 others: -2 ln of the profile likelihood, up to a constant. It is followed from the best fit toward either end
-of the prior, until it passes the level of a 95 % interval. Draws are of the normal distribution with the
-curvature at the best fit, and each is then moved to where the curve, in place of its linear part, changes by
-as much (Y. Chen, D. S. Oliver, Math. Geosci. 44, 1 (2012), doi:10.1007/s11004-011-9376-z).
+of the prior, until it passes the level of a 95 % interval. Draws are of a mixture of normal distributions
+along the profiles, resampled by importance (D. B. Rubin, J. Am. Stat. Assoc. 82, 543 (1987),
+doi:10.2307/2289460).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
-from scipy.stats import chi2, qmc
+from scipy.special import logsumexp
+from scipy.stats import chi2
 
 from asperity.base.checks import Floats
 from asperity.fits.result import SURE
@@ -42,6 +42,8 @@ _BETTER = 1e-2
 """Fall of the squares by which a profile has found a better fit."""
 _RANGE = 12.0
 """One over the variance of the coordinate in a range."""
+_NEAR, _WIDENED, _PROPOSED = 1e-4, 1.3, 8
+"""Least relative share of a point of a profile, factor of its spread, and proposals for each draw."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +81,11 @@ def least(
     *,
     held: NDArray[np.bool_] | None = None,
     beyond: NDArray[np.bool_] | None = None,
-    target: Floats | float = 0.0,
-    rounds: int = _ROUNDS,
 ) -> tuple[Floats, Floats]:
     """Least squares from starts z, shape (m, parameters): squares (m,), and coordinates.
 
     Parameters that are ``held``, (m, parameters), stay; ranges of those ``beyond`` are five times as wide.
-    Priors of `Problem.informative` parameters count as data. ``target`` are misfits to come to.
+    Priors of `Problem.informative` parameters count as data.
     """
     used = np.isin(np.arange(z.shape[1]), problem.used)
     free: NDArray[np.bool_] = np.broadcast_to(used, z.shape) & ~(np.zeros(1, bool) if held is None else held)
@@ -93,21 +93,20 @@ def least(
     low, high = np.moveaxis(np.broadcast_to(problem.reach + wider, (*z.shape, 2)), -1, 0)
     z = np.where(free, np.clip(z, low, high), z)
     residual = _residual(problem, z)
-    target = np.broadcast_to(target, residual.shape)
-    squares = ((residual - target) ** 2).sum(-1)
+    squares = (residual**2).sum(-1)
     damping, active = np.full(len(z), 1e-2), np.arange(len(z))
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         if not active.size:
             break
         at, places = z[active], np.flatnonzero(free[active].any(0))
         slopes = _slopes(problem, at, residual[active], places, high[active])
-        gradient = (slopes @ (residual - target)[active][..., None])[..., 0]
+        gradient = (slopes @ residual[active][..., None])[..., 0]
         outward = np.where(gradient > 0, at <= low[active], at >= high[active])
         stuck = outward | ~free[active]
         step = _step(slopes, gradient, stuck, damping[active])
         tried = np.where(stuck, at, np.clip(at + step, low[active], high[active]))
         left = _residual(problem, tried)
-        sums = ((left - target[active]) ** 2).sum(-1)
+        sums = (left**2).sum(-1)
         fell = squares[active] - sums
         better = fell > 0
         done = (better & (fell <= _SETTLED * squares[active])) | (damping[active] > _PATIENCE)
@@ -157,23 +156,19 @@ def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Flo
     if starts is None:
         z = problem.of_prior(np.random.default_rng(0), _TRIED)
         starts = z[np.argsort(problem.log_likelihood(z))[: -_STARTS - 1 : -1]]
-    squares, z = least(problem, starts)
+    used = np.isin(np.arange(starts.shape[1]), problem.used)
+    squares, z = least(problem, np.where(used, starts, problem.reach.mean(1)))
     first = int(np.argmin(squares))
     return float(squares[first]), z[first]
 
 
-def slopes_at(problem: Problem, z: Floats) -> Floats:
-    """Change of the residual with each coordinate at z, shape (parameters, rows); 0 for unused ones."""
-    at, used = z[None], np.array(problem.used)
-    return np.asarray(_slopes(problem, at, _residual(problem, at), used, problem.reach[None, :, 1])[0])
-
-
-def covariance(problem: Problem, z: Floats) -> Floats:
-    """Covariance of the coordinates by the curvature at the best fit z, and the width of ranges."""
-    slopes = slopes_at(problem, z)
-    ranges = np.array([_RANGE * prior.bounded for prior in problem.model.priors.values()])
-    unused = ~np.isin(np.arange(z.size), problem.used)
-    return np.asarray(np.linalg.inv(slopes @ slopes.T + np.diag(ranges + unused)))
+def covariances(problem: Problem, z: Floats) -> Floats:
+    """Covariance of used coordinates by curvature at each z, and the width of ranges: (m, used, used)."""
+    used, priors = np.array(problem.used), list(problem.model.priors.values())
+    high = np.broadcast_to(problem.reach[:, 1], z.shape)
+    slopes = _slopes(problem, z, _residual(problem, z), used, high)[:, used]
+    ranges = np.diag([_RANGE * priors[place].bounded for place in used])
+    return np.asarray(np.linalg.inv(slopes @ slopes.swapaxes(-1, -2) + ranges))
 
 
 def profiles(problem: Problem, best: Floats) -> tuple[Floats, dict[int, Profile]]:
@@ -192,7 +187,8 @@ class _March:
     def __init__(self, problem: Problem, best: Floats) -> None:
         squares, z = least(problem, best[None])
         self.problem, self.best, self.least = problem, z[0], float(squares[0])
-        self.spread = covariance(problem, self.best)
+        self.spread = np.zeros(2 * (best.size,))
+        self.spread[np.ix_(problem.used, problem.used)] = covariances(problem, self.best[None])[0]
         self.points: dict[tuple[int, int], list[tuple[float, Floats]]] = {
             (place, side): [(0.0, self.best)] for place in problem.used for side in (-1, 1)
         }
@@ -279,18 +275,36 @@ class _March:
             self.passed = z[int(np.argmin(deviance))]
 
 
-def from_curvature(problem: Problem, best: Floats, count: int, seed: int) -> Floats:
-    """Draws of all parameters about the best fit, shape (count, parameters); of the prior if unused."""
-    random = np.random.default_rng(seed)
-    z = problem.of_prior(random, count)
-    spread, used = covariance(problem, best), problem.used
-    root = np.linalg.cholesky(spread[np.ix_(used, used)])
-    even = ndtri(qmc.Sobol(len(used), rng=random).random(count))  # their moments are nearly exact
-    z[:, used] = best[used] + even @ root.T
+def drawn(problem: Problem, followed: Mapping[int, Profile], count: int, seed: int) -> tuple[Floats, float]:
+    """Draws of the posterior, shape (count, parameters), and the number that they are worth.
+
+    Proposals are normal about the points of all profiles, with the curvature there; the posterior over their
+    density chooses among them. Unused parameters are drawn from their priors.
+    """
+    random, used = np.random.default_rng(seed), problem.used
+    shares = [np.exp(-one.deviance / 2) * np.gradient(one.at) for one in followed.values()]
+    share = np.concatenate([each / each.sum() for each in shares])
+    near = share > _NEAR * share.max()
+    share, centers = (
+        share[near] / share[near].sum(),
+        np.concatenate([one.z for one in followed.values()])[near],
+    )
+    spread = _WIDENED * np.linalg.cholesky(covariances(problem, centers))
+    chosen = random.choice(share.size, _PROPOSED * count, p=share)
+    z = problem.of_prior(random, chosen.size)
+    steps = (spread[chosen] @ random.standard_normal((chosen.size, len(used), 1)))[..., 0]
+    z[:, used] = centers[chosen][:, used] + steps
     low, high = problem.reach.T
-    folded = np.abs((z - low) % (2 * (high - low)))
     bounded = np.array([prior.bounded for prior in problem.model.priors.values()])
-    z = np.where(bounded, low + np.minimum(folded, 2 * (high - low) - folded), z)
-    target = _residual(problem, best[None]) + (z - best) @ slopes_at(problem, best)
-    target[:, problem.time.size + len(problem.informative) :] = 0.0  # all draws are allowed
-    return least(problem, z, target=target, rounds=_MARCHES)[1]
+    inside = (((z >= low) & (z <= high)) | ~bounded).all(-1)
+    weights = np.full(chosen.size, -np.inf)
+    apart = z[inside][:, None, used] - centers[:, used]
+    scaled = np.linalg.solve(spread, apart[..., None])[..., 0]
+    volume = np.log(np.einsum("mii->mi", spread)).sum(-1)
+    density = logsumexp(-(scaled**2).sum(-1) / 2 - volume, b=share, axis=-1)
+    prior = -(z[inside][:, problem.informative] ** 2).sum(-1) / 2
+    weights[inside] = problem.log_likelihood(z[inside]) + prior - density
+    weights = np.exp(weights - weights.max())
+    weights /= weights.sum()
+    places = np.searchsorted(np.cumsum(weights), (np.arange(count) + random.random()) / count)
+    return z[np.minimum(places, chosen.size - 1)], float(1 / (weights @ weights))

@@ -13,7 +13,8 @@ A curve is a size times a growth. Light contacts of separable solids, by J the c
     eyring      s(first)/s(t), s = stress ln(2 length/(rate t)): `asperity.theory.flowing_area`
                 size = load/s(first)
     healing     static friction, 1 + (B/scale) ln(1 + t/time)
-    ball        depth^(3/2) or contact radius^3 of a ball under a held load, J(t)/J(0) as in relaxation
+    held        force at a held depth, E(t)/E(0) of a Maxwell solid
+    ball        depth^(3/2), contact radius^3 or area^(3/2) of a ball under a held load, J(t)/J(0)
                 size = `asperity.theory.hertz` (E. H. Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960),
                 doi:10.1115/1.3644020)
 
@@ -119,7 +120,7 @@ def of_name(
     branches: int,
     absolute: bool,
     ramp: float = 0.0,
-    quantity: str = "area",
+    quantity: str | None = None,
 ) -> Model:
     """Make a model by its name, with default priors that are wide for the data; or of a user's function."""
     if ramp and name not in (*CREEP, "ball"):
@@ -132,7 +133,7 @@ def of_name(
     checks.choice("model", name, (*MODELS, "ball", "a function of time and parameters"))
     ends = float(time[time > 0][0]), float(time[-1])
     built = MODELS["relaxation" if name == "ball" else str(name)](*ends, branches)
-    if quantity in OF_BALL:
+    if quantity is not None:
         creep = {key: prior for key, prior in built.priors.items() if key not in _BODY}
         size = functools.partial(_of_ball, quantity=quantity)
         named = built.name if name in CREEP[1:] else "ball"
@@ -144,7 +145,7 @@ def of_name(
             **ranges,
         }
     elif built.size is None:
-        raise InputError("absolute", expected="areas, for friction has no unit", got=f"model {name!r}")
+        raise InputError("absolute", expected="none, for only ratios count", got=f"model {name!r}")
     for key, stated in (priors or {}).items():
         if key not in ranges:
             expected = f"a parameter: {', '.join(ranges)}"
@@ -175,13 +176,14 @@ _BALL = {
     "modulus": _MODULUS,
     "radius": Prior("log_uniform", 1e-9, 1.0, "m"),
 }
-OF_BALL = {"depth": 2 / 3, "radius": 1 / 3}
-"""Measured quantities of a ball, and their powers of J."""
+OF_BALL = {"depth": 2 / 3, "radius": 1 / 3, "area": 2 / 3}
+"""Measured quantities of a ball under a held load, and their powers of J."""
 
 
 def _of_ball(p: Values, *, quantity: str) -> Floats:
     contact = hertz(p["load"], modulus=p["modulus"], radius=p["radius"])
-    return contact.approach if quantity == "depth" else contact.contact_radius
+    radius = contact.contact_radius
+    return {"depth": contact.approach, "radius": radius, "area": np.pi * radius**2}[quantity]
 
 
 def _of_body(p: Values) -> Floats:
@@ -250,6 +252,13 @@ def _maxwell_solid(p: Mapping[str, float]) -> dict[str, object]:
     shares, times = _branches({name: np.array(value) for name, value in p.items()})
     shares = shares / max(shares.sum(), 1.0)  # a search exceeds 1 a little
     return _half_space(p, branches=_rounded(zip(shares.tolist(), times.tolist(), strict=True)))
+
+
+def held(first: float, last: float, branches: int) -> Model:
+    """Force of a half-space at a held depth, with relaxation times in rising order."""
+    made = relaxation(first, last, branches)
+    priors = {name: prior for name, prior in made.priors.items() if name not in _BODY}
+    return replace(made, name="held", growth=_maxwell_held, priors=priors, size=None, held=None)
 
 
 def power(first: float, last: float, _: int) -> Model:
@@ -402,10 +411,13 @@ def _own_curve(time: Floats, p: Values, *, function: Callable[..., ArrayLike]) -
     return np.array(curves, dtype=np.float64).reshape(-1, time.size)
 
 
+OF_BRANCHES = ("relaxation", "ball", "held")
+"""Models of relaxation times."""
+
 CREEP = ("relaxation", "power", "logarithm")
 """Models of a separable half-space."""
 
 MODELS: dict[str, Callable[[float, float, int], Model]] = {
-    make.__name__: make for make in (relaxation, power, logarithm, lattice, eyring, healing)
+    make.__name__: make for make in (relaxation, held, power, logarithm, lattice, eyring, healing)
 }
 """Models by name: functions of the first and the last time and a number of branches."""

@@ -52,6 +52,8 @@ class Problem:
         Curve, parameters and priors, see `asperity.inference.problem`.
     rho
         Correlation of the errors of neighboring rows, an autoregressive series of first order.
+    counted
+        Number of independent rows that tell as much about a mean; NaN if errors are given.
     informed
         Whether the size of the errors is known; else priors do not count as data.
     """
@@ -61,12 +63,8 @@ class Problem:
     error: Floats
     model: Model
     rho: float = 0.0
+    counted: float = math.nan
     informed: bool = True
-
-    @property
-    def counted(self) -> float:
-        """Number of independent rows that tell as much about a mean: n (1 - rho)/(1 + rho)."""
-        return self.time.size * min(1.0, (1 - self.rho) / (1 + self.rho))
 
     def values(self, z: Floats) -> dict[str, Floats]:
         """All parameters at coordinates of shape (m, parameters)."""

@@ -28,6 +28,9 @@ _HELD, _OF = 3, 5
 LEAST_ERROR = 1e-9
 """Least relative error of data: that of rounding."""
 
+CORRELATED = 0.7
+"""Largest correlation of neighboring misfits that is scatter."""
+
 _FACTORS = 10, 100, 1000
 """Times over the last one at which models are compared."""
 
@@ -119,7 +122,7 @@ def side_by_side(family: Sequence[Plan], others: Sequence[Plan]) -> list[Rival]:
         raise InputError("time", expected=expected, got=problem.time.size, advice=advice)
     every = [*members, *(rival for plan in others if (rival := Rival.fitted(*plan)) is not None)]
     closest = min(every, key=lambda rival: rms(rival.misfit))
-    rho = 0.0 if closest.problem.informed else closest.problem.scatter(closest.at)[1]
+    rho = 0.0 if closest.problem.informed else min(closest.problem.scatter(closest.at)[1], CORRELATED)
     scores = [rival.score(min(1.0, (1 - rho) / (1 + rho))) for rival in every]
     first, lowest = int(np.argmin(scores[: len(members)])), min(scores)
     order = [first, *(n for n in range(len(every)) if n != first)]
@@ -135,7 +138,7 @@ def with_draws(
     of relaxation times only that with the least AICc is acceptable.
     """
     scale = rivals[0].problem.error / first.problem.error
-    errors = {name: getattr(first.problem, name) for name in ("error", "rho", "informed")}
+    errors = {name: getattr(first.problem, name) for name in ("error", "rho", "counted", "informed")}
     best = min((rival.aicc for rival in rivals if rival.times), default=0.0)
     least_missed = min((rival.missed for rival in rivals if math.isfinite(rival.missed)), default=-math.inf)
     drawn = []

@@ -158,7 +158,7 @@ class Posterior:
             low, value, high = prior.at(np.insert(self._interval(place, prior, ends), 1, value)).tolist()
             one = self.followed.get(place)
             both = np.array([side * math.inf if one is None else one.end(side, LIMIT) for side in (-1, 1)])
-            profile = np.where(np.isfinite(both), prior.at(both), both)
+            profile = np.where(np.isfinite(both), prior.at(np.where(np.isfinite(both), both, 0.0)), both)
             verdict = Verdict(name, prior.unit, WORD[ends], low, high, value, (*profile.tolist(),))
             if verdict.verdict == "bounded" and verdict.factor < FACTOR:
                 verdict = replace(verdict, verdict="determined")
