@@ -31,6 +31,9 @@ _MISFIT, _MUCH_BETTER = 1e-3, 50.0
 _FALLS = 2.0
 """Least fall of AICc at the most branches for which more are likely."""
 
+_NOTHING = 1e-300
+"""Least value over which an error is relative."""
+
 _DRAWS = 512
 """Draws along profiles."""
 
@@ -170,7 +173,7 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         noise = rho <= CORRELATED  # else the model misses; its errors are those of means
         wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
         error = max(scatter, LEAST_ERROR) * problem.error
-        size = f"{100 * np.median(error / np.abs(problem.value)):.2g} % of the values, by the median"
+        size = f"{100 * np.median(error / np.maximum(np.abs(problem.value), _NOTHING)):.2g} % of the values, by the median"
         misfit = misfit * problem.error / error
         problem = replace(
             problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True

@@ -24,7 +24,7 @@ from asperity.inference.models import MOST_BRANCHES, Model, Values, relaxation
 from asperity.inference.priors import Given, Prior
 from asperity.inference.problem import Problem
 from asperity.progress import Progress
-from asperity.theory.indenters import Shape, Tip, forces, tip_of
+from asperity.theory.indenters import SHAPES, Tip, forces, tip_of
 
 _MOST = 150
 """Most rows of each segment that are fitted, as means of neighbors."""
@@ -189,7 +189,7 @@ class IndentedSolid(Inference):
 def of_record(
     record: Indentation,
     *,
-    tip: Shape,
+    tip: object,
     radius: float | str | None = None,
     angle: float | str | None = None,
     poisson: float | None = None,
@@ -200,7 +200,7 @@ def of_record(
     listening: Progress | None = None,
 ) -> IndentedSolid:
     """Infer the solid under an indenter; arguments are those of `asperity.infer`."""
-    shape = tip_of(tip, radius, angle)
+    shape = tip_of(checks.choice("model", tip, SHAPES), radius, angle)
     if poisson is not None:
         poisson = checks.number("poisson", poisson, least=-1, most=0.5)
     few, count = record.thinned(_MOST)
@@ -210,7 +210,7 @@ def of_record(
     error = record.largest / np.sqrt(count[rows])
     family = []
     for n in [branches] if branches else range(1, MOST_BRANCHES + 1):
-        model = _model(tip, few, shape, n)
+        model = _model(str(tip), few, shape, n)
         problem = Problem(few.time[rows], few.force[rows], error, model, informed=False)
         family.append((counted(n, "relaxation time"), n, problem))
 

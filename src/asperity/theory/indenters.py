@@ -24,7 +24,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,6 +35,7 @@ from asperity.base.units import number
 from asperity.errors import InputError
 
 Shape = Literal["ball", "cone", "punch"]
+SHAPES = get_args(Shape)
 
 _NODES, _FEWEST = 24, 8
 _MEMORY = 40.0
@@ -70,7 +71,7 @@ class Tip:
 
 def tip_of(tip: Shape, radius: float | str | None, angle: float | str | None = None) -> Tip:
     """Make a tip from its shape, radius (m) and half-angle (degrees); `InputError` without its size."""
-    checks.choice("tip", tip, ("ball", "cone", "punch"))
+    checks.choice("tip", tip, SHAPES)
     size, other = ("angle", radius) if tip == "cone" else ("radius", angle)
     given = angle if tip == "cone" else radius
     if given is None or other is not None:
