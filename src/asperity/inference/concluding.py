@@ -173,14 +173,14 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         noise = rho <= CORRELATED  # else the model misses; its errors are those of means
         wide = 1.0 if noise else math.sqrt((1 + rho) / (1 - rho))
         error = max(scatter, LEAST_ERROR) * problem.error
-        size = f"{100 * np.median(error / np.maximum(np.abs(problem.value), _NOTHING)):.2g} % of the values, by the median"
+        size = 100 * np.median(error / np.maximum(np.abs(problem.value), _NOTHING))
         misfit = misfit * problem.error / error
         problem = replace(
             problem, error=wide * error, rho=rho if noise else 0.0, counted=counted, informed=True
         )
         remarks.append(
-            f"no errors were given: they are taken as {size}, from the scatter about the best fit, whose "
-            f"neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
+            f"no errors were given: they are taken as {size:.2g} % of the values, by the median, from the "
+            f"scatter about the best fit, whose neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
         )
     before, at = best_fit(problem, at[np.newaxis])
     if stated is not None:
