@@ -180,7 +180,8 @@ def _judged(rivals: list[Rival], stated: Model | None) -> tuple[Rival, list[str]
         )
         remarks.append(
             f"no errors were given: they are taken as {size:.2g} % of the values, by the median, from the "
-            f"scatter about the best fit, whose neighbors correlate by {rho:.2f}; so {n} points count as {counted:.0f}"
+            f"scatter about the best fit, whose neighbors correlate by {rho:.2f}; so {n} points count as "
+            f"{counted:.0f}"
         )
     before, at = best_fit(problem, at[np.newaxis])
     if stated is not None:

@@ -61,7 +61,7 @@ class IndentedSolid(Inference):
         at = np.geomspace(*self.record.span, 3)
         rows = self.record.rows()
         for time, (low, value, high) in zip(at, self.modulus_at(at).T, strict=True):
-            rows.append(Row(f"{self._kind} at {time:.3g} s", value, "Pa", (low, high), brief=True))
+            rows.append(Row(f"{self.kind} at {time:.3g} s", value, "Pa", (low, high), brief=True))
         if math.isfinite(self.deviation):
             words = f"{100 * self.deviation:.2g} % of the largest force, rms in contact"
             rows.append(Row("retraction off its prediction by", words, brief=True))
@@ -70,7 +70,8 @@ class IndentedSolid(Inference):
         return [*rows, *super().rows()]
 
     @property
-    def _kind(self) -> str:
+    def kind(self) -> str:
+        """Which modulus `modulus_at` is: Young's, or the contact modulus."""
         return "contact modulus E*" if self.poisson is None else "Young's modulus"
 
     @property
@@ -160,7 +161,7 @@ class IndentedSolid(Inference):
         if self.pull_off > _ADHESIVE * largest:
             remarks.append(
                 f"adhesive: the tip is pulled by up to {self.pull_off:.2g} N before it is off, "
-                f"{100 * self.pull_off / largest:.2g} % of the largest force; this model has no adhesion"
+                f"{100 * self.pull_off / largest:.0f} % of the largest force; this model has no adhesion"
             )
         rest = self._rest_after
         if rest is not None and abs(rest) > _DRAG * largest and self.record.touched:
@@ -176,9 +177,13 @@ class IndentedSolid(Inference):
         return replace(self, remarks=(*self.remarks, *remarks))
 
     def solid(self) -> dict[str, object]:
-        """Section ``[solid]`` of a configuration; see `Inference.solid`."""
+        """Section ``[solid]`` of a configuration, of the best fit, without draws.
+
+        Draws have branches alone, and the modulus of a record goes with them.
+        """
         first, last = self.record.span
         keys = super().solid() | {"data_first": f"{first:.6g} s", "data_last": f"{last:.6g} s"}
+        keys.pop("draws", None)
         if self.poisson is not None and "modulus" in keys:
             modulus, _, unit = str(keys.pop("modulus")).partition(" ")
             young = {"young": f"{self._young * float(modulus):.6g} {unit}", "poisson": self.poisson}
