@@ -64,8 +64,9 @@ class IndentedSolid(Inference):
         rows = self.record.rows()
         for time, (low, value, high) in zip(at, self.modulus_at(at).T, strict=True):
             rows.append(Row(f"{self.kind} at {time:.3g} s", value, "Pa", (low, high), brief=True))
-        if math.isfinite(self.deviation):
-            words = f"{100 * self.deviation:.2g} % of the largest force, rms in contact"
+        if math.isfinite(self.deviation[0]):
+            best, low, high = (f"{100 * one:.2g}" for one in self.deviation)
+            words = f"{best} % of the largest force (95 %: {low} to {high}), rms in contact"
             rows.append(Row("retraction off its prediction by", words, brief=True))
         if self.pull_off > 0:
             rows.append(Row("pull-off force", self.pull_off, "N", note=self._jkr, digits=2))
@@ -97,8 +98,7 @@ class IndentedSolid(Inference):
         The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within `record.span`.
         """
         t = checks.not_negative("time", time)
-        best = self.problem.values(self.rivals[0].at[np.newaxis])
-        curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in (best, self._drawn)]
+        curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in self._best_and_drawn]
         low, high = np.quantile(curves[1], (0.025, 0.975), axis=0)
         return np.array([low, curves[0][0], high])
 
@@ -107,9 +107,11 @@ class IndentedSolid(Inference):
         return 1.0 if self.poisson is None else 1 - self.poisson**2
 
     @functools.cached_property
-    def _drawn(self) -> dict[str, Floats]:
+    def _best_and_drawn(self) -> tuple[dict[str, Floats], dict[str, Floats]]:
+        """Parameters of the best fit, and of draws."""
         flat = self.draws.flat
-        return self.problem.values(flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)])
+        some = flat[np.linspace(0, len(flat) - 1, _DRAWN).astype(int)]
+        return self.problem.values(self.rivals[0].at[np.newaxis]), self.problem.values(some)
 
     @functools.cached_property
     def forces(self) -> pd.DataFrame:
@@ -119,9 +121,8 @@ class IndentedSolid(Inference):
         contact after it is added, since the drag of a liquid changes its sign with the velocity.
         """
         record, _ = self.record.thinned(2 * _MOST)
-        best = self.problem.values(self.rivals[0].at[np.newaxis])
         drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
-        whole = [_force(p, record, self.tip) + drag for p in (best, self._drawn)]
+        whole = [_force(p, record, self.tip) + drag for p in self._best_and_drawn]
         low, high = np.quantile(whole[1], (0.025, 0.975), axis=0)
         names = [name for name, *_ in record.segments]
         starts = np.array([first for _, first, _ in record.segments])
@@ -132,13 +133,24 @@ class IndentedSolid(Inference):
         return pd.DataFrame(table | columns)
 
     @functools.cached_property
-    def deviation(self) -> float:
-        """Rms deviation of the retraction in contact from its prediction, over the largest force; or NaN."""
-        rows = self.forces[self.forces["segment"] == "retraction"]
-        most = np.maximum(rows["force_N"], rows["predicted_N"]) - (self._rest_after or 0.0)
-        touching = most > _TOUCHING * self.record.largest
-        away = (rows["force_N"] - rows["predicted_N"])[touching]
-        return float(np.sqrt((away**2).mean()) / self.record.largest) if away.size > 2 else math.nan
+    def deviation(self) -> tuple[float, float, float]:
+        """Rms deviation of the retraction in contact from its prediction, over the largest force.
+
+        Of the best fit, and the ends of its 95 % interval; NaN without a retraction.
+        """
+        record, _ = self.record.thinned(2 * _MOST)
+        after, rest = slice(record.last + 1, None), self._rest_after or 0.0
+        measured = record.force[after]
+        predicted = (
+            np.concatenate([_force(p, record, self.tip)[:, after] for p in self._best_and_drawn]) + rest
+        )
+        touching = np.maximum(measured, predicted) - rest > _TOUCHING * self.record.largest
+        if touching[0].sum() < 3:
+            return math.nan, math.nan, math.nan
+        squares = np.where(touching, (measured - predicted) ** 2, 0.0).sum(-1) / touching.sum(-1)
+        best, *drawn = np.sqrt(squares) / self.record.largest
+        low, high = np.quantile(drawn, (0.025, 0.975))
+        return float(best), float(low), float(high)
 
     @functools.cached_property
     def pull_off(self) -> float:
