@@ -30,7 +30,7 @@ _MOST = 150
 """Most rows of each segment that are fitted, as means of neighbors."""
 _AT_ONCE = 32
 """Solids that are pressed at once: their arrays stay in the memory of a processor."""
-_TAIL = 10
+_TAIL = 5
 """Least number of rows after the tip is off, for the force there."""
 _WIDE = 1e-2, 1e4
 """Ends of the prior of the modulus, over that of Hertz."""
@@ -97,7 +97,7 @@ class IndentedSolid(Inference):
 
         The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within `record.span`.
         """
-        t = checks.not_negative("time", time)
+        t = np.atleast_1d(checks.not_negative("time", time))
         curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in self._best_and_drawn]
         low, high = np.quantile(curves[1], (0.025, 0.975), axis=0)
         return np.array([low, curves[0][0], high])
@@ -166,7 +166,7 @@ class IndentedSolid(Inference):
         """Force out of contact after the retraction, N; None if the record ends before."""
         after = self.record.force[self.record.last :]
         tail = after[-max(after.size // 4, 1) :]
-        out = tail.size > _TAIL and np.ptp(tail) < max(0.1 * self.record.largest, 10 * noise(after))
+        out = tail.size >= _TAIL and np.ptp(tail) < max(0.1 * self.record.largest, 10 * noise(after))
         return float(np.median(tail)) if out else None
 
     def remarked(self) -> IndentedSolid:

@@ -240,18 +240,25 @@ def _segments(t: Floats, d: Floats, pressed: Floats, contact: float | None) -> t
     if last < 2 or t[last] == t[touched]:
         got = "a depth that falls from the first row on"
         raise InputError("depth", expected="an approach or a hold before the retraction", got=got)
-    after, deep = d[last:], deepest - (d[touched] if contact is None else contact)
-    rise = after - np.minimum.accumulate(after)
-    again = (rise > max(_REENTRY * deep, near)) & (after > deepest - deep)
-    if again.any():
-        at = t[last + int(np.argmax(again))]
-        got = f"depths that rise again at {at:.4g} s"
-        raise InputError("depth", expected="one approach and one retraction", got=got)
+    _check_once(t, d, int(np.argmax(inside)), near)
     full = (d >= deepest - near) | (pressed >= _FULL * pressed[: last + 1].max())
     held = touched + int(np.argmax(full[touched : last + 1]))
     if t[last] - t[held] < _HELD * (t[last] - t[touched]) or last - held < _ROWS:
         held = last = max(int(np.argmax(d)), touched + 1)
     return touched, held, last
+
+
+def _check_once(t: Floats, d: Floats, first: int, near: float) -> None:
+    """Refuse a record whose depth rises again in contact after it has fallen."""
+    deepest = float(d.max())
+    little = max(_REENTRY * (deepest - d[first]), near)
+    fallen = np.maximum.accumulate(d[first:]) - d[first:] > little
+    after = d[first + int(np.argmax(fallen)) :] if fallen.any() else d[-1:]
+    again = (after - np.minimum.accumulate(after) > little) & (after > d[first])
+    if again.any():
+        at = t[t.size - after.size + int(np.argmax(again))]
+        got = f"depths that rise again at {at:.4g} s"
+        raise InputError("depth", expected="one approach and one retraction", got=got)
 
 
 def columns_of(path: Path | str, columns: Chosen | None = None, units: Units | None = None) -> Columns:
@@ -313,7 +320,7 @@ def read_indentation(
     if kind == "height":
         rest, presses = _pressing(force)
         pressed = presses * (force - rest)
-        depth = _downward(depth, pressed) * depth - pressed / k
+        depth = depth - _downward(depth, pressed) * pressed / k
     where = contact if contact is not None else 0.0 if kind == "depth" else "fit"
     record = Indentation.of(time, depth, force, contact=where, drift=drift, about=str(kind))
     return record, read.read
