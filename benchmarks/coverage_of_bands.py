@@ -28,7 +28,8 @@ from running import line
 import asperity as asp
 from asperity.base.checks import Floats
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 
 P = asp.protocols
 SERIES = asp.relaxation.PronySeries(2110e6, ((0.102, 8.93), (0.106, 118.0)))

@@ -102,7 +102,8 @@ _HOME = {
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
     "asperity.sliding": ("steady_sliding",),
 }
-_views.rooms += ["asperity.carried", "asperity.results", "asperity.analysis.rows", "asperity.figures"]
+_views.rooms += ["asperity.ask.files", "asperity.carried", "asperity.results", "asperity.analysis.rows"]
+_views.rooms += ["asperity.figures"]
 
 _RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""

@@ -15,7 +15,8 @@ from asperity.aging.frames import Midway
 from asperity.contact import ActiveSet, Multigrid
 from asperity.errors import CheckpointError, OutputError
 from asperity.inference.models import of_name
-from asperity.inference.sampling import Problem, sample
+from asperity.inference.problem import Problem
+from asperity.inference.sampling import sample
 from asperity.results import Checkpoint
 from tests.refusals import refuses
 from tests.surfaces import uncorrelated

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from asperity.base.checks import Floats
+from asperity.base.words import to_digits
 from asperity.errors import ConvergenceError, InputError
 from asperity.fits.comparison import neighbors
 from asperity.fits.result import rms, student
@@ -36,6 +38,9 @@ _NOTHING = 1e-300
 
 _DRAWS = 512
 """Draws along profiles."""
+
+_TIMED, _OF_FITS, _OF_PROFILES, _OF_SAMPLES = 64, 8000, 10_000, 600
+"""Curves for an estimate of time, and usual numbers of them for a model, for profiles, and for a walker."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +93,8 @@ def conclude(
         The points are too few; the priors exclude the data; the ensembles do not agree.
     """
     say = (listening or Progress()).stage
-    say("fitting models side by side")
+    plans = [*family, *others]
+    say(f"fitting models side by side{_duration(family[0][2], _OF_FITS * len(plans) + _OF_PROFILES)}")
     rivals = side_by_side(family, others)
     first, remarks = _judged(rivals, stated(rivals[0]))
     say("following the profile of each parameter")
@@ -129,6 +135,15 @@ def conclude(
     )
 
 
+def _duration(problem: Problem, curves: float) -> str:
+    """About how long it takes to compute so many curves; empty below a minute."""
+    z = problem.of_prior(np.random.default_rng(0), _TIMED)
+    begun = clock.perf_counter()
+    problem.misfit(z)
+    minutes = (clock.perf_counter() - begun) * curves / _TIMED / 60
+    return f", about {to_digits(minutes, 1)} min" if minutes > 1 else ""
+
+
 def _drawn(
     problem: Problem,
     followed: Mapping[int, Profile],
@@ -140,7 +155,9 @@ def _drawn(
     if sampling is None:
         z, worth = drawn(problem, followed, _DRAWS, seed)
         return Draws(z[np.newaxis], math.nan, worth)
-    say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {4 * sampling.walkers:,} walkers")
+    count = 4 * sampling.walkers
+    lasts = _duration(problem, _OF_SAMPLES * count / sampling.workers)
+    say(f"sampling {len(problem.used)} parameters of {problem.model.name}, {count:,} walkers{lasts}")
     return sample(problem, seed=seed, report=say, **vars(sampling))
 
 

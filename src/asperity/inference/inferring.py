@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from asperity.base import checks, units
 from asperity.base.checks import Floats
@@ -26,13 +26,13 @@ from asperity.inference.indenting import Indentation
 from asperity.inference.models import CREEP, MOST_BRANCHES, OF_BALL, OF_BRANCHES, Model, of_name
 from asperity.inference.priors import Given
 from asperity.inference.problem import Problem
-from asperity.inference.rivals import Plan, Rival
+from asperity.inference.rivals import Plan, Rival, drift_in
 from asperity.inference.sampling import libraries
 from asperity.progress import Progress, listener
 from asperity.results import Checkpoint
 
-_MOST_POINTS = 1000
-"""Largest number of points, which thousands of walkers predict."""
+_MOST_POINTS, _MOST_SAMPLED = 5000, 1000
+"""Largest number of points for least squares, and for samples, whose thousands of walkers predict each."""
 
 _NUMBERED = re.compile(f"(share|time)_[1-{MOST_BRANCHES}]")
 """Parameters whose number is the least number of branches."""
@@ -126,13 +126,14 @@ def infer(
     if force is not None or isinstance(time, Indentation):
         _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
         record = _indentation(time, area, force, contact, drift)
-        how: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
-        how |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
+        asked: Any = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson, "priors": priors}
+        asked |= {"branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
         with listener(progress) as listening:
-            return of_record(record, **how, listening=listening)
+            return of_record(record, **asked, listening=listening)
     _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
-    series, measured, remarks = _data(time, area, error, model, quantity)
+    series, measured = _data(time, area, error, model, quantity)
+    series, remarks = _some(series, _MOST_SAMPLED if sample else _MOST_POINTS)
     t, v, errors = series.x, series.y, series.stderr
     if t[0] < loading:
         raise InputError("time", expected=f"times after the ramp, from {loading:g} s on", got=float(t[0]))
@@ -159,10 +160,8 @@ def infer(
         kept = ranges if chosen and callable(model) else None
         made = model_of(name, branches=branches, priors=kept, absolute=absolute and chosen)
         problem = Problem(t, v, noise if errors is None else errors, made, informed=errors is not None)
-        several = name in OF_BRANCHES
-        return (
-            (counted(branches, "relaxation time"), branches, problem) if several else (made.name, 0, problem)
-        )
+        words = counted(branches, "relaxation time") if name in OF_BRANCHES else made.name
+        return words, branches * (name in OF_BRANCHES), problem
 
     def stated(first: Rival) -> Model | None:
         alone = not ranges or callable(model)
@@ -170,30 +169,21 @@ def infer(
 
     family = [plan(model, n, chosen=True) for n in range(least, most + 1)]
     tried = [("relaxation", n) for n in range(1, MOST_BRANCHES + 1)] + [(name, 1) for name in CREEP[1:]]
-    taken = {("relaxation" if model == "ball" else model, n) for n in range(least, most + 1)}
-    taken |= {("logarithm", 1)} if model == "healing" else set()  # the same curve
-    others = (
-        []
-        if callable(model) or model == "held"
-        else [plan(*key, chosen=False) for key in tried if key not in taken]
-    )
+    taken = [("relaxation" if model == "ball" else model, n) for n in range(least, most + 1)]
+    taken += [("logarithm", 1)] if model == "healing" else []  # the same curve
+    creeps = not callable(model) and model != "held"
+    others = [plan(*key, chosen=False) for key in tried if creeps and key not in taken]
     with listener(progress) as listening:
-        found = conclude(
-            family,
-            others,
-            stated=stated,
-            sampling=sampling,
-            seed=seed,
-            quantity=measured,
-            listening=listening,
-        )
+        how: Any = {"seed": seed, "quantity": measured, "listening": listening}
+        found = conclude(family, others, stated=stated, sampling=sampling, **how)
+    remarks += drift_in(found.rivals[0]) if creeps else []
     return replace(found, remarks=(*remarks, *found.remarks))
 
 
 def _data(
     time: ArrayLike | Record, area: ArrayLike | None, error: ArrayLike | None, model: object, quantity: object
-) -> tuple[Series, str, list[str]]:
-    """Values and errors to use, in order of time, the measured quantity, and a remark on omitted points."""
+) -> tuple[Series, str]:
+    """Values and errors in order of time, and the measured quantity."""
     if isinstance(time, Record):
         if model != "healing":
             raise InputError("model", expected="'healing' for a record of sliding", got=checks.shown(model))
@@ -214,11 +204,19 @@ def _data(
         raise InputError("time", expected=f"times up to {LARGEST:g} s", got=float(t[-1]))
     if not callable(model):
         refuse_decline(series, measured, falls=model == "held")
-    if (many := t.size) <= _MOST_POINTS:
-        return series, measured, []
-    chosen = _chosen(t)
+    return series, measured
+
+
+def _some(series: Series, most: int) -> tuple[Series, list[str]]:
+    """The points, or some of too many at even distances in ln t, with a remark."""
+    t, many = series.x, series.x.size
+    if many <= most:
+        return series, []
+    begin = int(np.searchsorted(t, 0.0, side="right"))
+    places = np.searchsorted(t, np.geomspace(t[begin], t[-1], most))
+    chosen = np.unique([*range(min(begin, 1)), *np.minimum(places, many - 1)])
     remark = f"took {chosen.size:,} of {many:,} points, at even distances in ln t: means of the others over "
-    return series.where(chosen), measured, [f"{remark}short times would narrow the intervals"]
+    return series.where(chosen), [f"{remark}short times would narrow the intervals"]
 
 
 def _per_time(t: Floats, v: Floats) -> Floats:
@@ -249,10 +247,3 @@ def _check_importable(model: object) -> None:
     except (pickle.PicklingError, AttributeError, TypeError):
         expected = "a function of a module, which other processes can import"
         raise InputError("model", expected=expected, got=checks.shown(model), advice="workers=1") from None
-
-
-def _chosen(t: Floats) -> NDArray[np.intp]:
-    """Indices of points at even distances in ln t."""
-    begin = int(np.searchsorted(t, 0.0, side="right"))
-    places = np.searchsorted(t, np.geomspace(t[begin], t[-1], _MOST_POINTS))
-    return np.unique([*range(min(begin, 1)), *np.minimum(places, t.size - 1)])

@@ -162,13 +162,19 @@ def best_fit(problem: Problem, starts: Floats | None = None) -> tuple[float, Flo
     return float(squares[first]), z[first]
 
 
-def covariances(problem: Problem, z: Floats) -> Floats:
-    """Covariance of used coordinates by curvature at each z, and the width of ranges: (m, used, used)."""
+def spreads(problem: Problem, z: Floats) -> Floats:
+    """Roots of the covariance of used coordinates by the curvature at each z: shape (m, used, used).
+
+    Ranges count by their width; borders of what is allowed do not.
+    """
     used, priors = np.array(problem.used), list(problem.model.priors.values())
     high = np.broadcast_to(problem.reach[:, 1], z.shape)
-    slopes = _slopes(problem, z, _residual(problem, z), used, high)[:, used]
+    rows = problem.time.size + len(problem.informative)
+    slopes = _slopes(problem, z, _residual(problem, z), used, high)[:, used, :rows]
     ranges = np.diag([_RANGE * priors[place].bounded for place in used])
-    return np.asarray(np.linalg.inv(slopes @ slopes.swapaxes(-1, -2) + ranges))
+    curvatures, along = np.linalg.eigh(slopes @ slopes.swapaxes(-1, -2) + ranges)
+    least_one = np.finfo(np.float64).eps * curvatures.max(-1, keepdims=True)
+    return np.asarray(along / np.sqrt(np.maximum(curvatures, least_one))[:, None, :])
 
 
 def profiles(problem: Problem, best: Floats) -> tuple[Floats, dict[int, Profile]]:
@@ -188,7 +194,8 @@ class _March:
         squares, z = least(problem, best[None])
         self.problem, self.best, self.least = problem, z[0], float(squares[0])
         self.spread = np.zeros(2 * (best.size,))
-        self.spread[np.ix_(problem.used, problem.used)] = covariances(problem, self.best[None])[0]
+        root = spreads(problem, self.best[None])[0]
+        self.spread[np.ix_(problem.used, problem.used)] = root @ root.T
         self.points: dict[tuple[int, int], list[tuple[float, Floats]]] = {
             (place, side): [(0.0, self.best)] for place in problem.used for side in (-1, 1)
         }
@@ -289,7 +296,7 @@ def drawn(problem: Problem, followed: Mapping[int, Profile], count: int, seed: i
         share[near] / share[near].sum(),
         np.concatenate([one.z for one in followed.values()])[near],
     )
-    spread = _WIDENED * np.linalg.cholesky(covariances(problem, centers))
+    spread = _WIDENED * spreads(problem, centers)
     chosen = random.choice(share.size, _PROPOSED * count, p=share)
     z = problem.of_prior(random, chosen.size)
     steps = (spread[chosen] @ random.standard_normal((chosen.size, len(used), 1)))[..., 0]
@@ -300,7 +307,7 @@ def drawn(problem: Problem, followed: Mapping[int, Profile], count: int, seed: i
     weights = np.full(chosen.size, -np.inf)
     apart = z[inside][:, None, used] - centers[:, used]
     scaled = np.linalg.solve(spread, apart[..., None])[..., 0]
-    volume = np.log(np.einsum("mii->mi", spread)).sum(-1)
+    volume = np.linalg.slogdet(spread).logabsdet
     density = logsumexp(-(scaled**2).sum(-1) / 2 - volume, b=share, axis=-1)
     prior = -(z[inside][:, problem.informative] ** 2).sum(-1) / 2
     weights[inside] = problem.log_likelihood(z[inside]) + prior - density

@@ -235,7 +235,7 @@ def _maxwell(time: Floats, p: Values) -> Floats:
     retardation rates.
     """
     shares, times = _branches(p)
-    root = np.sqrt(shares / times)
+    root = np.sqrt(np.maximum(shares, 0) / times)  # a difference may begin beyond 0
     matrix = root[:, :, None] * root[:, None, :] - np.eye(times.shape[1]) / times[:, :, None]
     minus, vectors = np.linalg.eigh(matrix)
     weights = (root[:, None, :] @ vectors)[:, 0] ** 2  # of (1 - exp(-rate t))/rate

@@ -34,6 +34,9 @@ CORRELATED = 0.7
 _FACTORS = 10, 100, 1000
 """Times over the last one at which models are compared."""
 
+_STEADY = 0.8
+"""Least ratio of the last third's growth to the second's for which a growth is steady."""
+
 _APART = 3.0
 """Difference, in standard errors, that distinguishes two models."""
 
@@ -152,6 +155,22 @@ def with_draws(
     return [replace(drawn[0], problem=first.problem, at=first.at, z=first.z), *drawn[1:]]
 
 
+def drift_in(first: Rival) -> list[str]:
+    """A remark if the curve rises steadily at its end, as by a drift of the instrument."""
+    problem, last = first.problem, float(first.problem.time[-1])
+    times, values = last * np.arange(4) / 3, problem.values(first.at[np.newaxis])
+    start, begin, middle, end = problem.model.curve(times, values)[0]
+    error = float(np.median(problem.error)) / math.sqrt(max(problem.time.size / 3, 1))
+    if not (end - begin > _APART * error and end - middle > _STEADY * (middle - begin)):
+        return []
+    rate = 300 * (end - middle) / (last * start)
+    return [
+        f"the curve still rises steadily at its end, by {rate:.2g} % of its first value per s: a drift of "
+        "the instrument and a solid that flows cannot be told apart, unless the drift is measured on a stiff "
+        "solid and subtracted, or a second load shows that the rate depends on it"
+    ]
+
+
 def parting(rivals: Sequence[Rival]) -> list[str]:
     """State the range of the data, the extrapolations of acceptable models, and how to distinguish these."""
     first, problem = rivals[0], rivals[0].problem
@@ -174,9 +193,10 @@ def parting(rivals: Sequence[Rival]) -> list[str]:
             f"Measuring to {_FACTORS[n]} times the last time {would} tell them apart: "
             f"there they differ by {100 * most[n]:.2g} %, {most[n] / error:.2g} errors"
         )
-    elif len(rivals) > 1 and math.isfinite(first.aicc):
-        near = min(rivals[1:], key=lambda rival: rival.aicc)
+    unlike = [rival for rival in rivals[1:] if not (first.times and rival.times)]
+    if not others and unlike and math.isfinite(first.aicc):
+        near = min(unlike, key=lambda rival: rival.aicc)
         sentences.append(
-            f"No other model that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
+            f"No other creep that was tried is acceptable; the next is {near.name}, AICc {near.aicc:+.3g}"
         )
     return sentences
