@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,8 +21,13 @@ GELS = Path(os.environ.get("ASPERITY_DATA", "."), "indentation")
 BALL = {"model": "ball", "radius": "10 um"}
 
 
+def inferred(*data, **how) -> Any:
+    return asp.infer(*data, **how)
+
+
 def noisy(seed, rho=0.0, part=0.01, force=FORCE):
-    random, errors = np.random.default_rng(seed), []
+    random = np.random.default_rng(seed)
+    errors: list[float] = []
     for white in random.standard_normal(force.size):
         errors.append(rho * errors[-1] + np.sqrt(1 - rho**2) * white if errors else white)
     return force + part * force.max() * np.array(errors)
@@ -29,7 +35,7 @@ def noisy(seed, rho=0.0, part=0.01, force=FORCE):
 
 @pytest.mark.parametrize(("contact", "signs"), [(0.0, (1, 1)), ("fit", (-1, -1))])
 def test_a_record_gives_its_solid_and_retraction(contact, signs):
-    found = asp.infer(
+    found = inferred(
         TIME, signs[0] * DEPTH, force=signs[1] * noisy(1, part=1e-4), contact=contact, branches=1, **BALL
     )
     for name, value in TRUE.items():
@@ -47,15 +53,15 @@ def test_a_record_gives_its_solid_and_retraction(contact, signs):
 
 def test_cones_and_youngs_modulus():
     force = asp.theory.ting(TIME, DEPTH, SERIES, tip="cone", angle="70 deg")
-    found = asp.infer(
+    found = inferred(
         TIME, DEPTH, force=noisy(2, part=1e-4, force=force), model="cone", angle=70, poisson=0.5, branches=1
     )
     solid = found.solid()
     assert float(str(solid["young"]).split()[0]) == pytest.approx(0.75 * TRUE["modulus"], rel=0.01)
     assert (solid["kind"], solid["poisson"]) == ("half_space", 0.5)
     assert found.modulus_at(0.0)[1][0] == pytest.approx(0.75 * TRUE["modulus"], rel=0.01)
-    built = {key: value for key, value in solid.items() if not key.startswith("data")}
-    assert asp.solids.half_space(**{k: v for k, v in built.items() if k != "kind"}).modulus > 0
+    keys: Any = {key: value for key, value in solid.items() if key in ("young", "poisson", "branches")}
+    assert asp.solids.half_space(**keys).modulus == pytest.approx(TRUE["modulus"], rel=0.01)
 
 
 def test_the_end_sticks_and_a_liquid_drags():
@@ -64,7 +70,7 @@ def test_the_end_sticks_and_a_liquid_drags():
     force[last] -= 0.05 * FORCE.max()
     off = (TIME > 3.45) & (TIME < 3.6)
     force[off] -= 0.2 * FORCE.max()
-    found = asp.infer(TIME, DEPTH, force=force, branches=1, **BALL)
+    found = inferred(TIME, DEPTH, force=force, branches=1, **BALL)
     assert found.pull_off == pytest.approx(0.2 * FORCE.max(), rel=0.05)
     remarks = " ".join(found.remarks)
     assert "adhesive" in remarks
@@ -76,7 +82,7 @@ def test_the_end_sticks_and_a_liquid_drags():
 
 def test_a_drift_is_subtracted():
     rate = 2e-8
-    found = asp.infer(
+    found = inferred(
         TIME, DEPTH + rate * TIME, force=noisy(4, part=1e-4), drift="20 nm/s", branches=1, **BALL
     )
     assert found.verdicts["modulus"].value == pytest.approx(TRUE["modulus"], rel=0.01)
@@ -98,7 +104,7 @@ def test_words_of_machines(tmp_path, height):
     assert "force from 'force_nN' in nN" in read
     assert record.contact is None  # to be fitted
     np.testing.assert_allclose(np.diff(record.depth), np.diff(DEPTH), atol=2e-9)
-    found = asp.infer(record, branches=1, **BALL)
+    found = inferred(record, branches=1, **BALL)
     assert found.verdicts["modulus"].value == pytest.approx(TRUE["modulus"], rel=0.02)
     assert "falls into the body" in record.signs
 
@@ -144,15 +150,15 @@ def test_what_is_no_record_is_refused():
     with refuses("force", got="5"):
         Indentation.of(TIME, DEPTH, FORCE[:5])
     with refuses("radius", got="none"):
-        asp.infer(TIME, DEPTH, force=FORCE, model="ball")
+        inferred(TIME, DEPTH, force=FORCE, model="ball")
     with refuses("model"):
-        asp.infer(TIME, DEPTH, force=FORCE, radius=RADIUS)
+        inferred(TIME, DEPTH, force=FORCE, radius=RADIUS)
     with refuses("ramp", got="1.0"):
-        asp.infer(TIME, DEPTH, force=FORCE, ramp=1.0, **BALL)
+        inferred(TIME, DEPTH, force=FORCE, ramp=1.0, **BALL)
     with refuses("radius", got="'10 um'"):
-        asp.infer([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], **BALL)
+        inferred([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], **BALL)
     with refuses("prior of weight", got="weight"):
-        asp.infer(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1, **BALL)
+        inferred(TIME, DEPTH, force=noisy(6), priors={"weight": (1, 2)}, branches=1, **BALL)
 
 
 @pytest.mark.slow
@@ -160,7 +166,7 @@ def test_what_is_no_record_is_refused():
 def test_intervals_contain_what_made_the_record(rho):
     inside = dict.fromkeys(TRUE, 0)
     for seed in range(20):
-        found = asp.infer(TIME, DEPTH, force=noisy(seed, rho), branches=1, **BALL)
+        found = inferred(TIME, DEPTH, force=noisy(seed, rho), branches=1, **BALL)
         for name, value in TRUE.items():
             low, high = found.verdicts[name].profile
             inside[name] += low <= value <= high
@@ -174,7 +180,7 @@ def test_polyacrylamide_predicts_its_retraction_and_agarose_does_not(speed):
     off = {}
     for gel, peak in (("PAA", 4), ("Agarose", 2)):
         record, _ = read_indentation(GELS / f"afm_{gel}_speed_{speed}_{peak}nN.csv")
-        found = asp.infer(record, poisson=0.5, **BALL)
+        found = inferred(record, poisson=0.5, **BALL)
         off[gel] = found.deviation[0]
         if gel == "PAA":
             low, _, high = found.modulus_at(0.1)[:, 0]

@@ -23,10 +23,10 @@ from asperity.inference.indenting import REACH, Indentation, noise
 from asperity.inference.models import MOST_BRANCHES, Model, Values, relaxation
 from asperity.inference.priors import Given, Prior
 from asperity.inference.problem import Problem
-from asperity.progress import Progress
+from asperity.progress import Progress, listener
 from asperity.theory.indenters import SHAPES, Tip, forces, tip_of
 
-_MOST = 150
+_MOST = 100
 """Most rows of each segment that are fitted, as means of neighbors."""
 _AT_ONCE = 32
 """Solids that are pressed at once: their arrays stay in the memory of a processor."""
@@ -120,7 +120,7 @@ class IndentedSolid(Inference):
         The solid is of the approach and the hold alone: the retraction is predicted. To this the force out of
         contact after it is added, since the drag of a liquid changes its sign with the velocity.
         """
-        record, _ = self.record.thinned(2 * _MOST)
+        record, _ = self.record.thinned(3 * _MOST)
         drag = np.where(np.arange(record.time.size) > record.last, self._rest_after or 0.0, 0.0)
         whole = [_force(p, record, self.tip) + drag for p in self._best_and_drawn]
         low, high = np.quantile(whole[1], (0.025, 0.975), axis=0)
@@ -138,7 +138,7 @@ class IndentedSolid(Inference):
 
         Of the best fit, and the ends of its 95 % interval; NaN without a retraction.
         """
-        record, _ = self.record.thinned(2 * _MOST)
+        record, _ = self.record.thinned(3 * _MOST)
         after, rest = slice(record.last + 1, None), self._rest_after or 0.0
         measured = record.force[after]
         predicted = (
@@ -216,7 +216,7 @@ def of_record(
     branches: int | None = None,
     sampling: Sampling | None = None,
     seed: int = 0,
-    listening: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> IndentedSolid:
     """Infer the solid under an indenter; arguments are those of `asperity.infer`."""
     shape = tip_of(checks.choice("model", tip, SHAPES), radius, angle)
@@ -236,15 +236,9 @@ def of_record(
     def stated(first: Any) -> Model | None:
         return _with_priors(first.problem.model, priors) if priors else None
 
-    found = conclude(
-        family,
-        stated=stated,
-        sampling=sampling,
-        seed=seed,
-        quantity="force",
-        unit="N",
-        listening=listening,
-    )
+    with listener(progress) as listening:
+        how: Any = {"seed": seed, "quantity": "force", "unit": "N", "listening": listening}
+        found = conclude(family, stated=stated, sampling=sampling, **how)
     inherited = {field.name: getattr(found, field.name) for field in fields(found)}
     length = math.nan if radius is None else float(units.number("radius", radius, "m"))
     facts = {"record": record, "tip": shape, "radius": length, "poisson": poisson, "candidates": ()}

@@ -120,16 +120,15 @@ def infer(
     InputError, ConvergenceError
         The priors exclude the data; the ensembles do not agree.
     """
-    if sample:
-        libraries()
     sampling = Sampling(walkers, effective, workers, checkpoint) if sample else None
+    if sampling:
+        libraries()
     if force is not None or isinstance(time, Indentation):
         _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
         record = _indentation(time, area, force, contact, drift)
-        asked: Any = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson, "priors": priors}
-        asked |= {"branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
-        with listener(progress) as listening:
-            return of_record(record, **asked, listening=listening)
+        tip: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
+        tip |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
+        return of_record(record, **tip, progress=progress)
     _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
     series, measured = _data(time, area, error, model, quantity)
