@@ -125,10 +125,9 @@ def infer(
         libraries()
     if force is not None or isinstance(time, Indentation):
         _check_none(error=error, quantity=quantity, absolute=absolute, ramp=ramp)
-        record = _indentation(time, area, force, contact, drift)
         tip: dict[str, Any] = {"tip": model, "radius": radius, "angle": angle, "poisson": poisson}
         tip |= {"priors": priors, "branches": branches, "sampling": sampling, "seed": checks.seed(seed, rng)}
-        return of_record(record, **tip, progress=progress)
+        return of_record(_indentation(time, area, force, contact, drift), **tip, progress=progress)
     _check_none(radius=radius, angle=angle, poisson=poisson, contact=contact, drift=drift)
     loading = float(units.number("ramp", ramp, "s", least=0))
     series, measured = _data(time, area, error, model, quantity)

@@ -10,7 +10,7 @@ import pandas as pd
 from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
-from asperity_research.experiments import fracture_2018, p655, pmma_2018, printed_2017, ptfe_2009
+from asperity_research.experiments import fracture_2018, gels_2022, p655, pmma_2018, printed_2017, ptfe_2009
 from asperity_research.experiments.record import names
 from asperity_research.studies.report import row, write_table
 from asperity_research.studies.study import Concluded, Study
@@ -18,6 +18,7 @@ from asperity_research.studies.typeset import plain
 
 _ALL = (
     fracture_2018.FRACTURE_2018,
+    gels_2022.GELS_2022,
     p655.P655,
     pmma_2018.PMMA_2018,
     printed_2017.PRINTED_2017,
