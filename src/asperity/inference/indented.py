@@ -95,7 +95,8 @@ class IndentedSolid(Inference):
     def modulus_at(self, time: ArrayLike) -> Floats:
         """Relaxation modulus (Young's if Poisson's ratio is known, else E*), Pa, shape (3, n): 95 % band.
 
-        The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within `record.span`.
+        The rows are the 2.5 % quantile, the best fit and the 97.5 % quantile. Trust it within the
+        `Indentation.span` of the record.
         """
         t = np.atleast_1d(checks.not_negative("time", time))
         curves = [self._young * p["modulus"][:, None] * _relaxation(t, p) for p in self._best_and_drawn]
