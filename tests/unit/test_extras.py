@@ -81,7 +81,7 @@ def test_a_campaign_says_which_extra_it_needs_and_writes_nothing(without_extras,
     done = python(without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", folder=tmp_path)
     assert done.returncode != 0
     assert done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.endswith("try pip install 'asperity[campaign]'\n")
+    assert done.stderr.endswith("try pip install '.[campaign]' in a clone of Asperity\n")
     assert not (tmp_path / "study").exists()
     planned = python(
         without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", "--dry-run", folder=tmp_path

@@ -385,6 +385,5 @@ def extra(name: str, purpose: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(
-            f"{purpose}: expected the packages of the extra {name}, got: {error}; "
-            f"try pip install 'asperity[{name}]'"
+            f"{purpose} needs the extra {name}: {error}; try pip install '.[{name}]' in a clone of Asperity"
         ) from error

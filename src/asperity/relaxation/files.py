@@ -84,7 +84,7 @@ def read(
     stress
         The constant stress of a table of strain against time, Pa or with a unit. Without it, such a table
         gives the compliance up to a factor only; likewise that of a force or a stress at a constant
-        deformation the modulus. See `Measured.absolute`.
+        deformation the modulus. It is not `absolute` then.
     ball_radius, ball_depth
         Of a ball and its held depth, m, for a table of its force F(t): E* = 3 F/(4 sqrt(R d^3)) (Hertz; E. H.
         Lee, J. R. M. Radok, J. Appl. Mech. 27, 438 (1960), doi:10.1115/1.3644020).
