@@ -68,6 +68,7 @@ def test_a_table_becomes_verdicts_a_page_and_a_solid(once):
     assert ("modulus" in solid, solid["data_first"], solid["data_last"]) == (False, "1 s", "10000 s")
 
 
+@pytest.mark.slow
 def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, table):
     rough = asp.surfaces.gaussian((64, 64), rms=1.0, seed=0)
     np.savetxt("scan.txt", rough)
@@ -86,6 +87,7 @@ def test_the_solid_predicts_with_the_spread_of_the_posterior_and_runs(asperity, 
     assert asperity(*f"run F/solid.toml --young 3GPa --file {how} --out R".split())[0] == 0
 
 
+@pytest.mark.slow
 def test_priors_come_back_as_they_were_written_and_change_what_is_found(asperity, table):
     assert asperity("infer", "area.csv", "--out", "G", "--priors", "F/priors.toml")[0] == 0
     pd.testing.assert_frame_equal(verdicts("F"), verdicts("G"))
@@ -94,6 +96,7 @@ def test_priors_come_back_as_they_were_written_and_change_what_is_found(asperity
     assert verdicts("H").loc["time_1", "low"] > 59.7
 
 
+@pytest.mark.slow
 def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, table):
     units = ("--unit-area", "mm^2", "--unit-time", "s")
     assert asperity("infer", "area.csv", "--branches", "1", *units, "--out", "G")[0] == 0
@@ -104,6 +107,19 @@ def test_units_of_areas_make_them_absolute_and_those_of_times_count(asperity, ta
     assert "load / modulus / rms_slope" in summary.replace("load * area_factor / modulus", "load / modulus")
 
 
+def test_the_area_of_a_ball_has_the_unit_of_its_column(asperity):
+    area = 2.0 * EXACT ** (2 / 3) * (1 + 0.01 * np.random.default_rng(1).standard_normal(T.size))
+    pd.DataFrame({"time_s": T, "contact area (um^2)": area}).to_csv("ball.csv", index=False)
+    words = ("infer", "ball.csv", "--model", "ball", "--branches", "1")
+    assert asperity(*words, "--out", "F")[0] == 0
+    found = verdicts("F")
+    assert found.loc["share_1", "low"] < 0.3 < found.loc["share_1", "high"]
+    assert list(found.index[:3]) == ["load", "modulus", "radius"]  # areas in m^2 know a combination of them
+    status, _, error = asperity(*words, "--quantity", "depth", "--out", "G")
+    assert (status, "contact area" in error, "--unit-area" in error) == (2, True, False)
+
+
+@pytest.mark.slow
 def test_a_record_of_a_slide_hold_slide_test_gives_b(asperity):
     law = asp.friction.RateAndState(a=0.005, b=0.015, D_c=10e-6, mu_0=0.6, V_0=1e-6)
     holds = list(np.geomspace(10, 1e5, 8))

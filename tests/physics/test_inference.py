@@ -3,7 +3,9 @@
 import math
 import os
 import re
+import time as clock
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -125,6 +127,7 @@ def test_a_linear_model_has_its_closed_posterior(sampled):
         np.testing.assert_allclose((one.low, one.high), expected, atol=0.2 * sigma[place])
 
 
+@pytest.mark.slow
 def test_the_profile_of_a_curved_model_is_that_of_an_independent_search():
     """At both ends the misfit is 3.84 above the least, of all that scipy finds from ten starts."""
     value, error = two_times(3.0)
@@ -501,6 +504,83 @@ def test_a_record_of_holds_gives_b():
     assert found.verdicts["time"].low < 10 < found.verdicts["time"].high  # D_c/V
 
 
+MEASURED = (
+    Path(os.environ.get("ASPERITY_DATA", Path(__file__).parents[2].parent / "shared/data")) / "indentation"
+)
+measured = pytest.mark.skipif(
+    not MEASURED.is_dir(), reason=f"no records of indenters in {MEASURED}; set ASPERITY_DATA"
+)
+
+
+@measured
+def test_a_force_at_a_held_depth_relaxes_in_two_times():
+    """An oocyte: 1.60 and 8.9 s by a fit with equal weights of rows at equal distances in time."""
+    time, force = np.loadtxt(MEASURED / "afm_oocyte1_relaxation.csv", delimiter=",", skiprows=2).T
+    found = asp.infer(time, force, model="held", branches=2)
+    times = [found.verdicts[f"time_{n}"].value for n in (1, 2)]
+    np.testing.assert_allclose(times, [1.60, 8.9], rtol=0.05)
+    assert 0.33 < 1 - sum(found.verdicts[f"share_{n}"].value for n in (1, 2)) < 0.48
+    assert "AICc still falls" in " ".join(asp.infer(time, force, model="held").remarks)
+    with refuses("force", "308", kind=asp.errors.InputError):
+        asp.infer(time, force[::-1], model="held")
+
+
+@measured
+def test_a_measured_hold_of_a_ball_takes_seconds():
+    time, depth, _, segment = np.loadtxt(MEASURED / "afm_polymergel_hold.csv", delimiter=",", skiprows=2).T
+    time, depth = time[segment == 1] - 3.0, 1e-6 * depth[segment == 1]
+    begun = clock.process_time()
+    found = asp.infer(time, depth, model="ball", quantity="depth", absolute=True)
+    assert clock.process_time() - begun < 10
+    assert found.verdicts["modulus"].verdict == "not identified"
+    assert any("misses the data" in remark for remark in found.remarks)  # steps of the piezo
+
+
+@pytest.mark.slow
+def test_thousands_of_rows_whose_neighbors_correlate_take_seconds():
+    time, series = np.linspace(0.01, 1000, 3000), asp.relaxation.PronySeries(1.0, ((0.3, 5.0), (0.2, 200.0)))
+    random, noise = np.random.default_rng(3), np.zeros(3000)
+    for n in range(1, 3000):
+        noise[n] = 0.6 * noise[n - 1] + 0.8 * random.standard_normal()
+    depth = 1e-6 * series.compliance_at(time) ** (2 / 3) * (1 + 0.002 * noise)
+    begun = clock.process_time()
+    found = asp.infer(time, depth, model="ball", quantity="depth", branches=2, absolute=True)
+    assert clock.process_time() - begun < 30
+    assert found.problem.rho == pytest.approx(0.6, abs=0.05)
+    assert found.problem.counted == pytest.approx(3000 / 4, rel=0.15)
+    for name, truth in {"share_1": 0.3, "time_1": 5.0, "share_2": 0.2, "time_2": 200.0}.items():
+        one = found.verdicts[name]
+        assert (one.verdict, one.low < truth < one.high) == ("determined", True)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-10])
+def test_a_drift_is_remarked_as_it_may_be_a_fluid(rate):
+    """Of 0.1 nm/s on 1 um; a curve of creep that slows down has no such remark."""
+    time = np.linspace(0.1, 100, 300)
+    depth = 1e-6 + rate * time if rate else 1e-6 * (1 + (time / 1e3) ** 0.3)
+    how: dict[str, Any] = {"model": "ball", "quantity": "depth", "absolute": True, "branches": 1}
+    found = asp.infer(time, noisy(depth, 1.6e-3), **how)
+    assert any("drift" in remark for remark in found.remarks) == bool(rate)
+
+
+def test_an_inference_of_minutes_says_so(monkeypatch):
+    stages: list[str] = []
+
+    class Listener(asp.progress.Progress):
+        def stage(self, name, times=()):
+            stages.append(name)
+
+    monkeypatch.setattr(concluding, "_OF_PROFILES", 10**8)
+    asp.infer(
+        T,
+        noisy(line(T, 1.2, 0.1)),
+        model=line,
+        priors={"scale": (1, 2), "slope": (0.01, 1)},
+        progress=Listener(),
+    )
+    assert re.fullmatch(r"fitting models side by side, about \d+ min", stages[0])
+
+
 BALL: dict[str, float] = {"load": 1e-7, "radius": 5e-6, "modulus": 3e6, "share_1": 0.4, "time_1": 20.0}
 
 
@@ -508,10 +588,15 @@ def held_ball(quantity):
     """Hertz with the creep compliance (Lee and Radok): a^3 = 3 F R J/(4 E*), depth = a^2/R."""
     J = asp.relaxation.PronySeries(1.0, ((0.4, 20.0),)).compliance_at(T)
     cube = 0.75 * BALL["load"] * BALL["radius"] / BALL["modulus"] * J
-    return cube ** (1 / 3) if quantity == "radius" else cube ** (2 / 3) / BALL["radius"]
+    of = {
+        "radius": cube ** (1 / 3),
+        "depth": cube ** (2 / 3) / BALL["radius"],
+        "area": np.pi * cube ** (2 / 3),
+    }
+    return of[quantity]
 
 
-@pytest.mark.parametrize("quantity", ["depth", "radius"])
+@pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
 def test_a_ball_under_a_held_load_follows_a_power_of_the_compliance(quantity):
     made = of_name("ball", T, T, priors=None, branches=1, absolute=True, quantity=quantity)
     found = made.curve(T, {name: np.array([value]) for name, value in BALL.items()})
@@ -528,7 +613,7 @@ def test_few_points_of_a_ball_choose_no_model_and_each_model_has_its_name():
         assert not re.search(r"\b(nan|inf)\b", words)
 
 
-@pytest.mark.parametrize("quantity", ["depth", "radius"])
+@pytest.mark.parametrize("quantity", ["depth", "radius", "area"])
 def test_a_ball_under_a_held_load_gives_the_modulus_and_the_relaxation(quantity):
     exact = held_ball(quantity)
     priors: dict[str, Any] = {

@@ -261,7 +261,7 @@ def _value(columns: Columns, time: int, taken: set[int], quantities: Sequence[st
     called = [at for at in named if normal(columns.label(at)) in quantities]
     unnamed = [at for at in others if columns.roles[at] == "value" and kinds[at] in {"", *wanted}]
     known = [columns.roles[at] for at in others if columns.roles[at] in _OF_VALUES and not named]
-    if len(known) == 1:
+    if len(known) == 1 and set(quantities) < set(QUANTITIES[:-1]):
         cure = {"quantity": known[0]}
     elif not {"", *wanted}.intersection(kinds.values()):
         cure = {}

@@ -36,8 +36,8 @@ _FALLS = 2.0
 _NOTHING = 1e-300
 """Least value over which an error is relative."""
 
-_DRAWS = 512
-"""Draws along profiles."""
+_DRAWS, _FEW = 512, 50
+"""Draws along profiles, and number that they are worth below which it is remarked."""
 
 _TIMED, _OF_FITS, _OF_PROFILES, _OF_SAMPLES = 64, 8000, 10_000, 600
 """Curves for an estimate of time, and usual numbers of them for a model, for profiles, and for a walker."""
@@ -111,6 +111,9 @@ def conclude(
         except ConvergenceError:
             return None
 
+    if draws.effective < _FEW:
+        words = f"bands and combinations are rough: their draws are worth {draws.effective:.0f}"
+        remarks.append(f"{words}; sampling the posterior (sample) is exact")
     rivals = with_draws(rivals, first, drawn_of)
     say("judging each parameter")
     problem = first.problem

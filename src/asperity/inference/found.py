@@ -84,7 +84,7 @@ class Inference(views.Brief, views.Pictured):
         rows += [Row("", sentence) for sentence in self.sentences if sentence not in findings]
         rows += [Row(*finding) for finding in self.findings]
         if math.isfinite(self.problem.counted):
-            count = f"{self.time.size} points as {self.problem.counted:.0f} independent ones"
+            count = f"{self.time.size} points as {to_digits(self.problem.counted, 2)}, as neighbors correlate"
             rows.append(Row("counted", count))
         if not self.sampled:
             return rows

@@ -42,8 +42,10 @@ _BETTER = 1e-2
 """Fall of the squares by which a profile has found a better fit."""
 _RANGE = 12.0
 """One over the variance of the coordinate in a range."""
-_NEAR, _WIDENED, _PROPOSED = 1e-4, 1.3, 8
-"""Least relative share of a point of a profile, factor of its spread, and proposals for each draw."""
+_NEAR, _PROPOSED = 1e-4, 8
+"""Least relative share of a point of a profile, and proposals for each draw."""
+_REFINED, _CENTERS = 6, 256
+"""Most rounds of proposals, and draws about which those after the first are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,25 +288,36 @@ def drawn(problem: Problem, followed: Mapping[int, Profile], count: int, seed: i
     """Draws of the posterior, shape (count, parameters), and the number that they are worth.
 
     Proposals are normal about the points of all profiles, with the curvature there; the posterior over their
-    density chooses among them. Unused parameters are drawn from their priors.
+    density chooses among them. If they are worth too few, proposals are about the chosen ones next.
     """
-    random, used = np.random.default_rng(seed), problem.used
+    random = np.random.default_rng(seed)
     shares = [np.exp(-one.deviance / 2) * np.gradient(one.at) for one in followed.values()]
     share = np.concatenate([each / each.sum() for each in shares])
     near = share > _NEAR * share.max()
-    share, centers = (
-        share[near] / share[near].sum(),
-        np.concatenate([one.z for one in followed.values()])[near],
-    )
-    spread = _WIDENED * spreads(problem, centers)
-    chosen = random.choice(share.size, _PROPOSED * count, p=share)
-    z = problem.of_prior(random, chosen.size)
-    steps = (spread[chosen] @ random.standard_normal((chosen.size, len(used), 1)))[..., 0]
+    share, centers = share[near], np.concatenate([one.z for one in followed.values()])[near]
+    for _ in range(_REFINED):
+        z, weights = _weighed(problem, centers, share / share.sum(), _PROPOSED * count, random)
+        places = np.searchsorted(np.cumsum(weights), (np.arange(count) + random.random()) / count)
+        chosen, worth = z[np.minimum(places, len(z) - 1)], float(1 / (weights @ weights))
+        if worth > count / 2:
+            break
+        centers, share = chosen[:: count // _CENTERS], np.ones(_CENTERS)
+    return chosen, worth
+
+
+def _weighed(
+    problem: Problem, centers: Floats, share: Floats, count: int, random: np.random.Generator
+) -> tuple[Floats, Floats]:
+    """Proposals about centers of these shares, and their weights; unused parameters are of their priors."""
+    used, spread = problem.used, spreads(problem, centers)
+    chosen = random.choice(share.size, count, p=share)
+    z = problem.of_prior(random, count)
+    steps = (spread[chosen] @ random.standard_normal((count, len(used), 1)))[..., 0]
     z[:, used] = centers[chosen][:, used] + steps
     low, high = problem.reach.T
     bounded = np.array([prior.bounded for prior in problem.model.priors.values()])
     inside = (((z >= low) & (z <= high)) | ~bounded).all(-1)
-    weights = np.full(chosen.size, -np.inf)
+    weights = np.full(count, -np.inf)
     apart = z[inside][:, None, used] - centers[:, used]
     scaled = np.linalg.solve(spread, apart[..., None])[..., 0]
     volume = np.linalg.slogdet(spread).logabsdet
@@ -312,6 +325,4 @@ def drawn(problem: Problem, followed: Mapping[int, Profile], count: int, seed: i
     prior = -(z[inside][:, problem.informative] ** 2).sum(-1) / 2
     weights[inside] = problem.log_likelihood(z[inside]) + prior - density
     weights = np.exp(weights - weights.max())
-    weights /= weights.sum()
-    places = np.searchsorted(np.cumsum(weights), (np.arange(count) + random.random()) / count)
-    return z[np.minimum(places, chosen.size - 1)], float(1 / (weights @ weights))
+    return z, weights / weights.sum()
