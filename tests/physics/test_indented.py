@@ -165,17 +165,17 @@ def test_what_is_no_record_is_refused():
 @pytest.mark.parametrize("rho", [0.0, 0.6])
 def test_intervals_contain_what_made_the_record(rho):
     inside = dict.fromkeys(TRUE, 0)
-    for seed in range(20):
+    for seed in range(16):
         found = inferred(TIME, DEPTH, force=noisy(seed, rho), branches=1, **BALL)
         for name, value in TRUE.items():
             low, high = found.verdicts[name].profile
             inside[name] += low <= value <= high
-    assert min(inside.values()) >= 16  # of 20 at 95 %: fewer once in 400 times
+    assert min(inside.values()) >= 12  # of 16 at 95 %: fewer once in 1000 times
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not GELS.is_dir(), reason="records of gels are not part of the repository: ASPERITY_DATA")
-@pytest.mark.parametrize("speed", [5, 10, 15])
+@pytest.mark.parametrize("speed", [10])
 def test_polyacrylamide_predicts_its_retraction_and_agarose_does_not(speed):
     off = {}
     for gel, peak in (("PAA", 4), ("Agarose", 2)):
