@@ -124,7 +124,10 @@ if not TYPE_CHECKING:  # for a type checker, a name that is not above does not e
 
             for entry in entry_points(group="asperity.rooms", name=name):
                 return entry.load()
-            missing += "; it comes with asperity-research; try pip install asperity-research"
+            from asperity.base.checks import installed_from
+
+            missing += "; it comes with asperity-research; try pip install "
+            missing += installed_from("asperity-research")
         raise AttributeError(missing)
 
 
