@@ -229,7 +229,7 @@ WITHOUT_NUMBERS = {
         name for name, one in vars(asp.figures).items() if inspect.isfunction(one) and name[0] != "_"
     ),
     "fits": "jackknife read_measurements",
-    "inference": "infer inference_page inference_pictures",
+    "inference": "infer inference_page inference_pictures read_indentation",
     "friction": "add_friction events_of fit_events hold_peaks rate_and_state_figure read_record record_of "
     "save_parameters",
     "prediction": "predict",
