@@ -693,7 +693,7 @@ def test_priors_that_exclude_the_data_are_refused_and_ensembles_that_disagree_to
     value, error = two_times(3.0)
     with refuses("priors", "16."):
         asp.infer(T, value, error, priors={"time_1": (1e-1, 1.0)}, branches=1)
-    with refuses("priors", "3.89"):
+    with refuses("priors", "3.51"):
         asp.infer(T, value, priors={"time_1": (1e-1, 1.0)}, branches=1)
     made = of_name("relaxation", T, value, priors=None, branches=2, absolute=False)
     monkeypatch.setattr(sampling, "_MOST_ROUNDS", 6)
