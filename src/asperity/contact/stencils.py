@@ -44,7 +44,7 @@ def bond_energy(u: Field, *, mirrored: bool = False) -> float:
     """Sum over the bonds of the squared difference between neighbors."""
     changes = [np.diff(u, axis=n) for n in range(u.ndim)]
     if not mirrored:  # beside the others, as a rolled copy would take longer
-        changes += [u.take(0, n) - u.take(-1, n) for n in range(u.ndim)]
+        changes += [np.diff(u.take([-1, 0], n), axis=n) for n in range(u.ndim)]
     return sum(inner(change, change, np) for change in changes)
 
 

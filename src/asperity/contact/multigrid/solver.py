@@ -152,7 +152,8 @@ class Multigrid:
         anchors = float(np.mean(problem.anchors))
         coarser = replace(problem, heights=heights, springs=stiffer, anchors=anchors)
         u = np.maximum(self._cold_start(coarser), heights)
-        work = OneField(Sites(*heights.shape, problem.mirrored), Processor())
+        rows, columns = heights.shape
+        work = OneField(Sites(rows, columns, problem.mirrored), Processor())
         work.solve(coarser, u, TUNING.coarse_residual, self.max_cycles)
         return interpolated(u)
 
