@@ -80,7 +80,7 @@ class Tuning:
     patience: int = 5
     """Exchanges of all wrong sites allowed without a new record, before single exchanges begin."""
 
-    steady: float = 0.05
+    steady: float = 0.005
     """Part of the contacts that may be wrong where the attraction is revised with them."""
 
     most_joint: int = 300
@@ -177,6 +177,8 @@ class _Run:
         below = named is not None and self.interface.yields and touching & (guess.u < problem.heights)
         self.yielding = xp.asarray(np.broadcast_to(below, touching.shape), copy=True)
         self.in_contact = xp.asarray(touching, copy=True) & ~self.yielding
+        law = self.interface.adhesion
+        self.strength = law.strength * self.interface.cell if law else 0.0
         self.pull, self.attracted_anew = None if pull is None else xp.asarray(pull), pull is None
         self.iterations = self.set_changes = self.revisions = 0
         self.record = problem.lattice.sites + 1
@@ -372,9 +374,11 @@ class _Run:
         self.start(self.u)
 
     def attract(self, wrong: int) -> int:
-        """Take the attraction of the surface as it is, if few contacts are wrong; how many sites that moves."""
+        """Take the attraction of the surface as it is, if that is near; how many sites this moves."""
+        if self.pull is None:
+            return 0
         joint = self.set_changes <= TUNING.most_joint and wrong <= TUNING.steady * self.contacts
-        if self.pull is None or not (joint or wrong == 0):
+        if wrong and not joint:
             return 0
         before, self.pull, self.attracted_anew = self.pull, self.attraction(), True
         self.revisions, self.record, self.patience = 0, self.problem.lattice.sites + 1, TUNING.patience
@@ -389,9 +393,7 @@ class _Run:
         """Whether the adhesive force is not that of the present surface."""
         if self.pull is None:
             return False
-        assert self.interface.adhesion is not None
-        slack = self.tolerance * self.interface.adhesion.strength * self.interface.cell
-        return largest(self.attraction() - self.pull, self.xp) > slack
+        return largest(self.attraction() - self.pull, self.xp) > self.tolerance * self.strength
 
     def converged(self) -> bool:
         """Whether the force, evaluated afresh, is within tolerance and right, or u accurate enough."""
