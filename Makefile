@@ -18,6 +18,7 @@ help:  ## List the targets
 
 run: $(VENV)/.run  ## Age a rough contact over nine decades and draw it
 	$(BIN)/asperity run --out results/demo --overwrite
+	@echo "Look at results/demo/aging.png. Next: source $(BIN)/activate, then asperity predict as in README.md, or docs/start.md"
 
 test: $(VENV)/.dev  ## Run the test suite
 	$(PYTEST)

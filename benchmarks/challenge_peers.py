@@ -126,7 +126,7 @@ def scored(asked, rows: list[tuple], *, less_rim: bool) -> list[tuple[str, ...]]
     for one in found.quantities:
         worst = int(np.argmax(np.abs(one.in_bars)))
         off = f"{one.in_bars[worst]:+.2g}", f"{100 * np.abs(one.relative).max():.2g} %"
-        cells.append((one.column.heading, f"{found.rows} of {found.asked}", one.verdict, *off))
+        cells.append((one.column.heading, f"{found.places} of {found.asked}", one.verdict, *off))
     return cells
 
 

@@ -1,5 +1,5 @@
 // Pages come before names: a reader who searches "contact resistance" wants the page of that title.
-const LATER = /^(reference\/|glossary|auto_gallery\/)/;
+const LATER = /^(reference\/|notation|auto_gallery\/)/;
 var Scorer = {
   objNameMatch: 11,
   objPartialMatch: 6,

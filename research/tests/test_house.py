@@ -12,14 +12,14 @@ ROOMS = {f"asperity.{name}" for name in asperity.__all__}
 FOR_COMMANDS = {  # stated in asperity.app.cli.command
     "asperity.app.cli.campaign": {"tally_shown"},
     "asperity.app.cli.command": {"app", "command"},
-    "asperity.app.cli.flags": {"Out", "Switch", "Whole"},
+    "asperity.app.cli.flags": {"Out", "Switch", "Whole", "naming"},
     "asperity.app.cli.new_files": {"FIGURE_SUFFIXES", "check_new_file"},
     "asperity.app.cli.options": {"Work", "flags_of_fields"},
     "asperity.app.cli.output": {"write_figure"},
     "asperity.app.config": {"RunConfig", "config_from"},
     "asperity.base.calls": {"showing"},
     "asperity.base.checks": {"instance"},
-    "asperity.base.rows": {"aligned"},
+    "asperity.base.rows": {"Row", "aligned", "words_of"},
     "asperity.base.words": {"counted", "data_size", "duration", "power", "thousands"},
 }
 

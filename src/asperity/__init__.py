@@ -102,7 +102,8 @@ _HOME = {
     "asperity.simulate": ("age", "press", "pull", "relax", "slide"),
     "asperity.sliding": ("steady_sliding",),
 }
-_views.rooms += ["asperity.carried", "asperity.results", "asperity.analysis.rows", "asperity.figures"]
+_views.rooms += ["asperity.ask.files", "asperity.carried", "asperity.results", "asperity.analysis.rows"]
+_views.rooms += ["asperity.figures"]
 
 _RESEARCH = ("challenge", "experiments", "studies")
 """Rooms that the distribution asperity-research adds, by entry points."""
@@ -123,7 +124,10 @@ if not TYPE_CHECKING:  # for a type checker, a name that is not above does not e
 
             for entry in entry_points(group="asperity.rooms", name=name):
                 return entry.load()
-            missing += "; it comes with asperity-research; try pip install asperity-research"
+            from asperity.base.checks import installed_from
+
+            missing += "; it comes with asperity-research; try pip install "
+            missing += installed_from("asperity-research")
         raise AttributeError(missing)
 
 

@@ -23,7 +23,6 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 import scipy
-from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
 from asperity.base import checks
@@ -196,7 +195,7 @@ class Lattice:
 
     def forward_near(self, field: Field, near: Field, modes: Modes) -> Modes:
         """Fourier modes of a field from those of a near one, with their difference in single precision."""
-        xp = array_namespace(field)
+        xp = namespace(field)
         change = field - near
         scale = float(xp.max(xp.abs(change)))
         if not 0 < scale < math.inf:
@@ -269,7 +268,7 @@ class Lattice:
         """Those of the modes, or of a spectrum, that a coarser lattice has too, in its order."""
         kept = modes[..., : coarse.spectral_shape[-1]]
         parts = [kept[rows, ...] for rows, _ in self._rows(coarse)]
-        long: ModesOrSpectrum = array_namespace(modes).concat(parts)
+        long: ModesOrSpectrum = namespace(modes).concat(parts)
         return long
 
     def add_long_waves(self, modes: Modes, long: Modes, coarse: Lattice) -> None:
@@ -287,6 +286,15 @@ class Lattice:
         return [(slice(half), slice(half)), (slice(beyond, None), slice(half, None))]
 
 
+def namespace(array: object) -> Any:
+    """The array's library in the dialect of the standard, which numpy speaks itself."""
+    if isinstance(array, np.ndarray):
+        return np
+    with checks.extra("arrays", "arrays of another library"):
+        from array_api_compat import array_namespace
+    return array_namespace(array)
+
+
 def _foreign_transforms(array: object) -> Any:
     """The transforms of the array's own library; None for numpy, which has scipy's."""
-    return None if isinstance(array, np.ndarray) else array_namespace(array).fft
+    return None if isinstance(array, np.ndarray) else namespace(array).fft

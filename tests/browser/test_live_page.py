@@ -9,8 +9,8 @@ import pytest
 from PIL.GifImagePlugin import GifImageFile
 
 from asperity.app.config import config_from
-from asperity.app.config.reading import read_tables
 from asperity.app.runs import Progress, execute
+from asperity.ask.files import read_tables
 from tests.browser.conftest import SMALL, again, finished, move_the_change_to_10, rows, state, until
 
 

@@ -190,7 +190,7 @@ def test_command_lines(
     # What takes hours is not done.
     monkeypatch.setattr("asperity.app.cli.campaign.sweep", lambda *_, **__: None)
     if importlib.util.find_spec("asperity_research"):
-        monkeypatch.setattr("asperity_research.commands.reproduce.reproduce", lambda *_, **__: None)
+        monkeypatch.setattr("asperity_research.commands.study.answer", lambda *_, **__: None)
     flags = [flag_of(section, key) for section, keys in KEYS.items() for key in keys]
 
     def attempt(draw: Draw) -> None:

@@ -16,8 +16,9 @@ import asperity as asp
 from asperity.app.cli.flags import flags_for, given
 from asperity.app.config import MeasuredSurface, config_from
 from asperity.app.config.keys import Key, sections
+from asperity.app.config.mistakes import Door
 from asperity.app.config.python import to_python
-from asperity.app.config.reading import file_surface, from_tables, read_config, to_tables, to_toml
+from asperity.app.config.reading import asked_at, file_surface, from_tables, read_config, to_tables, to_toml
 from asperity.app.runs import Progress, execute, recorded_times
 from asperity.app.runs.pipeline import height_law
 from asperity.ask.legs import keys_of_leg
@@ -666,3 +667,16 @@ def test_a_unit_in_another_case_is_named_at_every_door(flags):
         config_from({"solid": solid, "contact": {"pressure": "1mpa"}}, flags, None)
     advice = [problem.partition("; try ")[2] for problem in raised.value.problems]
     assert sorted(advice) == ["1 MPa, as case matters", "3 GPa, as case matters"]
+
+
+def test_mistakes_of_a_question_and_of_its_sections_come_together(tmp_path):
+    file = tmp_path / "law.toml"
+    file.write_text("[law]\npressurs = [1.0]\n[contact]\nlode = 3.0\n[sweep]\nseed = [1]\n")
+    with pytest.raises(ConfigError) as refused:
+        asked_at(Door({}, file), "law")
+    assert [one.path for one in refused.value.mistakes] == [
+        ("sweep",),
+        ("law", "pressurs"),
+        ("contact", "lode"),
+        ("law", "pressures"),
+    ]

@@ -2,18 +2,23 @@
 
 import importlib
 import importlib.metadata as metadata
+import json
+import os
 import re
 import subprocess
 import sys
 import textwrap
 import tomllib
 from pathlib import Path
-from unittest.mock import Mock
+from unittest.mock import Mock, call
+from urllib.parse import quote
 
 import pytest
+from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from asperity.app.cli.app import answer
+from asperity.base import checks
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -81,7 +86,7 @@ def test_a_campaign_says_which_extra_it_needs_and_writes_nothing(without_extras,
     done = python(without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", folder=tmp_path)
     assert done.returncode != 0
     assert done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.endswith("try pip install 'asperity[campaign]'\n")
+    assert done.stderr.endswith(f"try pip install '{checks.installed_from()}[campaign]'\n")
     assert not (tmp_path / "study").exists()
     planned = python(
         without_extras + MAIN, "sweep", "campaign.toml", "--out", "study", "--dry-run", folder=tmp_path
@@ -98,12 +103,68 @@ def test_the_hints_name_extras_that_there_are():
     assert {"campaign", "instruments"} <= hints <= set(PROJECT["optional-dependencies"])
 
 
+@pytest.mark.parametrize(
+    "url", ["", "https://host.org/asperity.whl", "file://{clone}", "file://{clone}/missing"]
+)
+def test_advice_on_what_to_install_names_the_clone_if_there_is_one(url, tmp_path, monkeypatch):
+    (tmp_path / "a clone" / "research").mkdir(parents=True)
+    clone = str(tmp_path / "a clone")
+    written = json.dumps({"url": url.format(clone=quote(clone))}) if url else None
+    monkeypatch.setattr(metadata, "distribution", lambda _: Mock(read_text=lambda _: written))
+    found = checks.installed_from(), checks.installed_from("asperity-research")
+    is_clone = url.endswith("{clone}")
+    assert found == ((clone, f"{clone}/research") if is_clone else ("asperity", "asperity-research"))
+
+
 def test_what_is_slow_or_optional_is_imported_late():
     late = {"dask", "distributed", "pint", "SurfaceTopography", "matplotlib", "jinja2", "scipy.signal"}
     loads = "import sys, asperity.app.cli.app, asperity as asp, asperity.base.units as u, asperity.relaxation"
     code = f"{loads}; asp.press; u.quantity('3', 'Pa'); print({late!r} & set(sys.modules))"
     done = python(code, folder=None)
     assert done.stdout == "set()\n", done.stderr
+
+
+PRESSES = {
+    "names": "asp.press; asp.age",
+    "springs": "asp.press(asp.surfaces.gaussian((16, 16)), asp.solids.spring_lattice(k0=1, k1=3), load=9)",
+    "half-space": """asp.press(
+        asp.surfaces.spectral((16, 16), roll_off=4, cutoff=2, rms_height=0.1, pixel_size=1, unit="um"),
+        asp.solids.half_space(modulus="1 GPa"), pressure="1 MPa",
+    )""",
+}
+
+
+@pytest.mark.parametrize("press", PRESSES.values(), ids=PRESSES)
+def test_a_press_imports_its_engine_alone(press):
+    engine = {"annotated-types", "numba", "numpy", "scipy"}
+    code = f"import sys, asperity as asp\n{press}\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
+    done = python(code, folder=None)
+    assert done.returncode == 0, done.stderr
+    owners = metadata.packages_distributions()
+    brought = {canonicalize_name(owner) for name in done.stdout.split() for owner in owners.get(name, ())}
+    needed = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
+    assert brought & (needed | {"pydantic"}) == engine
+
+
+LIMITS = {"press": 2.5, "run --help": 2.0, "--help": 1.0}
+"""What a process may take, over what it takes to import numba."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", LIMITS)
+def test_a_process_starts_in_a_few_times_what_numba_takes(words):
+    def seconds(*arguments):
+        """Processor time, which a busy machine changes least; the least of three."""
+        taken = []
+        for _ in range(3):
+            before = os.times()
+            subprocess.run([sys.executable, *arguments], check=True, capture_output=True, timeout=60)
+            taken.append(sum(os.times()[2:4]) - sum(before[2:4]))
+        return min(taken)
+
+    press = "-c", "import asperity; asperity.press; asperity.age"
+    arguments = press if words == "press" else ("-m", "asperity", *words.split())
+    assert seconds(*arguments) < LIMITS[words] * seconds("-c", "import numba")
 
 
 @pytest.mark.parametrize(
@@ -113,4 +174,5 @@ def test_other_distributions_are_asked_for_commands_where_they_may_have_one(word
     looked = Mock(return_value=())
     monkeypatch.setattr("importlib.metadata.entry_points", looked)
     answer(words.split())
-    assert looked.call_count == others
+    # What a command imports may ask for entry points of its own.
+    assert looked.call_args_list.count(call(group="asperity.commands")) == others

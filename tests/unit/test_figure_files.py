@@ -19,7 +19,7 @@ from asperity import figures
 from asperity.base.calls import remarks_made
 from asperity.figures.style import COLUMN, PAGE
 from asperity.fits import measured_growth, read_measurements
-from asperity.fits.measurements import measured
+from asperity.fits.measurements import measured_area
 from asperity.protocols import Hold, Ramp, Step
 from asperity.sheets.columns import Columns, Role
 from asperity.sheets.tables import read_table
@@ -217,18 +217,34 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_measured_values_are_read_in_units_with_their_errors(tmp_path):
-    found: Any = measured(written(tmp_path, AREA))
+    found: Any = measured_area(written(tmp_path, AREA), 1.0, si=True)
     np.testing.assert_allclose(found.time, [3, 60, 600])
     np.testing.assert_allclose(found.value, [2e-12, 3e-12, 4e-12])
     np.testing.assert_allclose(found.stderr, [1e-13, 2e-13, 2e-13])
-    bare = measured(written(tmp_path, "t;A\n1;2\n2;3\n"), time="1", value="1")
+    bare = measured_area(written(tmp_path, "t;A\n1;2\n2;3\n"), 1.0, si=False)
     assert (bare.stderr, bare.value.tolist()) == (None, [2, 3])
     for header, wrong in {"t [s];F [N]": "N", "t [s];A": "none", "t;A [um^2]": "none"}.items():
         path = written(tmp_path, f"{header}\n1;2\n2;3\n")
         with refuses(str(path), wrong):
-            measured(path)
+            measured_area(path, 1.0, si=True)
     with refuses("measured", "none"):
-        measured(read_measurements(path), time="s")
+        measured_area(read_measurements(path), 1.0, si=True)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        "t [min];A/A_nom [%]\n1;2\n2;3\n",
+        "t_min,contact_fraction\n1,0.02\n2,0.03\n",
+        "t (s),percent\n60,2\n120,3\n",
+    ],
+)
+def test_a_fraction_of_the_nominal_area_is_an_area(table, tmp_path):
+    found = measured_area(written(tmp_path, table), 5e-6, si=True)
+    np.testing.assert_allclose(found.value, [1e-7, 1.5e-7])
+    assert found.value_unit == "m^2"
+    with refuses(str(path := written(tmp_path, "t_s,contact_fraction\n60,2\n120,3\n")), "3"):
+        measured_area(path, 5e-6, si=True)
 
 
 def test_measured_areas_are_drawn_beside_computed_ones_and_their_ratio_below(prediction, stepped, tmp_path):

@@ -246,7 +246,7 @@ def test_brackets_without_an_end_are_no_file_of_ours(here, capsys):
     (here / "results").mkdir()
     come("results/asperity.json", deep)
     come("place", deep)
-    with pytest.raises(InputError, match=r"solid\.toml: expected a TOML file"):
+    with pytest.raises(InputError, match=r"solid\.toml: not a TOML file"):
         asp.relaxation.material("solid.toml")
     with pytest.raises(InputError, match="which holds no history"):
         asp.results.load("results")

@@ -81,6 +81,23 @@ def test_a_solid_a_file_and_draws(tmp_path):
     assert material(file).solid.creep is None
 
 
+def test_a_file_is_read_as_that_of_a_run_and_arguments_replace_its_keys(tmp_path):
+    times = np.geomspace(1e-2, 1e2, 20)
+    rows = "".join(f"{t},{9 + 3 * np.exp(-t)}\n" for t in times.tolist())
+    (tmp_path / "table.csv").write_text(f"time_s,G_MPa\n{rows}")
+    file = tmp_path / "run.toml"
+    file.write_text(
+        '[solid]\nkind = "half_space"\nrelaxation = "table.csv"\npoisson = 0.5\n[contact]\nload = 1.0\n'
+    )
+    # Of a relaxing G at nu = 0.5 the contact modulus is 4 G.
+    assert relaxing_of(material(file).solid).modulus == pytest.approx(48e6, rel=1e-3)
+    assert relaxing_of(material(file, poisson=0.0).solid).modulus == pytest.approx(24e6, rel=1e-3)
+    assert material(file).fit is not None
+    file.write_text('[solid]\nkind = "half_space"\nyoung = 3.0\nhardnes = 1.0\n')
+    with refuses("run.toml: [solid] hardnes", advice="hardness"):
+        material(file)
+
+
 @pytest.mark.parametrize(
     ("name", "got", "source", "how"),
     [
@@ -103,7 +120,7 @@ def test_a_solid_a_file_and_draws(tmp_path):
             DATA,
             {"temperature": 300, "reference": 290, "wlf": (1, 50), "shift": 2},
         ),
-        ("solid.toml", "No such file", "solid.toml", {}),
+        ("configuration", "solid.toml: No such file", "solid.toml", {}),
     ],
 )
 def test_what_is_no_material(name, got, source, how):
@@ -114,9 +131,9 @@ def test_what_is_no_material(name, got, source, how):
 @pytest.mark.parametrize(
     ("text", "name", "got"),
     [
-        ("[solid", "a.toml", "TOMLDecodeError"),
+        ("[solid", "configuration", "a.toml: not a TOML file"),
         ('[solid]\nkind = "layer"', "a.toml: [solid] kind", "'layer'"),
-        ("[solid]\nmodulus = 1.0", "a.toml: [solid] kind", "'none'"),
+        ("[solid]\nmodulus = 1.0", "a.toml: [solid] kind", "None"),
         ('[solid]\nkind = "half_space"\ncreep = "glide"', "a.toml: [solid] creep", "'glide'"),
     ],
 )

@@ -7,6 +7,7 @@ import re
 import tomllib
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 import yaml
@@ -68,12 +69,39 @@ def test_a_version_is_set_at_every_place_and_nothing_else_changes(release, tmp_p
         release.set_version("9.8.8", "2031-02-03")
 
 
+def test_the_address_is_set_at_every_place_and_its_absence_keeps_a_commit_from_release(release, tmp_path):
+    git = Mock(return_value="")
+    release.git = git
+    for name in release.ADDRESSED:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(read(name), encoding="utf-8")
+        assert release.address() in read(name)
+    release.set_address(release.NO_ADDRESS)
+    assert release.ready() == ["there is no address yet; try python .ci/release.py address https://..."]
+    release.set_address("https://host.org/someone/rough/")
+    assert release.ready() == release.ready(f"v{__version__}") == []
+    assert len(release.ready("v9.8.7")) == 1
+    recipe = yaml.safe_load((tmp_path / "recipe.yaml").read_text())
+    assert recipe["extra"]["recipe-maintainers"] == ["someone"]
+    assert recipe["context"]["address"] == "https://host.org/someone/rough"
+    assert not [name for name in release.ADDRESSED if "example.org" in (tmp_path / name).read_text()]
+
+
+def test_actions_are_pinned_to_commits():
+    for workflow in (ROOT / ".github" / "workflows").glob("*.yml"):
+        for action in re.findall(r"uses: (.*)", workflow.read_text(encoding="utf-8")):
+            assert re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40} # v[\d.]+", action), (workflow.name, action)
+
+
 def test_the_conda_recipe_has_the_dependencies_of_the_package():
-    needs = yaml.safe_load(read("recipe.yaml"))["requirements"]
-    run = bounds(line.replace("matplotlib-base", "matplotlib") for line in needs["run"])
+    recipe = yaml.safe_load(read("recipe.yaml"))
+    needs, least = recipe["requirements"], recipe["context"]["python_min"]
+    lines = (line.replace("${{ python_min }}", least) for line in needs["run"])
+    run = bounds(line.replace("matplotlib-base", "matplotlib") for line in lines)
     assert run.pop("python") == SpecifierSet(PROJECT["requires-python"])
     assert run == bounds(PROJECT["dependencies"])
-    assert bounds(needs["run_constraints"]) == bounds([*EXTRAS["campaign"], *EXTRAS["explore"]])
+    extras = [text for name in ("arrays", "campaign", "explore") for text in EXTRAS[name]]
+    assert bounds(needs["run_constraints"]) == bounds(extras)
 
 
 def test_the_lock_file_meets_every_bound():
@@ -124,4 +152,4 @@ def test_public_checks_are_what_a_developer_runs():
 
 def test_a_developer_gets_every_extra():
     (own,) = (Requirement(text) for text in EXTRAS["dev"] if Requirement(text).name == "asperity")
-    assert own.extras >= {"campaign", "instruments", "explore", "docs"}
+    assert own.extras == set(EXTRAS) - {"dev"}

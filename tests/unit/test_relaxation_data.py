@@ -14,7 +14,7 @@ from scipy.special import gamma
 from scipy.stats import binom
 
 from asperity.figures import relaxation_figure
-from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, read
+from asperity.relaxation import Creep, Dynamic, PronySeries, Relaxation, fit, fractional_zener, material, read
 from asperity.relaxation.files import Kind
 from tests import CASES
 from tests.continua import talbot
@@ -386,3 +386,54 @@ def test_on_a_plateau_the_last_modulus_stays_within_the_misfit(modulus, per_deca
     crept = fit(Creep(SECONDS, 1 / modulus), per_decade=1.0, extrapolate="plateau")
     compliance = crept.series.compliance_at([5e3, 1e5])
     np.testing.assert_allclose(compliance, 1 / modulus[-1], rtol=crept.series.error)
+
+
+TIMES = np.geomspace(0.1, 100, 30)
+FALLING = 0.4 + 0.6 * np.exp(-TIMES / 3)
+
+
+def table_of(folder, header, *columns):
+    path = folder / "table.csv"
+    rows = [",".join(map(repr, map(float, row))) for row in zip(TIMES, *columns, strict=True)]
+    path.write_text("\n".join([header, *rows]))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("header", "values"), [("time_s,force_nN", 300 * FALLING), ("t [s],stress [kPa]", 7 * FALLING)]
+)
+def test_a_force_at_a_held_depth_is_a_relaxation_up_to_a_factor(header, values, tmp_path):
+    path = table_of(tmp_path, header, values)
+    assert not read(path).absolute
+    with refuses("young", "none"):
+        material(path)
+    for how, modulus in (({"young": "2 MPa", "poisson": 0.5}, 2e6 / 0.75), ({"modulus": "3 MPa"}, 3e6)):
+        made = material(path, branches=1, **how)
+        assert made.solid.modulus == pytest.approx(modulus)
+        np.testing.assert_allclose(made.solid.relaxing, [(0.6, 3.0)], rtol=1e-3)
+        # The table has the modulus of the fit, as the picture shows both.
+        assert made.fit.data.columns[1][0][0] == pytest.approx(made.fit.series.modulus_at(TIMES[:1])[0])
+
+
+def test_a_strain_is_a_creep_by_its_stress(tmp_path):
+    series = PronySeries(5e6, ((0.6, 3.0),))
+    compliance = series.compliance_at(TIMES)
+    path = table_of(tmp_path, "time_s,strain_%", compliance * 2e4 * 100)
+    data = read(path, stress="20 kPa")
+    np.testing.assert_allclose(data.compliance, compliance)
+    made = material(path, stress="20 kPa", poisson=0.0, branches=1)
+    assert made.solid.modulus == pytest.approx(5e6, rel=1e-3)
+    np.testing.assert_allclose(made.solid.relaxing, [(0.6, 3.0)], rtol=1e-3)
+    without = material(path, young="5 MPa", poisson=0.0, branches=1)
+    np.testing.assert_allclose(without.solid.relaxing, made.solid.relaxing)
+    with refuses("stress", "1.0"):
+        read(table_of(tmp_path, "time_s,E_MPa", FALLING), stress=1.0)
+
+
+@pytest.mark.parametrize(
+    "header", ["time_s,force_nN,depth_nm", "time_s,strain,stress_MPa", "time_s,displacement_um"]
+)
+def test_what_is_held_must_be_clear(header, tmp_path):
+    path = table_of(tmp_path, header, *[FALLING] * header.count(","))
+    with refuses(str(path), header.split(",")[1]):
+        read(path)

@@ -11,7 +11,7 @@ import pint
 import pytest
 
 from asperity import Contact, age, press
-from asperity.base.units import factor, quantity
+from asperity.base.units import _PREFIXES, factor, quantity
 from asperity.base.words import data_size, duration, thousands, uncertain
 from asperity.protocols import Hold, Ramp, Repeat, Step
 from asperity.solids import coated_half_space, half_space, layer, spring_lattice
@@ -72,6 +72,18 @@ def test_a_text_becomes_a_number() -> None:
         found = quantity(text, unit)
         assert type(found) is float
         assert found == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    "unit", ["Pa", "N", "m", "s", "m/s", "Hz", "J", "K", "J/mol", "J/m^2", "ohm m", "W/m/K"]
+)
+def test_prefixes_are_those_of_pint_to_the_last_bit(unit: str) -> None:
+    registry: pint.UnitRegistry[Any] = pint.UnitRegistry()
+    random = np.random.default_rng(0)
+    for prefix in _PREFIXES:
+        for amount in (1.0, 0.3, *random.lognormal(0, 10, 20).tolist()):
+            expected = registry.Quantity(amount, f"{prefix}{unit}").to(unit).magnitude
+            assert quantity(f"{amount} {prefix}{unit}", unit) == expected, (prefix, amount)
 
 
 def test_other_texts_are_refused() -> None:

@@ -14,7 +14,7 @@ PAGES = {
         *sorted((ROOT / "docs" / "studies").glob("*.md")),
     )
 }
-LONGEST_PAGE, LONGEST_SENTENCE, ALL_PAGES = 2000, 35, 38_000
+LONGEST_PAGE, LONGEST_SENTENCE, ALL_PAGES = 2000, 35, 34_000
 
 MEASURED = r"benchmarks/\w+\.(?:py|sh)|data/studies|AMD EPYC|NVIDIA|busy machine"
 """Scripts and machines, of which a page speaks that has measured numbers."""
@@ -52,7 +52,8 @@ def test_pages_and_their_sentences_are_short(name):
 
 
 def test_the_documentation_is_short():
-    assert sum(words(page) for name, page in PAGES.items() if name.startswith("docs/")) <= ALL_PAGES
+    pages = (page for name, page in PAGES.items() if re.fullmatch(r"docs/\w+\.md", name))
+    assert sum(len(page.split()) for page in pages) <= ALL_PAGES  # as wc -w counts
 
 
 def test_a_long_sentence_is_found():

@@ -4,7 +4,7 @@ How do I hand somebody a contact to explore?
 
 ``asperity explore`` shows a run as a page, on which time is a slider. The page can be written as one file
 that holds everything and opens anywhere, without a server and without a network. It needs the extra
-``asperity[explore]`` to be written, and a browser to be read.
+``explore`` to be written, and a browser to be read.
 """
 
 import base64

@@ -4,7 +4,7 @@ How large are the error bars of an aging curve?
 
 One rough surface is one sample. A campaign runs many, in processes of its own, keeps each as soon as it
 is finished, and goes on where it was if it is stopped. Its file is that of a run with lists in it.
-Campaigns need the extra ``asperity[campaign]``.
+Campaigns need the extra ``campaign``.
 
 Exponential heights of mean 1 under a light load have a closed form for the mean area of all surfaces: one
 site touches at no load, and each unit of load adds as many as the compliance of one contact says,

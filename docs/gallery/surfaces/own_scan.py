@@ -5,7 +5,7 @@ How does a scan become a contact?
 A profilometer writes heights on a grid, tilted and with pixels that it could not see.
 ``asp.surfaces.read`` levels the scan, fills undefined pixels from their neighbors, and gives it units; it
 records all of it. Text, and arrays of numpy and MATLAB, are read directly. The formats of instruments need
-the extra ``asperity[instruments]``.
+the extra ``instruments``.
 
 This script writes a scan of which it knows the truth: a made surface, a tilt, and holes in the valleys.
 """

@@ -9,9 +9,11 @@ from asperity.errors import InputError
 T = TypeVar("T")
 
 
-def named(what: str, name: object, known: Mapping[str, T], advice: str = "") -> T:
+def named(what: str, name: object, known: Mapping[str, T], advice: str = "", *, is_flag: bool = False) -> T:
     """Return the one of a name; `InputError`, with the name that was meant or advice, if there is none."""
     if isinstance(name, str) and name in known:
         return known[name]
-    meant = get_close_matches(str(name), known, 1) or [advice]
-    raise InputError(what, expected=f"one of {', '.join(known)}", got=repr(name), advice=meant[0])
+    meant = get_close_matches(str(name), known, 1)
+    cure = {what: meant[0]} if is_flag and meant else {}
+    advice = "" if cure else (meant or [advice])[0]
+    raise InputError(what, expected=f"one of {', '.join(known)}", got=repr(name), advice=advice, cure=cure)

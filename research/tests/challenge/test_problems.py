@@ -152,7 +152,7 @@ def test_the_scan_at_time_0():
     made = challenge.problem("measured-scan")
     at_once = dataclasses.replace(made, run={**made.run, "aging": {"times": [0.0]}})
     score = challenge.score(challenge.solve(at_once, scan=SCAN), made.name)
-    assert (score.rows, score.asked) == (1, 8)
+    assert (score.places, score.asked) == (1, 8)
     assert not score.agrees
     assert [one.verdict for one in score.quantities] == ["within the error bars"] * 2
 
@@ -233,7 +233,7 @@ def test_a_part_of_an_answer_is_scored_and_does_not_agree():
     made, columns = certified("dilute")
     few = {key: values[2:5] for key, values in columns.items() if key != "approach"}
     score = challenge.score(few, "dilute")
-    assert (score.rows, score.asked, score.missing) == (3, 10, ("approach",))
+    assert (score.places, score.asked, score.missing) == (3, 10, ("approach",))
     (one,) = score.quantities
     assert one.abscissa.tolist() == made.answer.abscissa[2:5].tolist()
     assert one.verdict == "within the error bars"

@@ -1,13 +1,15 @@
 """A whole reproduction on tiny lattices, computed once."""
 
+import dataclasses
+
 import pytest
 
-from asperity_research.paper.reproduce import HOME, prepared_in
-from asperity_research.paper.studies import Effort
+from asperity_research.paper.reproduce import PAPER
+from asperity_research.paper.studies import Effort, studies
 from asperity_research.studies.evidence import Evidence
 from research.tests.conftest import do_here
 
-TINY = Effort(
+_EFFORT = Effort(
     "tiny",
     seeds=2,
     aging_seeds=2,
@@ -20,17 +22,18 @@ TINY = Effort(
     maps_size=64,
     side=40,
 )
+TINY = dataclasses.replace(PAPER, quick=studies(_EFFORT))
 
 
 @pytest.fixture(scope="session")
 def reproduction(tmp_path_factory):
     """Folder of a tiny reproduction whose studies are done, and its studies."""
     folder = tmp_path_factory.mktemp("reproduction")
-    with prepared_in(folder, TINY, seed=3) as prepared:
+    with TINY.prepared_in(folder, quick=True, seed=3) as prepared:
         do_here(prepared)
     return folder, prepared
 
 
 @pytest.fixture(scope="session")
 def evidence(reproduction):
-    return Evidence(reproduction[0] / HOME.inside)
+    return Evidence(reproduction[0] / PAPER.home.inside)

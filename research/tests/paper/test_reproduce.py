@@ -12,12 +12,12 @@ from asperity.app.campaign import read_plan, tally
 from asperity.app.campaign.store import Store
 from asperity.app.cli import main
 from asperity.errors import InputError
-from asperity_research.commands import reproduce as command
 from asperity_research.commands import study as working
+from asperity_research.paper import reproduce as reproducing
 from asperity_research.paper.claims import ledger
-from asperity_research.paper.reproduce import HOME, conclude, prepared_in
-from asperity_research.paper.studies import FULL, QUICK, studies
+from asperity_research.paper.studies import QUICK, studies
 from asperity_research.studies import STUDIES as OTHERS
+from asperity_research.studies import conclude
 from asperity_research.studies.campaigns import run_campaigns
 from asperity_research.studies.evidence import Evidence
 from research.tests.conftest import do_here
@@ -33,7 +33,7 @@ class _NothingIsRunError(Exception):
 @pytest.fixture
 def reproduce(reproduction, monkeypatch, capsys):
     """The command in the folder of the reproduction."""
-    monkeypatch.setattr(command, "QUICK", TINY)
+    monkeypatch.setattr(reproducing, "PAPER", TINY)
 
     def call(*flags):
         status = main(["reproduce", "--out", str(reproduction[0]), "--quick", "--seed", "3", *flags])
@@ -46,7 +46,7 @@ def reproduce(reproduction, monkeypatch, capsys):
 def test_report_of_finished_studies(reproduction, evidence, reproduce):
     folder, _ = reproduction
     out, err = reproduce()
-    assert "study" not in err  # nothing was left to run
+    assert "campaign" not in err  # nothing was left to run
     assert out.rstrip().endswith("report.html")
     findings = ledger(evidence)
     assert re.search(rf"^claims +{len(findings)}$", out, re.MULTILINE)
@@ -72,14 +72,14 @@ def test_only_what_is_missing_is_run(reproduction, reproduce):
     shutil.rmtree(sketch.folder / "runs.zarr" / run.identity)
     assert tally(sketch.plan, sketch.folder).done == 0
     _, err = reproduce("--workers", "1")
-    assert err.count("study") == 1
+    assert err.count("campaign") == 1
     assert sketch.campaign.purpose in err
     assert tally(sketch.plan, sketch.folder).done == 1
     assert re.search(r"^all +0 runs", reproduce("--dry-run").out, re.MULTILINE)
 
 
 def test_every_study_is_an_ordinary_campaign(tmp_path):
-    with prepared_in(tmp_path, TINY) as prepared:
+    with TINY.prepared_in(tmp_path, quick=True) as prepared:
         for one in prepared:
             plan = read_plan(one.folder / "campaign.toml")
             assert [run.identity for run in plan.runs] == [run.identity for run in one.plan.runs]
@@ -112,30 +112,20 @@ def test_seeds_that_are_a_list_are_not_taken_for_other_seeds():
         next(one for one in studies(QUICK) if one.name == "sketch").seeded(0).seeded(3)
 
 
-def test_full_holds_all_of_quick():
-    # The full reproduction goes on from the quick one: its ensembles contain the smaller ones.
-    for small, large in zip(studies(QUICK), studies(FULL), strict=True):
-        assert small.name == large.name
-        for key in ("seeds", "load"):
-            if key in small.tables["sweep"]:
-                few, many = (one.seeded(0).tables["sweep"][key] for one in (small, large))
-                assert set(few) <= set(many)
-
-
 def test_an_unfinished_study_is_not_judged(tmp_path):
-    with prepared_in(tmp_path / "out", TINY) as prepared:
+    with TINY.prepared_in(tmp_path / "out", quick=True) as prepared:
         one = next(each for each in prepared if each.campaign.name == "sketch")
         do_here([one])
         with pytest.raises(InputError, match="campaign"):
-            conclude(tmp_path / "out", prepared, effort=TINY, command="", seconds=0.0)
+            conclude(TINY, tmp_path / "out", prepared, quick=True, command="")
         Store(one.folder).runs.joinpath(one.plan.runs[0].identity, "zarr.json").unlink()
     assert not (tmp_path / "out" / "report.html").exists()
 
 
 def test_a_folder_swept_with_another_plan_is_read_by_this_one(tmp_path):
-    with prepared_in(tmp_path / "out", TINY) as prepared:
+    with TINY.prepared_in(tmp_path / "out", quick=True) as prepared:
         one = next(each for each in prepared if each.campaign.name == "sketch")
         do_here([one])
         (one.folder / "plan.json").write_text("{}")
         run_campaigns([one], workers=1, watch=lambda _: nullcontext(lambda _: None))
-    assert Evidence(tmp_path / "out" / HOME.inside)["sketch"].attrs["finished"] == 1
+    assert Evidence(tmp_path / "out" / TINY.home.inside)["sketch"].attrs["finished"] == 1

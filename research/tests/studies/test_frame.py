@@ -13,8 +13,7 @@ import asperity_research.studies as studies
 from asperity.app.campaign.sweeping import Tally
 from asperity.app.cli import main
 from asperity.app.cli.campaign import tally_shown
-from asperity_research.paper.reproduce import prepared_in
-from asperity_research.paper.studies import QUICK
+from asperity_research.paper.reproduce import PAPER
 from asperity_research.studies import unloading
 from research.tests.conftest import do_here
 
@@ -84,7 +83,7 @@ def command(request, monkeypatch, tmp_path, capsys):
         return said.err
 
     if request.param == "reproduce":
-        return refused, "reproduction", partial(prepared_in, effort=QUICK)
+        return refused, "reproduction", partial(PAPER.prepared_in, quick=True)
     return refused, "study unloading", partial(TINY.prepared_in, quick=True)
 
 
@@ -123,7 +122,7 @@ def test_an_unknown_study_in_python(study):
         studies.named("unload")
 
 
-@pytest.mark.parametrize("study", studies.STUDIES.values(), ids=lambda study: study.name)
+@pytest.mark.parametrize("study", [*studies.STUDIES.values(), PAPER], ids=lambda study: study.name)
 def test_campaigns_are_sound_and_the_full_ones_hold_the_quick(study, tmp_path):
     runs = {}
     for effort in ("quick", "full"):

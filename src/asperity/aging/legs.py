@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from asperity.aging.frames import Frame, Midway
 from asperity.aging.march import creep
@@ -300,4 +300,4 @@ def _resolved(control: Control, begin: float, end: float, pace: float) -> list[f
 def _root(function: Callable[[float], float], begin: float, end: float) -> float:
     """Where a function is 0 between times at which its signs differ, to the last digits."""
     eps = float(np.finfo(float).eps)
-    return float(brentq(function, begin, end, xtol=eps**2 * (end - begin), rtol=4 * eps))
+    return float(scipy.optimize.brentq(function, begin, end, xtol=eps**2 * (end - begin), rtol=4 * eps))

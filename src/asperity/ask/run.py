@@ -174,7 +174,7 @@ class Output(Section):
     measured: Annotated[
         str | None,
         Quantity(
-            "table of a measured contact area against time, with units",
+            "table of a measured contact area, or fraction of the nominal area, against time, with units",
             more=": the figure of the area shows it, and the ratio measured / computed.",
             swept=False,
         ),

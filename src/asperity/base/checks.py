@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from datetime import timedelta
 from decimal import Decimal
 from numbers import Real
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 import numpy as np
@@ -385,6 +385,22 @@ def extra(name: str, purpose: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(
-            f"{purpose}: expected the packages of the extra {name}, got: {error}; "
-            f"try pip install 'asperity[{name}]'"
+            f"{purpose} needs the extra {name}: {error}; try pip install '{installed_from()}[{name}]'"
         ) from error
+
+
+def installed_from(package: str = "asperity") -> str:
+    """What pip installs a package of this repository from: the clone or file of this one, else its name."""
+    import json
+    from importlib import metadata
+    from urllib.parse import urlsplit
+    from urllib.request import url2pathname
+
+    try:
+        written = metadata.distribution("asperity").read_text("direct_url.json") or "{}"
+    except metadata.PackageNotFoundError:  # it is imported from its source
+        return package
+    url = urlsplit(json.loads(written).get("url", ""))
+    source = Path(url2pathname(url.path)) if url.scheme == "file" else Path("nowhere")
+    folder = source if package == "asperity" else source / package.removeprefix("asperity-")
+    return str(folder) if folder.exists() else package

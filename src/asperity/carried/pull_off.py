@@ -28,10 +28,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-import scipy.sparse
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage
-from scipy.spatial import KDTree
 
 from asperity.base import checks, units, views
 from asperity.base.calls import remark
@@ -274,8 +272,8 @@ class _Bond:
         """The outermost closed layer, and G / w at its sites as a function of L, most exact at `apart`."""
         closed = self.closed
         how: Any = {"footprint": _CROSS, "mode": self.mode}
-        layer = closed & ~ndimage.minimum_filter(closed, **how)
-        beyond = ndimage.maximum_filter(closed, **how) & ~closed
+        layer = closed & ~scipy.ndimage.minimum_filter(closed, **how)
+        beyond = scipy.ndimage.maximum_filter(closed, **how) & ~closed
         part = TUNING.solved**2 * np.count_nonzero(layer)
         allowed = 2 * part * self.energy, part * self.stiffness / np.count_nonzero(closed)
         for number, shape in enumerate((closed, closed & ~layer, closed | beyond)):
@@ -304,7 +302,10 @@ class _Bond:
         places, others = np.argwhere(layer), np.argwhere(sites)
         last = 2 * np.array(layer.shape) - 1
         images = [np.where(flipped, last - others, others) for flipped in self.flips]
-        one, other = (KDTree(at * self.sides, boxsize=self.around) for at in (places, np.concatenate(images)))
+        one, other = (
+            scipy.spatial.KDTree(at * self.sides, boxsize=self.around)
+            for at in (places, np.concatenate(images))
+        )
         near = one.sparse_distance_matrix(other, 3 * TUNING.smoothing, output_type="coo_matrix")
         weight = np.exp(-0.5 * (near.data / TUNING.smoothing) ** 2)
         shape = len(places), len(others)
@@ -327,7 +328,7 @@ class _Bond:
         total = count = np.zeros_like(field)
         for axis, side in itertools.product((1, 2), (-1, 1)):
             (first, one), (second, two) = (
-                ndimage.correlate1d(both, np.eye(5)[2 + away * side], axis=axis, mode=self.mode)
+                scipy.ndimage.correlate1d(both, np.eye(5)[2 + away * side], axis=axis, mode=self.mode)
                 for away in (1, 2)
             )
             total = total + one * first + one * two * (first - second)

@@ -22,8 +22,7 @@ from typing import Any, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import scipy.fft
-import scipy.sparse.linalg
+import scipy
 
 from asperity.base import checks
 from asperity.contact import Contact

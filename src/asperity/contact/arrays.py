@@ -9,19 +9,17 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-import array_api_compat.numpy
 import numpy as np
-from array_api_compat import array_namespace
 from numpy.typing import NDArray
 
 from asperity.errors import InputError, MissingExtraError
-from asperity.lattice import Spectrum
+from asperity.lattice import Spectrum, namespace
 
 
 def library(name: str) -> Any:
     """The array library of this name, in the dialect of the standard; refused if it lacks its transforms."""
     if name == "numpy":
-        return array_api_compat.numpy
+        return np
     try:
         module = import_module(name)
     except ImportError as error:
@@ -29,7 +27,7 @@ def library(name: str) -> Any:
             f"arrays={name!r} needs the library {name}, which is not installed"
         ) from error
     try:
-        xp = array_namespace(module.empty(1))
+        xp = namespace(module.empty(1))
         xp.fft.rfftn  # noqa: B018  (an extension of the standard, which a library may lack)
     except (AttributeError, TypeError) as error:
         raise InputError(

@@ -20,10 +20,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.fft
-import scipy.sparse
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from asperity.contact.arrays import inner, inverse
 from asperity.contact.problem import Guess, SpectralProblem
@@ -156,7 +154,9 @@ class _CloseSites:
         self.kernel, self.sites = kernel, sites.copy()
         shape, self.places = kernel.lattice.shape, np.flatnonzero(sites)
         places = np.unravel_index(self.places, shape)
-        tree = KDTree(np.transpose(places) * kernel.scale, boxsize=np.array(shape) * kernel.scale)
+        tree = scipy.spatial.KDTree(
+            np.transpose(places) * kernel.scale, boxsize=np.array(shape) * kernel.scale
+        )
         pairs = tree.query_pairs(TUNING.near, output_type="ndarray")
         first, second = pairs.T.astype(np.int32)
         apart = [

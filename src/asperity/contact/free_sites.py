@@ -20,7 +20,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from asperity.contact.arrays import inner, largest
 from asperity.contact.pinning import effective_pinning

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from asperity.lattice import Lattice, Spectrum
 
@@ -73,7 +73,7 @@ def coherent_potential(compliance: Callable[[float], float], fraction: float, st
         return math.exp(low)
     if excess(high) <= 0:
         return math.exp(high)
-    return math.exp(brentq(excess, low, high, xtol=TUNING.closeness))
+    return math.exp(scipy.optimize.brentq(excess, low, high, xtol=TUNING.closeness))
 
 
 @lru_cache

@@ -32,7 +32,6 @@ from asperity.surfaces import Surface
 from asperity.surfaces.asperities import SHAPES
 from asperity.surfaces.doubts import BORNE
 from asperity.surfaces.moments import Statistics
-from asperity.theory import persson_area
 
 _FEW = 10
 """Pixels of a patch below which its shape is not resolved."""
@@ -207,6 +206,8 @@ def _beyond_theory(rough: Surface, solid: Solid, seen: Resolved, measures: Stati
     """Remark on a measured contact many times that of random heights, with the cures that were not taken."""
     if "kind" in rough.provenance or not (seen.effective > 0 and measures.rms_slope > 0):
         return ""
+    from asperity.theory import persson_area  # takes as long as all else that a press imports
+
     expected = persson_area(seen.effective, modulus=solid.modulus or math.inf, slope=measures.rms_slope)
     if (touches := seen.fraction * (1 - seen.rim)) <= _BEYOND * expected:
         return ""

@@ -64,8 +64,9 @@ def aging_curve(
     axes.margins(x=0.03)
     style.count_nominal_area(axes, 100.0 * summary.initial_area / summary.sites)
     if measured is not None:
-        measurements = measured_area(measured, si=dataset.attrs["si"])
-        first = float(dataset["contact_area" if dataset.attrs["si"] else "area"][0])
+        si = dataset.attrs["si"]
+        first = float(dataset["contact_area" if si else "area"][0])
+        measurements = measured_area(measured, first * summary.sites / summary.initial_area, si=si)
         draw_measured(grid[:2], measurements, summary.time, summary.area_ratio, 1 / first)
     if summary.load is not None and falls:
         ratio = summary.load / summary.initial_load

@@ -71,10 +71,10 @@ def history_figure(dataset: xr.Dataset, measured: Measurements | Path | str | No
         _mark_lowest(grid[last], time, per_site)
     figure.table = series_table(dataset, names)
     if measured is not None:
-        measurements = measured_area(measured, si=dataset.attrs["si"])
         sites = dataset["area"].values.astype(np.float64)
         site = float(dataset["contact_area"][-1]) / sites[-1] if dataset.attrs["si"] else 1.0
-        times = dataset["time"].values
+        times, whole = dataset["time"].values, site * dataset.attrs["sites"]
+        measurements = measured_area(measured, whole, si=dataset.attrs["si"])
         drawn = draw_measured(grid[last:], measurements, times, per_site * sites, per_site / site, time.at)
         figure.table |= drawn
     style.count_nominal_area(grid[last], 100.0 / (dataset.attrs["sites"] * per_site))

@@ -21,7 +21,7 @@ from asperity.figures.contacts import COLORS
 from asperity.figures.measured import draw_measured
 from asperity.figures.plots import draw_series, pressure_norm
 from asperity.fits import Measurements
-from asperity.fits.measurements import measured as in_units
+from asperity.fits.measurements import measured_area
 from asperity.prediction.results import Prediction
 from asperity.results.quantities import select
 
@@ -46,7 +46,8 @@ def growth_figure(prediction: Prediction, measured: Measurements | Path | str | 
     if measured is not None:
         _, square = _areas(prediction)
         area = square * prediction.series("contact_area_corrected")
-        draw_measured(grid[:2], in_units(measured), prediction.time, area, square)
+        seen = measured_area(measured, prediction.nominal_area, si=True)
+        draw_measured(grid[:2], seen, prediction.time, area, square)
     if prediction.growth is not None:
         figure.suptitle(f"{prediction.between('A')} = {prediction.growth.ratio:.5g}")
     for axes in grid:

@@ -29,8 +29,8 @@ from asperity.sheets.tables import Table, read_table
 
 _EXPECTED = {
     "s": ("in a unit such as s or min", "a header such as time_s"),
-    "m^2": ("in a unit such as um^2", "a header such as area_um2"),
-    "1": ("without a unit, as the run has none", "a header such as time, area"),
+    "m^2": ("in a unit such as um^2, or as a fraction", "a header such as area_um2, or contact_fraction"),
+    "1": ("without a unit, as the run has none", "a header such as time, area, or contact_fraction"),
 }
 Quantity = Literal["area", "friction", "depth", "radius"]
 """What a table may be read for."""
@@ -38,11 +38,15 @@ Quantity = Literal["area", "friction", "depth", "radius"]
 _ERRORS = (
     r"\b(std\w*|err\w*|sd|se|sem|sigma|uncert\w*|deviation|abweichung|fehler|ecart\w*)\b|±|\+/-|(std|err)$"
 )
+_IN_PERCENT = r"percent|prozent|%"
+_OF_WHOLE = rf"\ba ?/ ?a ?n(om)?\b|fraction|anteil|\bpart\b|{_IN_PERCENT}"
+"""Names and units of values that are a fraction of the nominal area."""
+
 _OF_VALUES: dict[str, Role] = {
     "radius": Role("radius", "m", r"radius|rayon"),
     "depth": Role("depth", "m", r"depth|indent|tiefe|eindring|profondeur|deplacement|displac"),
     "friction": Role("friction", "1", r"fric|reib|frott|\bmu\b|[µμ]"),
-    "area": Role("area", "m^2", r"area|flache|\baire\b|surface|contact|a ?/ ?a ?\(?0"),
+    "area": Role("area", "m^2", rf"area|flache|\baire\b|surface|contact|a ?/ ?a ?\(?0|{_OF_WHOLE}"),
 }
 _ERROR_OF_TIME = Role("", "", rf"(\btime\b|hold|^t\b).*({_ERRORS})")
 _ERROR = Role("stderr", "", _ERRORS)
@@ -174,15 +178,17 @@ def read_measurements(
     )
 
 
-def measured(source: Path | str | Measurements, *, time: str = "s", value: str = "m^2") -> Measurements:
-    """Read measured areas, with the column of their errors if there is one, in other units.
+def measured_area(source: Path | str | Measurements, nominal: float, *, si: bool) -> Measurements:
+    """Read measured areas, with the column of their errors if there is one, in SI or without units.
 
     Parameters
     ----------
     source
         A table, as for `read_measurements`, or its result.
-    time, value
-        Units of times and values, in Pint's spelling; "1" for none.
+    nominal
+        The nominal area, of which values in percent, or called a fraction, are that fraction.
+    si
+        Whether times are in s and areas in m^2, or both without a unit.
 
     Raises
     ------
@@ -194,23 +200,32 @@ def measured(source: Path | str | Measurements, *, time: str = "s", value: str =
         name = str(source)
         errors = errors_beside(read_table(Path(source)).names)
         source = read_measurements(source, "area", stderr=errors)
+    time, value = ("s", "m^2") if si else ("1", "1")
+    called = normal(f"{source.value_name} {source.value_unit}")
+    of_values = source.value_unit or "%" * bool(re.search(_IN_PERCENT, called))
+    is_part = re.search(_OF_WHOLE, called)
     factors = []
-    for quantity, unit, target in (("times", source.time_unit, time), ("values", source.value_unit, value)):
+    for quantity, unit, target in (
+        ("times", source.time_unit, time),
+        ("values", of_values, "1" if is_part else value),
+    ):
         written = units.spelled(unit or "1") or ""
         factor = 1.0 if written == target else units.factor(written, target)
         if factor is None:
-            expected, advice = _EXPECTED[target]
+            expected, advice = _EXPECTED[value if quantity == "values" else target]
             raise InputError(name, expected=f"{quantity} {expected}", got=unit or "none", advice=advice)
         factors.append(factor)
+    if is_part:
+        if (largest := factors[1] * float(source.value.max())) > 1:
+            expected = "fractions of the nominal area, up to 1"
+            raise InputError(
+                name, expected=expected, got=f"{largest:g}", advice="a header such as area_percent"
+            )
+        factors[1] *= nominal
     by, up = factors
     stderr = None if source.stderr is None else up * source.stderr
     numbers: dict[str, Any] = {"time": by * source.time, "value": up * source.value, "stderr": stderr}
     return replace(source, **numbers, time_unit=time, value_unit=value)
-
-
-def measured_area(source: Path | str | Measurements, *, si: bool) -> Measurements:
-    """Measured areas in SI, or without units."""
-    return measured(source) if si else measured(source, time="1", value="1")
 
 
 def errors_beside(names: Sequence[str], advice: str = "one such name in the header") -> str | None:

@@ -11,10 +11,8 @@ from functools import cached_property
 from typing import Any, get_args
 
 import numpy as np
-import scipy.ndimage
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from asperity.base import checks, views
 from asperity.errors import InputError
@@ -126,9 +124,11 @@ def pieces_of(touching: Mask, connectivity: int, edges: Edges) -> Pieces:
     if edges == "periodic":
         joined, turns = _across_the_seams(labels, connectivity)
     first, second = joined.T
-    bonds = coo_array((np.ones(first.size, dtype=bool), (first, second)), shape=(count + 1, count + 1))
+    bonds = scipy.sparse.coo_array(
+        (np.ones(first.size, dtype=bool), (first, second)), shape=(count + 1, count + 1)
+    )
     # No bond reaches piece 0, which is "no contact": it stays a component of its own.
-    components, whole = connected_components(bonds, directed=False)
+    components, whole = scipy.sparse.csgraph.connected_components(bonds, directed=False)
     sizes = np.bincount(whole, np.bincount(labels.ravel(), minlength=count + 1)).astype(np.int64)
     sizes[whole[0]] = np.iinfo(sizes.dtype).max  # the sites off contact come first: number 0
     order = np.argsort(-sizes, kind="stable")

@@ -45,10 +45,11 @@ class _Data(views.Brief):
     """Data against times or frequencies: this column, those of the quantities, and options.
 
     `measured` is the modulus, "young", "shear" or "contact", if that is known; `source` names file and
-    columns.
+    columns. What is not `absolute` lacks a factor, such as the force at a held depth.
     """
 
     measured: Modulus | None = field(default=None, kw_only=True)
+    absolute: bool = field(default=True, kw_only=True, repr=False)
     source: str = field(default="", kw_only=True, repr=False)
     falls: ClassVar[bool] = False
     """Whether the first quantity falls along the data, or rises."""
@@ -88,6 +89,12 @@ class _Data(views.Brief):
         name, x = self.names()[0], self.columns[0]
         shifted: dict[str, Any] = {name: factor * x if name == "time" else x / factor}
         return replace(self, **shifted)
+
+    def scaled(self, factor: float) -> Self:
+        """Multiply the moduli by a factor that the data lack; they are absolute then."""
+        name, values = self.names()[1], self.columns[1][0]
+        factored: dict[str, Any] = {name: values / factor if name == "compliance" else factor * values}
+        return replace(self, absolute=True, **factored)
 
     def _check_columns(self: Any) -> None:
         """Refuse columns that are not of one length, positive, and against rising times."""

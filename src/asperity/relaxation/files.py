@@ -10,6 +10,7 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 
 from asperity.base import checks
+from asperity.base import units as si
 from asperity.errors import InputError
 from asperity.relaxation.data import Creep, Dynamic, Measured, Modulus, Relaxation
 from asperity.sheets.columns import TIME, Chosen, Columns, Role, Units, check_one_series, named, normal
@@ -21,16 +22,22 @@ _ROLES = (
     Role(
         "",
         "",
-        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std|(?<!plane )strain|dehnung|deform"
-        r"|force|kraft|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
+        r"\btan\b|delta|δ|fa[ck]t|temp(?!s\b)|(?<!t)\*|[ck]omplex|err|std"
+        r"|bulk|kompress|longitud|(relax|retard)\w* time|(relax|retard)\w*zeit|temps de r",
     ),
     Role("frequency", "rad/s", r"freq|omega|ω|^[fw]$|^nu$|angular|pulsation"),
     TIME,
     Role("loss", "Pa", r"loss|verlust|perte|''|double.?prime|imag|visc|visk|visq"),
     Role("storage", "Pa", r"storage|speicher|conservation|stockage|\b[eg] ?'|prime|real"),
     Role("compliance", "1/Pa", r"complian|creep|nachgieb|kriech|fluage|complaisance|^[jd]\b"),
-    Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel"),
+    Role("modulus", "Pa", r"modul|relax|young|elasti|^[eg]\b|^[eg] ?rel|plane strain"),
+    Role("strain", "1", r"strain|dehnung|deform"),
+    Role("stress", "Pa", r"stress|spannung|contrainte"),
+    Role("force", "N", r"force|kraft|\bload"),
+    Role("displacement", "m", r"displac|depth|indent|extension|verschieb|tiefe|\bweg\b|deplac|profond"),
 )
+_UP_TO_A_FACTOR: dict[str, Kind] = {"strain": "creep", "stress": "relaxation", "force": "relaxation"}
+"""Columns against time that are a compliance or a modulus up to a factor, if they stand alone."""
 _MODULI: dict[Modulus, str] = {
     "shear": r"shear|schub|scher|cisail",
     "contact": r"plane.strain|contact|kontakt|reduced|reduit",
@@ -47,6 +54,7 @@ def read(
     columns: Chosen | None = None,
     units: Units | None = None,
     modulus: Modulus | None = None,
+    stress: float | str | None = None,
     noise: float = 0.05,
 ) -> Measured:
     """Read measured data from a table in a text file, and convert them to s and Pa.
@@ -70,6 +78,10 @@ def read(
     modulus
         The modulus, if no name states it: "young", Young's modulus E; "shear", the shear modulus G;
         "contact", E*. The data keep it without conversion.
+    stress
+        The constant stress of a table of strain against time, Pa or with a unit. Without it, such a table
+        gives the compliance up to a factor only; likewise that of a force or a stress at a constant
+        deformation the modulus. It is not `absolute` then.
     noise
         Largest relative change in the wrong direction that counts as noise.
 
@@ -88,9 +100,15 @@ def read(
     names = {"storage": "storage modulus", "loss": "loss modulus"}
     check_one_series(reading.table, places[0])
     numbers: list[Any] = []
+    factored = reading.roles[places[1]] if reading.roles[places[1]] in _UP_TO_A_FACTOR else ""
     for at, role in zip(places, _KINDS[chosen].names(), strict=True):
-        called = role if at == places[0] else which + names.get(role, role)
-        numbers.append(reading.values(role, at, bare=False, called=called))
+        called = role if at == places[0] else factored or which + names.get(role, role)
+        read_as = factored if factored and at != places[0] else role
+        numbers.append(reading.values(read_as, at, bare=False, called=called))
+    if stress is not None:
+        if factored != "strain":
+            raise InputError("stress", expected="none beside a table that has no strain", got=stress)
+        numbers[1] = numbers[1] / si.quantity(stress, "Pa", "stress")
     source, rows = reading.read, np.diff(numbers[0], prepend=np.nan) != 0
     if not rows.all():
         starts = np.flatnonzero(rows)
@@ -99,7 +117,8 @@ def read(
         source += f"; means of rows of equal {_KINDS[chosen].names()[0]}: {starts.size}"
     make = cast(Callable[..., Measured], _KINDS[chosen])
     try:
-        return make(*numbers, noise=noise, measured=meant, source=source)
+        absolute = not factored or stress is not None
+        return make(*numbers, noise=noise, measured=meant, source=source, absolute=absolute)
     except InputError as error:
         if error.name == "noise":
             raise
@@ -127,6 +146,11 @@ def _chosen(columns: Columns, kind: Kind | None, *, ordered: bool) -> tuple[Kind
             raise InputError("columns", expected=expected, got=" ".join(map(str, places)))
         return chosen, places
     fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
+    loaded = [role for role in roles if role in (*_UP_TO_A_FACTOR, "displacement")]
+    if not fitting and len(loaded) == 1 and loaded[0] in _UP_TO_A_FACTOR:
+        of_kind = _KINDS[_UP_TO_A_FACTOR[loaded[0]]]
+        roles[roles.index(loaded[0])] = of_kind.names()[1]
+        fitting = [name for name, order in wanted.items() if all(roles.count(role) == 1 for role in order)]
     if len(fitting) != 1:
         header = "omega_rad_s,storage_MPa,loss_MPa" if len(roles) == 3 else "time_s,E_MPa"
         choice = f'kind="relaxation" and columns="0 1", or {header} as their names'
@@ -153,7 +177,7 @@ def _modulus(columns: Columns, places: list[int], asked: Modulus | None) -> Modu
 def _unclear(columns: Columns, advice: str) -> InputError:
     return InputError(
         columns.table.name,
-        expected="columns of time and modulus, time and compliance, or frequency, storage and loss modulus",
+        expected="columns of time and modulus, compliance, strain or force; or frequency and both moduli",
         got=named(columns.table),
         advice=advice,
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,13 +11,12 @@ from typing import Annotated, Any, Literal, cast, get_args
 
 from annotated_types import Ge, Gt, Le, Lt
 
-from asperity.base import checks
+from asperity.base import checks, views
 from asperity.base import units as si
 from asperity.base.files import content_of, expanded
-from asperity.base.parameters import Quantity, parameters_of
+from asperity.base.parameters import Quantity
 from asperity.base.words import has_unit
-from asperity.creep import LAWS, Eyring
-from asperity.errors import InputError, printable
+from asperity.errors import InputError, Name, printable
 from asperity.relaxation.data import Extrapolate, Measured, Modulus
 from asperity.relaxation.files import Kind, read
 from asperity.relaxation.fitting import Fit, fit
@@ -31,7 +29,10 @@ from asperity.solids.arguments import POISSON
 from asperity.solids.branches import check_branches
 from asperity.solids.continua import checked_poisson
 
-_READING, _FITTING = ("kind", "columns", "units", "noise"), ("branches", "per_decade", "extrapolate")
+_READING, _FITTING = (
+    ("kind", "columns", "units", "stress", "noise"),
+    ("branches", "per_decade", "extrapolate"),
+)
 _SHIFT = ("temperature", "reference", "activation_energy", "wlf", "shift")
 _ELASTIC, _WORDS = ("modulus", "young", "poisson"), get_args(Modulus)
 
@@ -108,6 +109,11 @@ _Noise = Annotated[
         swept=False,
     ),
 ]
+_Stress = Annotated[
+    float | str | None,
+    Gt(0),
+    Quantity("constant stress of a table of strain against time", "Pa", swept=False),
+]
 _Branches = Annotated[
     int | None,
     Ge(1),
@@ -162,12 +168,19 @@ _Wlf = Annotated[
 ]
 
 
+@views.later
+def material_of_file(path: Path, /, **arguments: Any) -> Material:
+    """The half-space of [solid] in a TOML file; arguments of `material` replace its keys."""
+    raise NotImplementedError
+
+
 def material(
     source: str | Path | Measured | PronySeries | Solid | None = None,
     *,
     kind: _Kind = None,
     columns: _Columns = None,
     units: _Units = None,
+    stress: _Stress = None,
     noise: _Noise = None,
     branches: _Branches = None,
     per_decade: _PerDecade = None,
@@ -191,8 +204,8 @@ def material(
         A relaxation table: a file for `read`, or its result. Or a series; a half-space from
         `asperity.solids.half_space`; a TOML file whose ``[solid]`` is a half-space, such as ``solid.toml`` of
         an inference. None: an elastic half-space of `young` or `modulus`.
-    kind, columns, units, noise
-        Options of `read`.
+    kind, columns, units, stress, noise
+        Options of `read`. A table that gives the modulus up to a factor needs `young` or `modulus`.
     branches, per_decade, extrapolate
         Options of `fit`. With "model" the branches of an inference also count beyond its data.
     modulus
@@ -221,20 +234,15 @@ def material(
         An argument is out of range, or does not apply to the source.
     """
     arguments = {name: value for name, value in locals().items() if name != "source" and value is not None}
-    times: tuple[float, float] | None = None
     if isinstance(source, str | Path) and Path(source).suffix == ".toml":
-        source, of_file, times = _of_toml(expanded(source), arguments)
-        draws = of_file if draws is None else draws
-        if times is not None and extrapolate == "model":
-            del arguments["extrapolate"]
-            times = None
+        return material_of_file(expanded(source), **arguments)
     description, names = _about(source)
     for name in arguments:
         if name not in (*names, "hardness"):
             raise InputError(name, expected=f"none beside {description}", got=checks.shown(arguments[name]))
     if isinstance(source, Solid):
         solid = source.with_hardness(hardness)
-        return Material(solid, draws=_draws(draws, solid), span=times or (0.0, math.inf))
+        return Material(solid, draws=_draws(draws, solid))
     factor = _shift(**{name: arguments[name] for name in _SHIFT if name in arguments})
     measured: Any = modulus if isinstance(modulus, str) and modulus in _WORDS else None
     fitted: Fit | None = None
@@ -245,7 +253,11 @@ def material(
         how = {name: arguments[name] for name in _READING if name in arguments}
         table = read(source, modulus=measured, **how) if isinstance(source, str | Path) else source
         options = {name: arguments[name] for name in _FITTING if name in arguments}
-        fitted = fit(table.shifted(factor), **options)
+        table = table.shifted(factor)
+        fitted = fit(table, **options)
+        if not table.absolute:
+            known, measured = _known(arguments)
+            fitted = fit(table.scaled(known / fitted.series.modulus), **options)
         series, measured = fitted.series, measured or fitted.data.measured
     modulus_arguments, of = _instantaneous(series, measured, arguments)
     solid = half_space(**modulus_arguments, branches=series.branches if series else (), hardness=hardness)
@@ -320,6 +332,17 @@ def _instantaneous(
     return {"young": series.modulus * factor, "poisson": ratio}, measured or "young"
 
 
+def _known(arguments: dict[str, Any]) -> tuple[float, Modulus]:
+    """Take the number of the modulus, which a table gives up to a factor, and which modulus it is."""
+    which: dict[str, Modulus] = {"young": "young", "modulus": "contact"}
+    for name in which:
+        if name in arguments and arguments[name] not in _WORDS:
+            return checks.number(name, si.quantity(arguments.pop(name), "Pa", name), above=0), which[name]
+    expected = "the instantaneous modulus beside a table that gives it up to a factor"
+    advice = Name("young"), ", or ", Name("stress"), " of a table of strain"
+    raise InputError("young", expected=expected, got="none", advice=advice)
+
+
 def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid) -> tuple[PronySeries, ...]:
     if draws is None:
         return ()
@@ -334,29 +357,6 @@ def _draws(draws: Sequence[Iterable[Sequence[float | str]]] | None, solid: Solid
         except InputError as error:
             raise error.about(f"draws[{number}]: {error.name}") from None
     return tuple(solids)
-
-
-def _of_toml(path: Path, arguments: dict[str, Any]) -> tuple[Solid, Any, tuple[float, float] | None]:
-    """The half-space of a file, with the modulus of the arguments if it has none; draws; times of data."""
-    try:
-        keys = tomllib.loads(content_of(path).decode())["solid"]
-        kind, draws = keys.pop("kind", "none"), keys.pop("draws", None)
-        first, last = (keys.pop(f"data_{end}", None) for end in ("first", "last"))
-    except (OSError, ValueError, KeyError, AttributeError, RecursionError) as error:
-        expected = "a TOML file with the half_space of [solid]"
-        got = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
-        raise InputError(path.name, expected=expected, got=got) from None
-    if kind != "half_space":
-        raise InputError(f"{path.name}: [solid] kind", expected="a half_space", got=checks.shown(kind))
-    if (word := keys.pop("creep", "none")) != "none":
-        checks.choice(f"{path.name}: [solid] creep", word, tuple(LAWS))
-        law: Any = Eyring.activated if "temperature" in keys else LAWS[word]
-        names = {key: key if key == "temperature" else f"creep_{key}" for key in parameters_of(law)}
-        keys["creep"] = law(**{key: keys.pop(name, None) for key, name in names.items()})
-    if "modulus" not in keys and "young" not in keys:
-        keys |= {name: arguments.pop(name) for name in _ELASTIC if name in arguments}
-    times = None if last is None else (si.quantity(first or 0.0, "s"), si.quantity(last, "s"))
-    return half_space(**keys), draws, times
 
 
 def _origin(table: object, fitted: Fit) -> dict[str, object]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from asperity.base import checks, views
 from asperity.carried import PullOff
@@ -25,10 +25,15 @@ from asperity.results.quantities import had_by, units_of
 from asperity.results.store import load, save
 from asperity.solids import Solid
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 @views.defines(Contact._dataset)
 def contact_dataset(contact: Contact) -> xr.Dataset:
     """Gather the maps and numbers of a contact; see `Contact.dataset`."""
+    import xarray as xr
+
     sites = ("y", "x")[2 - contact.heights.ndim :]
     names = {"heights", *had_by(contact, "field", "contact")} - {"u0"}
     maps = {name: getattr(contact, name) for name in sorted(names)}
@@ -50,6 +55,8 @@ def save_contact(contact: Contact, path: str | Path, *, overwrite: bool = False)
 @views.defines(PullOff._path)
 def pull_off_path(pull: PullOff, contact: Contact) -> xr.Dataset:
     """See `PullOff.path`."""
+    import xarray as xr
+
     numbers = patches(contact.in_contact, edges=contact.lattice.edges)
     last = np.full(numbers.sizes.size + 1, np.inf)
     touching = contact.in_contact

@@ -6,10 +6,9 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from asperity.aging.frames import Frame
@@ -23,6 +22,9 @@ from asperity.protocols.legs import described, in_words
 from asperity.results.parameters import Plain, plain, units_of_parameters
 from asperity.results.quantities import had_by, select, units_of
 from asperity.solids import Solid
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Moment = dict[str, float]
 """One entry of the time series: ``time`` and a value for each series."""
@@ -71,6 +73,8 @@ def dataset_of(
     `control` is prescribed at the start. With a protocol, each entry has its leg, and legs begin and end at
     `switches`. Without one, `keeps_area` says whether the area is held.
     """
+    import xarray as xr
+
     sites = ("y", "x")[2 - start.heights.ndim :]
     slides = bool(rows) and "displacement" in rows[0]
     asked = [name for name in select("series", of=["carried"]) if rows and name in rows[0]]
@@ -121,6 +125,8 @@ def _with_fields(
 
 
 def _with_patches(dataset: xr.Dataset, start: Contact, snapshots: Sequence[Snapshot]) -> xr.Dataset:
+    import xarray as xr
+
     maps, times = dataset["in_contact"].values, [snapshot.time for snapshot in snapshots]
     series = map_series(maps, times, start.lattice)
     in_lengths = start.solid.in_lengths

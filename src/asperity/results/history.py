@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import xarray as xr
-
 from asperity.base import checks, views
 from asperity.base.rows import Row
 from asperity.base.words import closest
@@ -17,12 +15,15 @@ from asperity.results.store import save
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
     from matplotlib.animation import FuncAnimation
     from matplotlib.axes import Axes
 
 
 def check_dataset(dataset: object) -> None:
     """`InputError` unless it is the dataset of a history."""
+    import xarray as xr
+
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     if missing := [name for name in ("time", "area") if name not in dataset]:  # type: ignore[operator]
         expected, got = "the dataset of a history", f"one without {', '.join(missing)}"
@@ -31,6 +32,8 @@ def check_dataset(dataset: object) -> None:
 
 def check_fields(dataset: object) -> None:
     """`InputError` unless it is the dataset of a history with fields."""
+    import xarray as xr
+
     checked = checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     if "field_time" not in checked.get("in_contact", xr.DataArray()).dims:
         expected, advice = "a history that kept fields", "age(..., fields_at=times)"

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from asperity.base import views
 from asperity.contact import Contact
 from asperity.errors import InputError
 from asperity.results.dataset import attributes_of, describe
 from asperity.results.quantities import had_by
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,8 @@ class Pull(views.InNotebooks):
     @classmethod
     def of(cls, approach: Sequence[Contact], retreat: Sequence[Contact]) -> Pull:
         """Gather the states."""
+        import xarray as xr
+
         start, states = retreat[0], [*approach, *retreat]
         names = [name for name in had_by(start, "series") if hasattr(start, name)]
         series = {name: ("state", np.array([getattr(state, name) for state in states])) for name in names}

@@ -11,16 +11,15 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-
-import xarray as xr
-import zarr
-from filelock import FileLock
-from zarr.codecs import ZstdCodec
+from typing import TYPE_CHECKING
 
 from asperity.base import checks
 from asperity.base.files import Standing, beside, expanded, kind_of, standing, without_links
 from asperity.base.words import reason_of
 from asperity.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _OTHER_FORMATS = (".nc", ".nc4", ".h5", ".hdf5")
 """Suffixes of files that are no zarr folders."""
@@ -52,6 +51,8 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
     -----
     `load` opens it again; so does ``xarray.open_zarr(path)``.
     """
+    import xarray as xr
+
     checks.instance("dataset", dataset, xr.Dataset, "history.dataset")
     target = expanded(path)
     if target.suffix.lower() in _OTHER_FORMATS:
@@ -67,6 +68,8 @@ def save(dataset: xr.Dataset, path: str | Path, *, overwrite: bool = False) -> N
 
 def write_into(dataset: xr.Dataset, folder: Path) -> None:
     """Write a Dataset into a folder that is renamed later, as `save` does."""
+    from zarr.codecs import ZstdCodec
+
     with warnings.catch_warnings():
         # Text (names of swept files) has no specification in zarr 3 yet; what reads it here also wrote it.
         warnings.filterwarnings("ignore", message=".*does not have a Zarr V3 specification.*")
@@ -91,6 +94,9 @@ def load(path: str | Path) -> xr.Dataset:
     InputError
         There is no such folder, or it holds no Dataset.
     """
+    import xarray as xr
+    import zarr
+
     folder = expanded(path)
     if (folder / "history.zarr").is_dir():
         folder = folder / "history.zarr"
@@ -164,6 +170,8 @@ def whole_file(path: Path, *, overwrite: bool | Standing = True) -> Iterator[Pat
 @contextmanager
 def _staged(path: Path, aftermath: str = "") -> Iterator[Path]:
     """A hidden folder beside a name, locked while its writer lives; those of killed writers are removed."""
+    from filelock import FileLock
+
     hidden = beside(without_links(path).with_name(f".{without_links(path).name}"), "")
     try:
         hidden.parent.mkdir(parents=True, exist_ok=True)

@@ -224,7 +224,7 @@ def problem(name: str) -> Problem:
     InputError
         There is none of this name.
     """
-    return named("problem", name, _all())
+    return named("problem", name, _all(), is_flag=True)
 
 
 @functools.cache

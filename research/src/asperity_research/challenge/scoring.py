@@ -7,8 +7,11 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
+from asperity.base.rows import Row
+from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity.results import read_table
 from asperity_research.arrays import Field
@@ -62,6 +65,13 @@ class QuantityScore:
         allowed = self.bar + self.column.tolerance * np.abs(self.certified)
         return "within the tolerance" if (apart <= allowed).all() else "off"
 
+    @property
+    def worst(self) -> str:
+        """Where it deviates most in error bars, and by how much; and the tolerance."""
+        at = np.argmax(np.abs(self.in_bars))
+        apart = f"{self.in_bars[at]:+.3g} bars, {100 * self.relative[at]:+.2g} %"
+        return f"worst at {self.abscissa[at]:.6g}: {apart}; tolerance {100 * self.column.tolerance:g} %"
+
 
 @dataclass(frozen=True, eq=False)
 class Score:
@@ -75,21 +85,40 @@ class Score:
         Those that the result has.
     missing
         Headings of those that it has not.
-    rows, asked
+    places, asked
         How many places of the answer the result has, and how many there are.
     """
 
     problem: Problem
     quantities: tuple[QuantityScore, ...]
     missing: tuple[str, ...]
-    rows: int
+    places: int
     asked: int
 
     @property
     def agrees(self) -> bool:
         """Whether all that is asked is there, and within the tolerance."""
-        complete = not self.missing and self.rows == self.asked
+        complete = not self.missing and self.places == self.asked
         return complete and all(one.verdict != "off" for one in self.quantities)
+
+    def rows(self) -> list[Row]:
+        """The verdict on each quantity, with the place that is worst in error bars; and on all."""
+        judged = [Row(one.column.heading, one.verdict, note=f"; {one.worst}") for one in self.quantities]
+        judged += [Row(name, "not given") for name in self.missing]
+        good = sum(one.verdict != "off" for one in self.quantities)
+        total = f"{good} of {counted(len(self.problem.asked), 'quantity', 'quantities')} agree"
+        total += f" at {self.places} of {self.asked} places"
+        verdict = "agrees" if self.agrees else "does not agree"
+        return [*judged, Row(self.problem.name, verdict, note=f"; {total}")]
+
+    def table(self) -> pd.DataFrame:
+        """What was given and certified, with error bar and deviation: a row for each quantity and place."""
+        place, names = self.problem.abscissa.heading, ("given", "certified", "bar", "in_bars", "relative")
+        tables = (
+            {"quantity": one.heading, place: one.abscissa, **{name: getattr(one, name) for name in names}}
+            for one in self.quantities
+        )
+        return pd.concat(map(pd.DataFrame, tables), ignore_index=True)
 
 
 def score(result: str | Path | Mapping[str, ArrayLike], name: str | None = None) -> Score:

@@ -75,9 +75,9 @@ def write(
         place = Path(directory, name)
         ours = place.is_dir() and {path.name for path in place.iterdir()} <= _OURS
         if place.exists() and not (ours and overwrite):
-            advice = f"another folder{', or overwrite=True' if ours else ''}"
+            cure = {"overwrite": True} if ours else {}
             expected, got = f"a folder without {name}", f"{place}, which is kept"
-            raise InputError("directory", expected=expected, got=got, advice=advice)
+            raise InputError("directory", expected=expected, got=got, advice="another folder", cure=cure)
     for name, one in chosen.items():
         with whole_folder(Path(directory, name), overwrite=overwrite) as folder:
             _write(one, surfaces[name], folder)

@@ -26,9 +26,10 @@ def reproduce(*, out: Out, ensembles: Ensembles = _ENSEMBLES, work: Work = _WORK
         Folder of the reproduction; new, or to be continued.
     """
     work.check()
-    from asperity_research.commands import reproduce as reproducing
+    from asperity_research.commands import study as studying
+    from asperity_research.paper.reproduce import PAPER
 
-    reproducing.reproduce(out, ensembles, work)
+    studying.answer(PAPER, ["reproduce"], out, ensembles, work)
 
 
 @command()

@@ -2,11 +2,11 @@
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
+from asperity.app.cli.flags import naming
 from asperity.app.cli.new_files import FIGURE_SUFFIXES, check_new_file
 from asperity.app.cli.output import write_figure
 from asperity.base.calls import showing
@@ -14,6 +14,8 @@ from asperity.base.rows import aligned
 from asperity.base.words import counted
 from asperity.errors import InputError
 from asperity_research.challenge import NAMES, Score, problems, score, score_figure, write
+
+_FLAGS = {"problem": "--problem", "scan": "--scan", "directory": "folder", "overwrite": "--overwrite"}
 
 
 def list_problems() -> None:
@@ -36,7 +38,7 @@ def write_inputs(folder: Path, names: Sequence[str], *, scan: Path | None, overw
     if folder.exists() and not folder.is_dir():
         raise InputError("folder", expected="a folder", got=f"{folder}, which is a file")
     chosen = tuple(dict.fromkeys(names)) or NAMES
-    with _told_of_flags():
+    with naming(**_FLAGS):
         remarks = write(folder, chosen, scan=scan, overwrite=overwrite)
     lines = [f"{counted(len(chosen), 'problem')} written: {folder}", *(f"remark: {one}" for one in remarks)]
     sys.stdout.write("\n".join(lines) + "\n")
@@ -46,7 +48,7 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
     """Compare, say, and draw; `AsperityError` if it is no answer, or the figure cannot be written."""
     if out is not None:
         before = check_new_file("--out", out, FIGURE_SUFFIXES, overwrite=overwrite)
-    with _told_of_flags():
+    with naming(**_FLAGS):
         result_score = score(result, problem)
     blocks = [aligned(rows) for rows in _blocks(result_score)]
     if out is not None:
@@ -58,33 +60,10 @@ def score_file(result: Path, *, problem: str | None, out: Path | None, overwrite
 
 def _blocks(found: Score) -> Iterator[list[tuple[str, ...]]]:
     """A table for each quantity, and the verdicts."""
-    verdicts: list[tuple[str, ...]] = []
-    for one in found.quantities:
-        names = (found.problem.abscissa.heading, one.heading, "certified", "error bar", "in bars", "percent")
-        columns = (one.abscissa, one.given, one.certified, one.bar, one.in_bars, 100 * one.relative)
-        numbers = np.transpose(columns)
-        formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
-        yield [names, *(tuple(map(str.format, formats, row)) for row in numbers)]
-        x, *_, in_bars, percent = numbers[np.argmax(np.abs(one.in_bars))]
-        worst = f"worst at {x:.6g}: {in_bars:+.3g} bars, {percent:+.2g} %"
-        tolerance = f"tolerance {100 * one.column.tolerance:g} %"
-        verdicts.append((one.column.heading, one.verdict, f"{worst}; {tolerance}"))
-    verdicts += [(name, "not given", "") for name in found.missing]
-    good = sum(one.verdict != "off" for one in found.quantities)
-    total = f"{good} of {counted(len(found.problem.asked), 'quantity', 'quantities')} agree"
-    total += f" at {found.rows} of {found.asked} places"
-    yield [*verdicts, (found.problem.name, "agrees" if found.agrees else "does not agree", total)]
-
-
-@contextmanager
-def _told_of_flags() -> Iterator[None]:
-    """Name the flag in an error about an argument."""
-    try:
-        yield
-    except InputError as error:
-        flags = {"problem": "--problem", "scan": "--scan", "directory": "folder"}
-        advice = str(error.advice).replace("overwrite=True", "--overwrite")
-        if error.name == "problem" and advice:
-            advice = f"--problem {advice}"
-        name = flags.get(error.name, error.name)
-        raise InputError(name, expected=error.expected, got=error.got, advice=advice) from error
+    formats = ("{:.6g}", "{:.8g}", "{:.8g}", "{:.2g}", "{:+.2f}", "{:+.3g}")
+    table = found.table().rename(columns={"bar": "error bar", "in_bars": "in bars", "relative": "percent"})
+    for heading, part in table.assign(percent=100 * table["percent"]).groupby("quantity", sort=False):
+        numbers = part.drop(columns="quantity").rename(columns={"given": str(heading)})
+        cells = (tuple(map(str.format, formats, row)) for row in numbers.itertuples(index=False))
+        yield [tuple(map(str, numbers)), *cells]
+    yield [(row.name, str(row.value), row.note.removeprefix("; ")) for row in found.rows()]

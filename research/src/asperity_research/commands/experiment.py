@@ -11,7 +11,7 @@ from asperity.base.rows import aligned
 from asperity_research.commands.ensembles import Ensembles
 from asperity_research.commands.study import answer
 from asperity_research.experiments import load, names
-from asperity_research.experiments.comparing import comparison_of, write_verdicts
+from asperity_research.experiments.comparing import comparison_of
 from asperity_research.experiments.record import Column, Quantity
 
 _WIDTHS = 24, 24, 10, 12, 12, 34
@@ -57,6 +57,4 @@ def compare(
     """Run what is missing, compare, and write the report; or say what that takes; as for a study."""
     words = ["experiment", name, *(word for scan in scans for word in ("--surface", str(scan)))]
     words += [] if record is None else ["--record", str(record)]
-    done = answer(comparison_of(name, scans, record), words, out, ensembles, work)
-    if done is not None:
-        write_verdicts(out, done)
+    answer(comparison_of(name, scans, record), words, out, ensembles, work)

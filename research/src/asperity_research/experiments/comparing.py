@@ -5,16 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from asperity import surfaces
 from asperity.errors import InputError
 from asperity_research import doors, studies
 from asperity_research.experiments import fracture_2018, p655, pmma_2018, printed_2017, ptfe_2009
-from asperity_research.experiments.record import names
-from asperity_research.studies.report import row, write_table
-from asperity_research.studies.study import Concluded, Study
-from asperity_research.studies.typeset import plain
+from asperity_research.studies.evidence import Evidence
+from asperity_research.studies.ledger import Outcome
+from asperity_research.studies.report import About, write_table
+from asperity_research.studies.study import Concluded, Study, write_page
 
 _ALL = (
     fracture_2018.FRACTURE_2018,
@@ -33,10 +32,20 @@ _ON_SCANS = {"pmma-2018": pmma_2018.campaigns, "printed-2017": printed_2017.camp
 def comparison_of(name: str, scans: Sequence[Path] = (), record: Path | None = None) -> Study:
     """Return the study beside an experiment, on scans if there are any in place of surfaces that are made.
 
-    `InputError` if there is none, it has surfaces of its own, or a scan cannot be read or has no unit; or its
-    record is not there.
+    Its folder has ``verdicts.csv``, too: a row a number, with its interval, the range that is claimed, and
+    verdict. `InputError` if there is none, it has surfaces of its own, or a scan cannot be read or has no
+    unit; or its record is not there.
     """
-    doors.named("experiment", name, dict.fromkeys(names()))
+    return replace(_study_of(name, scans, record), report=_with_verdicts)
+
+
+def _with_verdicts(study: Study, folder: Path, evidence: Evidence, outcome: Outcome, about: About) -> Path:
+    page = write_page(study, folder, evidence, outcome, about)
+    write_table(folder, "verdicts", outcome.verdicts())
+    return page
+
+
+def _study_of(name: str, scans: Sequence[Path], record: Path | None) -> Study:
     study = doors.named("experiment", name, COMPARISONS)
     if name == p655.P655.name and not scans:
         return p655.of_record(record)
@@ -98,16 +107,4 @@ def run(
     """
     path = None if record is None else Path(record)
     study = comparison_of(name, [Path(scan) for scan in scans], path)
-    done = studies.run(study, directory, quick=quick, seed=seed, workers=workers, command=__name__)
-    write_verdicts(Path(directory), done)
-    return done
-
-
-def write_verdicts(folder: Path, done: Concluded) -> None:
-    """Write ``verdicts.csv``: a row a number, with its interval, the range that is claimed, and verdict."""
-    rows = [
-        {"claim": plain(finding.claim), **row(one, "expected"), "verdict": one.verdict.value}
-        for finding in done.outcome.findings
-        for one in finding.measured
-    ]
-    write_table(folder, "verdicts", pd.DataFrame(rows))
+    return studies.run(study, directory, quick=quick, seed=seed, workers=workers, command=__name__)

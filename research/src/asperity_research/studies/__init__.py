@@ -11,7 +11,7 @@ from asperity_research.studies.patch_sizes import PATCH_SIZES
 from asperity_research.studies.pmma import PMMA
 from asperity_research.studies.release import RELEASE
 from asperity_research.studies.slide_hold_slide import SLIDE_HOLD_SLIDE
-from asperity_research.studies.study import Concluded, Outcome, Study, conclude
+from asperity_research.studies.study import Concluded, Inquiry, Outcome, Study, conclude
 from asperity_research.studies.unloading import UNLOADING
 
 _ALL = (UNLOADING, LOGARITHM, GROWTH_RATE, RELEASE, SLIDE_HOLD_SLIDE, PATCH_SIZES, ACTIVATED_CREEP, PMMA)
@@ -25,7 +25,7 @@ def named(name: str) -> Study:
 
 
 def run(
-    study: Study | str,
+    study: Inquiry | str,
     directory: str | Path,
     *,
     quick: bool = False,
@@ -38,7 +38,7 @@ def run(
     Parameters
     ----------
     study
-        A study or its name, such as ``"unloading"``.
+        A study or its name, such as ``"unloading"``; or `asperity_research.paper.reproduce.PAPER`.
     directory
         Its folder; made, or gone on with.
     quick
@@ -56,7 +56,7 @@ def run(
         There is no such study; or as `asperity_research.studies.campaigns.prepared_in`, `run_campaigns` and
         `conclude`.
     """
-    chosen = study if isinstance(study, Study) else named(study)
+    chosen = study if isinstance(study, Inquiry) else named(study)
     with chosen.prepared_in(directory, quick=quick, seed=seed) as prepared:
         run_campaigns(prepared, workers=workers)
         return conclude(chosen, directory, prepared, quick=quick, command=command, seed=seed)

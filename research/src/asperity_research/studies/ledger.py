@@ -5,14 +5,19 @@ computed from the simulations with a 95 % interval, and the two are compared: in
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.stats import binomtest
 
+from asperity.base.rows import Row
 from asperity.fits import Estimate
+from asperity_research.studies.typeset import interval, plain
 
 MOST_SEEDS = 1000  # Seeds beyond which more seeds are no advice: the number lies on the edge of its range
 
@@ -68,6 +73,11 @@ class Measurement:
             return "a number lies on the end of its range, where no ensemble decides"
         return f"about {seeds} seeds in place of {measured.runs}"
 
+    def columns(self, ends: str = "range") -> dict[str, object]:
+        """The number, its interval, and the ends of the range that bears a claim out, in full precision."""
+        of_interval = {end: float(getattr(self.estimate, end)) for end in ("value", "low", "high")}
+        return {"what": plain(self.what), **of_interval, f"{ends}_low": self.low, f"{ends}_high": self.high}
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -107,6 +117,56 @@ class Finding:
         """Whether it differs as it stands, and its correction is what is undecided."""
         return self.verdict is Verdict.UNDECIDED and together(self.measured) is Verdict.DIFFERS
 
+    def rows(self) -> list[Row]:
+        """The verdict with the claim, and each number as it stands, in plain text."""
+        numbers = [Row(plain(one.what), plain(str(interval(one.estimate)))) for one in self.measured]
+        return [Row(self.verdict.value, plain(self.claim)), *numbers]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What was found; and the numbers behind the figure, by name, one row a point."""
+
+    findings: tuple[Finding, ...]
+    tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
+
+    def rows(self) -> list[Row]:
+        """Those of all findings."""
+        return [row for finding in self.findings for row in finding.rows()]
+
+    def tally(self) -> list[Row]:
+        """How many claims there are, and how many have each verdict."""
+        counts = Counter(finding.verdict for finding in self.findings)
+        return [Row("claims", str(counts.total())), *(Row(one.value, str(counts[one])) for one in Verdict)]
+
+    def table(self) -> pd.DataFrame:
+        """The ledger, with one row a measurement."""
+        return pd.DataFrame(
+            {
+                "key": finding.key,
+                "place": plain(finding.place),
+                "claim": plain(finding.claim),
+                "verdict": finding.verdict.value,
+                "judged": judged,
+                **one.columns(),
+                "runs": one.estimate.runs,
+                "correction": plain(finding.correction),
+                "note": plain(finding.note),
+                "needs": finding.needs,
+            }
+            for finding in self.findings
+            for judged, part in (("as it stands", finding.measured), ("corrected", finding.corrected))
+            for one in part
+        )
+
+    def verdicts(self) -> pd.DataFrame:
+        """Of each number as it stands: the claim, interval, expected range, and verdict."""
+        return pd.DataFrame(
+            {"claim": plain(finding.claim), **one.columns("expected"), "verdict": one.verdict.value}
+            for finding in self.findings
+            for one in finding.measured
+        )
+
 
 def together(measured: Sequence[Measurement]) -> Verdict:
     """All must agree; one that differs decides; otherwise it is open."""
@@ -130,7 +190,5 @@ def proportion(count: int, runs: int) -> Estimate:
 
 def estimate(value: float, stderr: float, low: float, high: float, runs: int) -> Estimate:
     """Return an estimate of these numbers."""
-    central, error, least, most = (
-        np.asarray(one, dtype=np.float64)[()] for one in (value, stderr, low, high)
-    )
-    return Estimate(central, error, least, most, runs)
+    number: Any = np.float64
+    return Estimate(number(value), number(stderr), number(low), number(high), runs)

@@ -3,7 +3,7 @@
 import datetime
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -21,7 +21,7 @@ from asperity.errors import OutputError
 from asperity.results import whole_file
 from asperity_research.studies.campaigns import Campaign, Prepared, finished
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, Measurement, Verdict
+from asperity_research.studies.ledger import Finding, Outcome, Verdict
 from asperity_research.studies.typeset import bounds, interval, number, plain, rich
 
 
@@ -56,7 +56,8 @@ class Simulated:
 class About:
     """Where a report comes from: effort, command, what was simulated, version and date.
 
-    Seconds of all runs together, and from the last start of the command to its end; NaN where unknown.
+    Seconds of all runs together, and from the last start of the command to its end; NaN where unknown. The
+    seed is the first of every ensemble.
     """
 
     effort: str
@@ -66,6 +67,7 @@ class About:
     wall_seconds: float = math.nan
     version: str = asp.__version__
     date: datetime.date = field(default_factory=lambda: datetime.datetime.now(datetime.UTC).date())
+    seed: int = 0
 
     @classmethod
     def of(
@@ -100,7 +102,7 @@ def write_report(
     The pages come after all that they link to: where they stand, it is there. ``spelled`` makes HTML of a
     text. `OutputError` if the disk refused; every file that stands is whole.
     """
-    write_table(folder, "ledger", _ledger_table(findings))
+    write_table(folder, "ledger", Outcome(tuple(findings)).table())
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader(package, "templates"),
         autoescape=jinja2.select_autoescape(),
@@ -158,33 +160,6 @@ def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
 def file_name(name: str) -> str:
     """Return a name with a hyphen for whatever is no letter, digit or underscore."""
     return re.sub(r"[^A-Za-z0-9_]+", "-", name).strip("-")
-
-
-def _ledger_table(findings: Iterable[Finding]) -> pd.DataFrame:
-    """Return the ledger with one row a measurement, in plain text and full precision."""
-    return pd.DataFrame(
-        {
-            "key": finding.key,
-            "place": plain(finding.place),
-            "claim": plain(finding.claim),
-            "verdict": finding.verdict.value,
-            "judged": judged,
-            **row(one),
-            "runs": one.estimate.runs,
-            "correction": plain(finding.correction),
-            "note": plain(finding.note),
-            "needs": finding.needs,
-        }
-        for finding in findings
-        for judged, part in (("as it stands", finding.measured), ("corrected", finding.corrected))
-        for one in part
-    )
-
-
-def row(one: Measurement, ends: str = "range") -> dict[str, object]:
-    """Return a number, its interval, and the ends of the range that bears a claim out, as columns."""
-    interval = {end: float(getattr(one.estimate, end)) for end in ("value", "low", "high")}
-    return {"what": plain(one.what), **interval, f"{ends}_low": one.low, f"{ends}_high": one.high}
 
 
 def _brief(name: str, value: object) -> Markup:

@@ -5,6 +5,7 @@ Its words stand in a text file beside its module. The report lies in its folder,
     report.md  ledger.csv  figure.svg .pdf .png  data/TABLE.csv  origin.toml  NAME/CAMPAIGN/campaign.toml
 """
 
+import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -23,8 +24,10 @@ from asperity.base.checks import instance
 from asperity.fits import Estimate
 from asperity_research.studies.campaigns import Campaign, Home, Prepared, Solid
 from asperity_research.studies.evidence import Evidence
-from asperity_research.studies.ledger import Finding, Measurement
+from asperity_research.studies.ledger import Finding, Measurement, Outcome
 from asperity_research.studies.report import About, write_drawing, write_report, write_table, write_text
+
+__all__ = ["Concluded", "Inquiry", "Outcome", "Study", "Words", "conclude", "write_page"]
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class Words:
     Solids have the fields of `Solid`.
     """
 
-    study: Mapping[str, str]
+    study: Mapping[str, Any]
     axes: Sequence[Mapping[str, Mapping[str, Any]]]
     solids: Mapping[str, Solid]
     claims: Mapping[str, Mapping[str, Any]]
@@ -77,16 +80,79 @@ class Words:
         return Finding(key, words["place"], *sentences, note=note.format(**facts))
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What a study found; and the numbers behind the figure, by name, one row a point."""
-
-    findings: tuple[Finding, ...]
-    tables: Mapping[str, pd.DataFrame]
+Report = Callable[[Any, Path, Evidence, Outcome, About], Path]  # Writes; returns the page to read
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, kw_only=True)
+class Inquiry:
+    """Campaigns, and what is concluded from them: a study, a comparison, or the reproduction of the paper.
+
+    Attributes
+    ----------
+    name
+        What it is called; also the folder of its campaigns.
+    quick, full
+        The campaigns; the full ones hold the runs of the quick ones where that can be.
+    analyse
+        Computes the outcome from the finished campaigns.
+    report
+        Writes what was found.
+    owner
+        Whose folder it is, such as ``"a reproduction"``. [default: the study of the name]
+    takes
+        How long `analyse` takes, if longer than seconds.
+    brief
+        Whether the command counts the verdicts in place of saying each.
+    """
+
+    name: str
+    quick: tuple[Campaign, ...]
+    full: tuple[Campaign, ...]
+    analyse: Callable[[Evidence], Outcome]
+    report: Report
+    owner: str = ""
+    takes: str = ""
+    brief: bool = False
+
+    @property
+    def home(self) -> Home:
+        """Whose folder it writes to."""
+        return Home(self.owner or f"the study {self.name}", self.name)
+
+    def prepared_in(
+        self, directory: str | Path, *, quick: bool = False, seed: int = 0
+    ) -> AbstractContextManager[tuple[Prepared, ...]]:
+        """Write the campaign files; see `asperity_research.studies.campaigns.prepared_in`."""
+        return campaigns.prepared_in(directory, self.quick if quick else self.full, self.home, seed=seed)
+
+
+def write_page(study: "Study", folder: Path, _: Evidence, outcome: Outcome, about: About) -> Path:
+    """Write report, ledger, tables, origin and figure, as at the head of this module; return the report.
+
+    `OutputError` if the disk refused.
+    """
+    for name, table in outcome.tables.items():
+        write_table(folder / "data", name, table)
+    origin = {
+        "study": study.name,
+        "effort": about.effort,
+        "command": about.command,
+        "version": about.version,
+        "date": about.date.isoformat(),
+        "first_seed": about.seed,
+        "runs": about.runs,
+        "cpu_seconds": round(about.run_seconds),
+    }
+    write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
+    facts: dict[str, Any] = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
+    page = write_report(folder, "asperity_research.studies", ["report.md"], outcome.findings, **facts)
+    with showing("the figure"):
+        write_drawing(folder, "figure", study.draw(outcome.tables))
+    return page
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(Inquiry):
     """A question, one sentence, and what answers it.
 
     Attributes
@@ -95,36 +161,15 @@ class Study:
         What the figure shows; plain text with the tags i, sub and sup of HTML.
     page
         Page of the documentation that says what follows.
-    quick, full
-        The campaigns; the full ones hold the runs of the quick ones where that can be.
-    analyse
-        Computes the outcome from the finished campaigns.
     draw
         Draws the figure of the tables of the outcome.
-    takes
-        How long `analyse` takes, if longer than seconds.
     """
 
-    name: str
     question: str
     caption: str
     page: str
-    quick: tuple[Campaign, ...]
-    full: tuple[Campaign, ...]
-    analyse: Callable[[Evidence], Outcome]
     draw: Callable[[Mapping[str, pd.DataFrame]], Figure]
-    takes: str = ""
-
-    @property
-    def home(self) -> Home:
-        """Whose folder it writes to."""
-        return Home(f"the study {self.name}", self.name)
-
-    def prepared_in(
-        self, directory: str | Path, *, quick: bool = False, seed: int = 0
-    ) -> AbstractContextManager[tuple[Prepared, ...]]:
-        """Write the campaign files; see `asperity_research.studies.campaigns.prepared_in`."""
-        return campaigns.prepared_in(directory, self.quick if quick else self.full, self.home, seed=seed)
+    report: Report = write_page
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,39 +181,24 @@ class Concluded:
 
 
 def conclude(
-    study: Study,
+    study: Inquiry,
     directory: str | Path,
     prepared: Sequence[Prepared],
     *,
     quick: bool,
     command: str,
     seed: int = 0,
+    seconds: float = math.nan,
 ) -> Concluded:
     """Compute the numbers, judge, draw, and write the report, from campaigns that are finished.
 
-    The command and the first seed are for the report. `InputError` for anything but a study; `AsperityError`
-    if a campaign is not finished, or the disk refused. An earlier report stays.
+    Command, first seed and the seconds that it took are for the report. `InputError` for anything but a
+    study; `AsperityError` if a campaign is not finished, or the disk refused. An earlier report stays.
     """
-    instance("study", study, Study, 'asperity.studies.named("unloading")')
+    instance("study", study, Inquiry, 'asperity.studies.named("unloading")')
     folder = Path(directory)
     evidence = Evidence(folder / study.home.inside)
-    about = About.of(evidence, prepared, "quick" if quick else "full", command)
+    effort = "quick" if quick else "full"
+    about = About.of(evidence, prepared, effort, command, wall_seconds=seconds, seed=seed)
     outcome = study.analyse(evidence)
-    for name, table in outcome.tables.items():
-        write_table(folder / "data", name, table)
-    origin = {
-        "study": study.name,
-        "effort": about.effort,
-        "command": command,
-        "version": about.version,
-        "date": about.date.isoformat(),
-        "first_seed": seed,
-        "runs": about.runs,
-        "cpu_seconds": round(about.run_seconds),
-    }
-    write_text(folder / "origin.toml", tomli_w.dumps({"origin": origin}))
-    facts: dict[str, Any] = {"study": study, "origin": origin, "tables": outcome.tables, "about": about}
-    page = write_report(folder, "asperity_research.studies", ["report.md"], outcome.findings, **facts)
-    with showing("the figure"):
-        write_drawing(folder, "figure", study.draw(outcome.tables))
-    return Concluded(page, outcome)
+    return Concluded(study.report(study, folder, evidence, outcome, about), outcome)

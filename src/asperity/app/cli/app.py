@@ -160,7 +160,10 @@ def _usage(error: CycloptsError) -> str:
         commands = sorted(name for name in app if not name.startswith("-"))
         word = (error.unused_tokens or [""])[0]
         if word in _OF_RESEARCH:
-            return f"asperity {word} comes with asperity-research; try pip install asperity-research"
+            from asperity.base.checks import installed_from
+
+            source = installed_from("asperity-research")
+            return f"asperity {word} comes with asperity-research; try pip install {source}"
         text = f"unknown command {word}{_meant(word, commands)}; there are {', '.join(commands)}"
     elif error.unused_tokens and "Unused Tokens" in text:
         text = f"too many arguments: {' '.join(error.unused_tokens)}"

@@ -1,11 +1,11 @@
 """The command ``asperity``, to which modules add their commands.
 
 Another distribution adds some by an entry point in the group ``asperity.commands``: a module that, when it is
-imported, gives its functions to `command`. Such a module may also take `flags.Out`, `Switch` and `Whole`;
-`options.Work` and `flags_of_fields`; `campaign.tally_shown`, `output.write_figure`;
+imported, gives its functions to `command`. Such a module may also take `flags.Out`, `Switch`, `Whole` and
+`naming`; `options.Work` and `flags_of_fields`; `campaign.tally_shown`, `output.write_figure`;
 `new_files.check_new_file` and `FIGURE_SUFFIXES`; `asperity.app.config.RunConfig` and `config_from`; of
-`asperity.base.words` `counted`, `data_size`, `duration`, `power` and `thousands`; and
-`asperity.base.rows.aligned`, `asperity.base.checks.instance` and `asperity.base.calls.showing`. These
+`asperity.base.words` `counted`, `data_size`, `duration`, `power` and `thousands`; of `asperity.base.rows`
+`Row`, `aligned` and `words_of`; and `asperity.base.checks.instance` and `asperity.base.calls.showing`. These
 names stay.
 """
 

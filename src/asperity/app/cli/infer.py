@@ -93,7 +93,7 @@ def infer(
     replaceable = check_free(out, overwrite=results.overwrite)
     from asperity.app.cli.computing import compute_into
     from asperity.app.cli.reports.infer import write_inference
-    from asperity.app.config.reading import read_tables
+    from asperity.ask.files import read_tables
     from asperity.base import checks
     from asperity.base.machine import cores
     from asperity.base.rows import Row

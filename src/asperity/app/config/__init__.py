@@ -5,10 +5,10 @@ from asperity.app.config.reading import (
     file_surface,
     from_tables,
     read_config,
-    read_tables,
     to_tables,
     to_toml,
 )
+from asperity.ask.files import read_tables
 from asperity.ask.run import RunConfig
 from asperity.ask.surface import MeasuredSurface
 

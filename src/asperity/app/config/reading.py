@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import re
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from asperity.app.config.keys import QUESTIONS
 from asperity.app.config.mistakes import Door, Names, Sections
+from asperity.ask.files import read_tables
 from asperity.ask.laws import ACTIVATION, KEYS_OF_LAWS, OF_LAWS
-from asperity.ask.run import FILES, RunConfig
+from asperity.ask.question import Question
+from asperity.ask.run import RunConfig
 from asperity.ask.section import KINDS, Section, SectionError, read_keys, unknown_key
 from asperity.ask.surface import MeasuredSurface
 from asperity.base.checks import shown
-from asperity.base.files import content_of, expanded
 from asperity.base.words import tables_to_toml
-from asperity.errors import ConfigError, InputError
+from asperity.errors import InputError
 
 _WAYS: tuple[tuple[str, tuple[set[str], ...]], ...] = (
     ("contact", ({"load"}, {"pressure"}, {"separation"})),
@@ -56,20 +56,7 @@ def config_at(door: Door, tables: dict[str, Any] | None = None) -> RunConfig:
 
     A relative path in the file is relative to it. `ConfigError` with one line for each mistake.
     """
-    if tables is None:
-        tables = {} if door.file is None else read_tables(door.file)
-    merged, mistakes = _merged(tables, door.flags), list[InputError]()
-    for name, (what, advice) in _OF_OTHERS.items():
-        if merged.pop(name, None) is not None:
-            said = f"makes this the file of a {what}, not of a run"
-            mistakes.append(InputError(name, said=said, advice=advice, path=(name,)))
-    try:
-        config = RunConfig.read(merged)
-    except SectionError as error:
-        mistakes += error.mistakes
-    if mistakes:
-        raise door.refused(mistakes)
-    return config
+    return _read(door, tables, "")[0]
 
 
 def asked_at(door: Door, question: str) -> tuple[RunConfig, dict[str, Any]]:
@@ -77,19 +64,43 @@ def asked_at(door: Door, question: str) -> tuple[RunConfig, dict[str, Any]]:
 
     These stand in a section of its name. `ConfigError` as above.
     """
-    tables = {} if door.file is None else read_tables(door.file)
-    table, placed = tables.pop(question, {}), QUESTIONS[question].placed
-    own = {**table, **door.flags.get(question, {})} if isinstance(table, dict) else table
-    config = config_at(door, tables)
-    keys = {name: key for name, key in QUESTIONS[question].own().items() if name not in placed}
+    return _read(door, None, question)
+
+
+def _read(door: Door, tables: dict[str, Any] | None, question: str) -> tuple[RunConfig, dict[str, Any]]:
+    if tables is None:
+        tables = {} if door.file is None else read_tables(door.file)
+    merged, mistakes, own = _merged(tables, door.flags), list[InputError](), dict[str, Any]()
+    for name, (what, advice) in _OF_OTHERS.items():
+        if name != question and merged.pop(name, None) is not None:
+            said = f"makes this the file of a {what}, not of a run"
+            mistakes.append(InputError(name, said=said, advice=advice, path=(name,)))
+    with _gathered(mistakes):
+        own = _own(question, merged.pop(question, {}))
+    with _gathered(mistakes):
+        config = RunConfig.read(merged)
+    if mistakes:
+        raise door.refused(mistakes)
+    return config, own
+
+
+def _own(question: str, table: object) -> dict[str, Any]:
+    """Values of the keys of a question that no section has; `SectionError` with every mistake."""
+    if not isinstance(table, dict):
+        expected = f"a section [{question}]"
+        raise SectionError([InputError(question, expected=expected, got=shown(table), path=(question,))])
+    asked = QUESTIONS.get(question, Question)
+    keys = {name: key for name, key in asked.own().items() if name not in asked.placed}
+    read = read_keys(keys, table, (question,), unknown=lambda key: unknown_key(key, keys, (question, key)))
+    return {name: read[name] for name in table}
+
+
+@contextmanager
+def _gathered(mistakes: list[InputError]) -> Iterator[None]:
     try:
-        if not isinstance(own, dict):
-            expected = f"a section [{question}]"
-            raise SectionError([InputError(question, expected=expected, got=shown(own), path=(question,))])
-        read = read_keys(keys, own, (question,), unknown=lambda key: unknown_key(key, keys, (question, key)))
+        yield
     except SectionError as error:
-        raise door.refused(error.mistakes) from None
-    return config, {name: read[name] for name in own}
+        mistakes += error.mistakes
 
 
 def file_surface(path: Path, flags: dict[str, object]) -> MeasuredSurface:
@@ -124,39 +135,9 @@ def to_toml(config: RunConfig) -> str:
     return tables_to_toml(to_tables(config))
 
 
-def read_tables(path: str | Path) -> dict[str, Any]:
-    """Read the tables of a TOML file; a relative path of a surface becomes relative to the file.
-
-    `ConfigError` if it cannot be read, or is no TOML.
-    """
-    path, text = expanded(path), ""
-    try:
-        text = content_of(path).decode("utf-8-sig")  # editors on Windows write a mark before the first letter
-        tables = tomllib.loads(text)
-    except InputError:
-        raise
-    except UnicodeDecodeError:
-        hint = "; for a surface, try --file"
-        raise ConfigError([f"{path}: not a TOML file: not text in UTF-8{hint}"]) from None
-    except (ValueError, RecursionError) as error:  # TOML's own, or a name with NUL
-        clear = isinstance(error, tomllib.TOMLDecodeError) or "null" in str(error)
-        reason = str(error) if clear else "too many digits, or brackets within each other"
-        hint = r"; a path with \ needs single quotes: 'C:\scan.npy'" if re.search(r'"[^"\n]*\\', text) else ""
-        raise ConfigError([f"{path}: not a TOML file: {reason}{hint}"]) from None
-    except OSError as error:
-        raise ConfigError([f"{path}: {error.strerror}"]) from None
-    for section, key in (*FILES.items(), ("protocol", "file")):
-        table = tables.get(section)
-        if isinstance(table, dict) and isinstance(table.get(key), str):
-            table[key] = str(path.parent / expanded(table[key]))
-    return tables
-
-
 def _merged(tables: dict[str, Any], flags: Sections) -> dict[str, Any]:
     merged = {name: dict(table) if isinstance(table, dict) else table for name, table in tables.items()}
     for section, keys in flags.items():
-        if section in QUESTIONS:
-            continue
         if section == "protocol":
             of_file = merged.get(section)
             merged[section] = keys.get("legs") or {**(of_file if isinstance(of_file, dict) else {}), **keys}

@@ -148,7 +148,7 @@ def check_units(config: RunConfig, solid: Solid, rough: Surface) -> None:
     """Refuse numbers with units beside a surface or a solid without; and a measured area in other units."""
     si = solid.in_lengths and rough.has_lengths
     if config.output.measured is not None:
-        measured_area(config.output.measured, si=si)
+        measured_area(config.output.measured, 1.0, si=si)
     if si:
         return
     if (text := next(written_with_units(config.tables), None)) is not None:
